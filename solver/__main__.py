@@ -1,0 +1,209 @@
+"""The command line: `python -m solver run` computes one experiment; see `--help`."""
+
+import argparse
+import csv
+import json
+import os
+import sys
+from collections import deque
+from dataclasses import asdict, fields, replace
+from math import isfinite, nan
+from time import perf_counter
+
+import numpy as np
+
+from . import LIMITS, METHODS, NotConverged, Scene, SceneError, __version__, load_path, scene_from_text, summarize
+from .progress import Progress
+
+COLUMNS = ("U_x", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
+# Small, and yet it sticks, slips and sticks again: compiles every kernel before the clock starts.
+WARM_UP = Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0)
+NO_FIELD = np.empty((2, 0))
+NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
+
+
+class InputError(ValueError):
+    """Bad input on the command line; the message is one line that names it and says what is allowed."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Reports an error in one line, without the usage text."""
+
+    def error(self, message):
+        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+
+
+def main(argv=None):
+    """Runs the subcommand named in `argv` and returns the exit code."""
+    parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for add in (add_run,):
+        add(commands)
+    arguments = parser.parse_args(argv)
+    try:
+        return arguments.command(arguments)
+    except (InputError, SceneError) as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+
+
+def add_run(commands):
+    """Adds `run` to the subcommands."""
+    parser = commands.add_parser(
+        "run",
+        help="compute one experiment",
+        description="Approach, then shear: computes one experiment and prints a summary.",
+        epilog=parameter_table(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="parameters, listed below"
+    )
+    parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
+    parser.add_argument("--csv", metavar="FILE", help="write the curves, a row per shear increment")
+    parser.add_argument("--npz", metavar="FILE", help="write the curves and the fields of every shear increment")
+    parser.add_argument("--json", metavar="FILE", help="write scene, version, method and summary")
+    parser.set_defaults(command=run)
+
+
+def parameter_table():
+    """Every parameter with its range, default, unit and meaning, as text."""
+    lines = ["parameters:", "  surface     circular | flat, default circular"]
+    for name, (low, high, unit, meaning) in LIMITS.items():
+        default = next(f.default for f in fields(Scene) if f.name == name)
+        lines.append(f"  {name:<11} {low:g} .. {high:g} {unit}, default {default:g}: {meaning}")
+    return "\n".join(lines)
+
+
+def run(arguments):
+    """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
+    scene = scene_from_text(settings(arguments.set))
+    outputs = [file for file in (arguments.csv, arguments.npz, arguments.json) if file is not None]
+    for file in outputs:
+        check_writable(file)
+    deque(load_path(WARM_UP, method=arguments.method), maxlen=0)
+    start = perf_counter()
+    frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
+    seconds = perf_counter() - start
+    report = {"version": __version__, "method": arguments.method, "scene": asdict(scene)}
+    report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure}
+    shear = [frame for frame in frames if frame.stage == "shear"]
+    try:
+        if arguments.csv is not None:
+            write_csv(arguments.csv, shear)
+        if arguments.npz is not None:
+            write_npz(arguments.npz, scene, shear)
+        if arguments.json is not None:
+            write_json(arguments.json, report)
+    except OSError as error:
+        raise InputError(f"{error.filename or outputs}: not written, {error.strerror}") from None
+    print(described(report, len(frames)))
+    if failure is not None:
+        print(failure, file=sys.stderr)
+    return code
+
+
+def settings(pairs):
+    """{'name': 'text'} from NAME=VALUE arguments; raises InputError."""
+    texts = {}
+    for pair in pairs:
+        name, equals, text = pair.partition("=")
+        if not equals:
+            names = ", ".join(f.name for f in fields(Scene))
+            raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {names}")
+        texts[name.strip()] = text.strip()
+    return texts
+
+
+def check_writable(file):
+    """Raises InputError where `file` cannot be written; leaves what is there as it is."""
+    new = not os.path.lexists(file)
+    try:
+        with open(file, "ab"):
+            pass
+    except OSError as error:
+        raise InputError(f"{file}: cannot be written, {error.strerror}; name a file in an existing directory") from None
+    if new:
+        os.remove(file)
+
+
+def compute(scene, method, fields_too):
+    """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
+    frames = []
+    try:
+        with Progress(scene.approach_increments + scene.shear_increments + 2) as progress:
+            for frame in load_path(scene, method=method):
+                frames.append(frame if fields_too else replace(frame, u=NO_FIELD, T=NO_FIELD))
+                progress(len(frames))
+    except NotConverged as error:
+        return frames, str(error), NOT_CONVERGED
+    except KeyboardInterrupt:
+        place = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
+        return frames, f"Interrupted {place}; run again to finish", INTERRUPTED
+    return frames, None, 0
+
+
+def write_csv(file, frames):
+    """A row per frame, numbers in full precision."""
+    with open(file, "w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows([number(getattr(frame, name)) for name in COLUMNS] for frame in frames)
+
+
+def number(value):
+    """A plain int or float, whose text is exact; booleans become 0 and 1."""
+    return float(value) if isinstance(value, (float, np.floating)) else int(value)
+
+
+def write_npz(file, scene, frames):
+    """Curves (frames,), x (m,) nm, u and T (frames, 2, m); nodes outside a frame's own patch hold nan and 0."""
+    first = min((frame.first for frame in frames), default=0)
+    last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
+    u = np.full((len(frames), 2, last - first), nan)
+    T = np.zeros_like(u)
+    for k, frame in enumerate(frames):
+        patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
+        u[k, :, patch], T[k, :, patch] = frame.u, frame.T
+    curves = {name: np.array([number(getattr(frame, name)) for frame in frames]) for name in COLUMNS}
+    with open(file, "wb") as out:  # an open file, or NumPy would append .npz to the name that was asked for
+        np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
+
+
+def write_json(file, report):
+    """Strict JSON: what is not a number becomes null."""
+    with open(file, "w", encoding="utf-8") as out:
+        json.dump(plain(report), out, indent=2, allow_nan=False)
+        out.write("\n")
+
+
+def plain(value):
+    """The same in types JSON knows."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def described(report, increments):
+    """The summary in a few lines for people."""
+
+    def shown(name, unit=""):
+        value = report.get(name)
+        return f"{name} = " + ("none" if value is None or value != value else f"{value:.6g}{unit}")
+
+    slips = report.get("slips", 0)
+    first = f"first at {shown('U_s', ' nm')}: {shown('F_s')}, {shown('A_s')}" if slips else "the contact sticks"
+    state = "converged" if report["converged"] else "NOT converged"
+    return (
+        f"{report['method']}: {increments} increments {state}, {report.get('evaluations', 0)} evaluations,"
+        f" {report['seconds']:.3g} s\n{shown('A_0')}\n{slips} slips; {first}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

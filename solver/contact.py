@@ -1,0 +1,98 @@
+"""The discretised contact: the residual U + C T(u) - u on the patch of nodes that can interact."""
+
+import numpy as np
+from numba import njit
+
+from . import np1
+from .layer import Compliance
+
+MARGIN = 1e-3  # of delta_n, by which a node must cross the edge of the window to be let in or out
+EDGE = 2  # nodes at each end of a patch that must stay inactive
+
+
+class Contact:
+    """One scene on `size` neighbouring nodes from node `first` on; counts its force evaluations.
+
+    Nodes outside the patch carry no traction; where they are follows from the patch (`loadpath.whole_surface`).
+    Buffers belong to this object: not for use by two threads.
+    """
+
+    def __init__(self, scene, first, size):
+        self.scene, self.first, self.size = scene, first, size
+        self.profile = np.ascontiguousarray(scene.profile[first : first + size])
+        self.window = scene.window_n * scene.delta_n
+        self.law = np1.law_constants(scene)
+        self.product = Compliance(scene, size)
+        self.evaluations = 0
+
+    def residual(self, u, active, load, out):
+        """Fill out (2, size) with U + C T(u) - u, nm, at load (U_x, U_z); returns its largest magnitude."""
+        self.evaluations += 1
+        np1.tractions(u, self.profile, active, self.law, self.product.traction)
+        self.product.apply()
+        return _residual(u, self.product.displacement, load[0], load[1], out)
+
+    def traction(self):
+        """Traction of the last evaluation, GPa, (2, size); a copy."""
+        return self.product.traction.copy()
+
+    def within_window(self, u):
+        """Nodes whose gap lies within the interaction window, bool (size,)."""
+        return self.profile + u[1] <= self.window
+
+    def admitted(self, u, active, settled=None):
+        """`active` itself, or a new set if nodes crossed the edge of the window by more than MARGIN.
+
+        settled (bool (size,), optional): nodes that must stay as they are.
+        """
+        edge = self.profile + u[1] - self.window
+        margin = MARGIN * self.scene.delta_n
+        changed = np.where(active, edge > margin, edge < -margin)
+        if settled is not None:
+            changed &= ~settled
+        return active ^ changed if changed.any() else active
+
+    def settle(self, solve, u, active):
+        """The active set with which solve(active) -> bool leaves u consistent; None if solve fails.
+
+        Nodes that crossed the edge of the window are let in or out and the solve repeated; each node may change once,
+        so that this ends (where one node's entry pushes it out again, no set is consistent; it costs 4.5e-4 phi_n/delta_n).
+        """
+        settled = np.zeros(self.size, bool)
+        while True:
+            if not solve(active):
+                return None
+            again = self.admitted(u, active, settled)
+            if again is active:
+                return active
+            settled |= again != active
+            active = again
+
+    def crowded(self, active):
+        """Whether an active node stands at the end of the patch, so that its neighbours outside may act as well."""
+        return self.size < self.scene.nodes and bool(active[:EDGE].any() or active[-EDGE:].any())
+
+
+def patch(scene, bulge):
+    """(first, size): nodes that come within the window at the deepest indentation, plus a gap of `bulge` delta_n."""
+    near = np.flatnonzero(scene.profile - scene.delta <= (scene.window_n + bulge) * scene.delta_n)
+    if near.size == 0:
+        return scene.nodes // 2, 1
+    return int(near[0]), int(near[-1] - near[0] + 1)
+
+
+def wider(scene, first, size):
+    """(first, size) of a patch half as wide again; the whole cell once that is reached."""
+    more = max(16, size // 4)
+    low, high = first - more, first + size + more
+    return (0, scene.nodes) if low < 0 or high > scene.nodes else (low, high - low)
+
+
+@njit(cache=True, nogil=True)
+def _residual(u, g, load_x, load_z, out):
+    largest = 0.0
+    for i in range(u.shape[1]):
+        out[0, i] = load_x + g[0, i] - u[0, i]
+        out[1, i] = load_z + g[1, i] - u[1, i]
+        largest = max(largest, abs(out[0, i]), abs(out[1, i]))
+    return largest

@@ -1,0 +1,130 @@
+"""The fast method: secant steps on a stable branch, the overdamped flow where the branch ends.
+
+On a branch, an increment starts from the extrapolation of those before and takes a few accelerated fixed-point steps
+(`secants`). Where that fails or the state would move far, the branch is followed by its arc length instead (`fold`), past
+which the load has a maximum: the end of the branch, where a slip begins. The slip is the overdamped flow (`flow`).
+"""
+
+import numpy as np
+
+from .contact import Contact
+from .flow import STEP_ERROR, Flow
+from .fold import Fold, follow
+from .secants import Secants, advance
+from .state import Increment, NotConverged, Slip, State
+
+MEMORY = 30  # secant pairs
+ORDER = 3  # of the extrapolation in the load
+MOST_STEPS = 25  # of a load increment on a branch, before the branch is followed by arc length
+LONGEST_STEP = 0.15  # of min(delta_n, delta_t): bound of one secant step
+FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is followed by arc length
+LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
+MOST_LANDING_STEPS = 80
+BUDGET = 50_000  # force evaluations of one increment
+
+
+class Fast:
+    """Advances States of one scene on one patch; holds no state between calls but buffers."""
+
+    def __init__(self, scene, first, size):
+        self.scene, self.contact = scene, Contact(scene, first, size)
+        self.unit = min(scene.delta_n, scene.delta_t)
+        self.tolerance = scene.tolerance
+        self._r = np.empty((2, size))
+
+    def start(self, loading, load):
+        """The equilibrium at the first load, from the undeformed layer."""
+        u = np.empty((2, self.contact.size))
+        u[0], u[1] = loading.at(load)
+        state = State(load, u, self.contact.within_window(u), [(load, u)], Secants(MEMORY, u.size))
+        return self.increment(state, loading, load)
+
+    def increment(self, state, loading, target):
+        """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
+        slips, limit = [], self.contact.evaluations + BUDGET
+        while True:
+            found = self._on_branch(state, loading, target)
+            if found is None:
+                found = follow(self, state, loading, target)
+            if isinstance(found, Fold):
+                slips.append(Slip(found.load, found.u, found.traction))
+                state = self._through(found.beyond, loading, found.load, limit)
+                if found.load >= target:  # the flow was needed at the target itself
+                    found = state
+                else:
+                    continue
+            residual = self.contact.residual(found.u, found.active, loading.at(target), self._r)
+            return Increment(found, self.contact.traction(), residual, tuple(slips))
+
+    def _on_branch(self, state, loading, target):
+        """The state at `target` on the same branch by secant steps, or None if that is not to be had safely."""
+        u = extrapolate(state.past[: ORDER + 1], target)
+        if np.abs(u - state.u).max() > FARTHEST * self.unit:
+            return None
+        most = MOST_STEPS if len(state.past) > 1 else MOST_LANDING_STEPS
+        active = self.settle(u, self.contact.admitted(u, state.active), loading.at(target), state.secants, most)
+        if active is None or np.abs(u - state.u).max() > FARTHEST * self.unit:
+            return None
+        return self.reached(state, target, u, active)
+
+    def reached(self, state, load, u, active):
+        """The state at `load` on the branch of `state`."""
+        older = [p for p in state.past if p[0] != load]
+        return State(load, u, active, [(load, u), *older[: ORDER + 1]], state.secants)
+
+    def settle(self, u, active, load, secants, most):
+        """Solve for u, in place, with the set of active nodes it implies; that set, or None."""
+        return self.contact.settle(lambda chosen: self.solve(u, chosen, load, secants, most), u, active)
+
+    def solve(self, u, active, load, secants, most, longest=LONGEST_STEP):
+        """Secant steps on u, in place, at fixed load; True if the residual came below the tolerance."""
+        r, bound = self._r, longest * self.unit
+        worst = self.contact.residual(u, active, load, r)
+        first, steps = worst, 0
+        while worst > self.tolerance:
+            if steps == most or not worst < 1e3 * max(first, bound):
+                return False
+            u_before, r_before = u.copy(), r.copy()
+            advance(u.ravel(), secants.move(r.ravel()), bound)
+            worst = self.contact.residual(u, active, load, r)
+            secants.push(u.ravel(), r.ravel(), u_before.ravel(), r_before.ravel())
+            steps += 1
+        return True
+
+    def _through(self, u, loading, load, limit):
+        """The state that the overdamped flow from u reaches at fixed load."""
+        flow = Flow(self.contact, u, loading.at(load), STEP_ERROR * self.unit)
+        landed = LANDED
+        while True:
+            while flow.speed > max(landed * flow.peak, self.tolerance):
+                flow.advance()
+                if self.contact.evaluations > limit:
+                    raise NotConverged(
+                        f"Not converged at {loading.name} = {load:.6g} nm: still moving by {flow.speed:.2g} nm per unit of time"
+                        f" after {BUDGET} force evaluations; try a smaller du_x or du_z, or method gfmd"
+                    )
+            state = self._land(flow, loading, load)
+            if state is not None:
+                return state
+            landed *= 0.2
+
+    def _land(self, flow, loading, load):
+        """Secant steps from where the flow has nearly come to rest; None if they fail or lead away."""
+        secants = Secants(MEMORY, flow.u.size)
+        u = flow.u.copy()
+        active = self.settle(u, flow.active, loading.at(load), secants, MOST_LANDING_STEPS)
+        if active is None or np.abs(u - flow.u).max() > FARTHEST * self.unit:
+            return None
+        return State(load, u, active, [(load, u)], secants)
+
+
+def extrapolate(past, load):
+    """Lagrange extrapolation to `load` through past = [(load, u), ...], newest first; a new array (2, m)."""
+    u = np.zeros_like(past[0][1])
+    for i, (here, state) in enumerate(past):
+        weight = 1.0
+        for j, (other, _) in enumerate(past):
+            if i != j:
+                weight *= (load - other) / (here - other)
+        u += weight * state
+    return u

@@ -1,0 +1,114 @@
+"""The overdamped flow u' = U + C T(u) - u, which carries the state through an instability to the next equilibrium.
+
+Runge-Kutta-Chebyshev, second order, step by error control: explicit, with as many stages as the stiffest mode asks for
+(Sommeijer, Shampine & Verwer 1998, doi:10.1016/S0377-0427(97)00219-7). Which branch is reached is part of the answer.
+"""
+
+from functools import lru_cache
+from math import ceil, sqrt
+
+import numpy as np
+from numba import njit
+
+from .secants import dot
+
+STEP_ERROR = 0.02  # of min(delta_n, delta_t), allowed in one step; the end state does not depend on it (tests/test_instability.py)
+MOST_STAGES = 20
+PROBE = 1e-6  # nm, length of the probe along the stiffest mode
+
+
+class Flow:
+    """State of the flow at fixed load: u, its velocity r (the residual), and the step in use."""
+
+    def __init__(self, contact, u, load, error):
+        self.contact, self.load, self.error = contact, load, error
+        self.u = np.ascontiguousarray(u)
+        self.active = contact.within_window(u)
+        self.r = np.empty_like(u)
+        self.speed = contact.residual(self.u, self.active, load, self.r)
+        self.peak = self.speed
+        self.step = 0.1
+        self._mode = np.random.default_rng(0).normal(size=u.shape)
+        self.radius = 1.0
+        for _ in range(6):
+            self._probe()
+
+    def _probe(self):
+        """One nonlinear power iteration for the spectral radius of dr/du, the direction kept between steps."""
+        scale = PROBE / sqrt(dot(self._mode.ravel(), self._mode.ravel()) + 1e-300)
+        self._mode *= scale
+        there = np.empty_like(self.r)
+        self.contact.residual(self.u + self._mode, self.active, self.load, there)
+        there -= self.r
+        self.radius = max(1.0, sqrt(dot(there.ravel(), there.ravel())) / PROBE)
+        self._mode = there
+
+    def advance(self):
+        """One accepted step; returns the speed max |u'| (nm per unit of time) after it."""
+        while True:
+            stages = max(2, ceil(sqrt(1.0 + 1.54 * self.step * 1.2 * self.radius)))
+            if stages > MOST_STAGES:
+                stages = MOST_STAGES
+                self.step = (stages**2 - 1) / (1.54 * 1.2 * self.radius)
+            there, r = self._stages(stages)
+            speed = self.contact.residual(there, self.active, self.load, r)
+            error = _step_error(self.u.ravel(), there.ravel(), self.r.ravel(), r.ravel(), self.step)
+            ratio = min(2.0, max(0.2, 0.8 * (self.error / max(error, 1e-300)) ** (1.0 / 3.0)))
+            self.step *= ratio
+            if error <= self.error:
+                break
+        self.u, self.r, self.speed = there, r, speed
+        self.peak = max(self.peak, speed)
+        self.active = self.contact.within_window(there)
+        self._probe()
+        return speed
+
+    def _stages(self, stages):
+        first, table = _chebyshev(stages)
+        h = self.step
+        before, now = self.u, self.u + first * h * self.r
+        r = np.empty_like(self.r)
+        for mu, nu, rate, start in table:
+            self.contact.residual(now, self.active, self.load, r)
+            later = np.empty_like(now)
+            _stage(self.u, now, before, r, self.r, mu, nu, rate * h, start * h, later)
+            before, now = now, later
+        return now, r
+
+
+@lru_cache(maxsize=None)
+def _chebyshev(s):
+    """Coefficients of the s-stage formula: of the first stage, then (mu, nu, mu~, gamma~) of each later one."""
+    w0 = 1.0 + 2.0 / (13.0 * s * s)
+    t, d, dd = [1.0, w0], [0.0, 1.0], [0.0, 0.0]
+    for _ in range(2, s + 1):
+        dd.append(4.0 * d[-1] + 2.0 * w0 * dd[-1] - dd[-2])
+        d.append(2.0 * t[-1] + 2.0 * w0 * d[-1] - d[-2])
+        t.append(2.0 * w0 * t[-1] - t[-2])
+    w1 = d[s] / dd[s]
+    b = [0.0, 0.0] + [dd[j] / d[j] ** 2 for j in range(2, s + 1)]
+    b[0] = b[1] = b[2]
+    table = []
+    for j in range(2, s + 1):
+        rate = 2.0 * b[j] * w1 / b[j - 1]
+        table.append((2.0 * b[j] * w0 / b[j - 1], -b[j] / b[j - 2], rate, -(1.0 - b[j - 1] * t[j - 1]) * rate))
+    return b[1] * w1, tuple(table)
+
+
+@njit(cache=True, nogil=True)
+def _stage(u0, now, before, r, r0, mu, nu, rate, start, out):
+    rest = 1.0 - mu - nu
+    for c in range(2):
+        for i in range(u0.shape[1]):
+            out[c, i] = rest * u0[c, i] + mu * now[c, i] + nu * before[c, i] + rate * r[c, i] + start * r0[c, i]
+
+
+@njit(cache=True, nogil=True)
+def _step_error(u0, u1, r0, r1, h):
+    largest = 0.0
+    for i in range(u0.size):
+        error = abs(0.8 * (u0[i] - u1[i]) + 0.4 * h * (r0[i] + r1[i]))
+        if not np.isfinite(error):
+            return np.inf
+        largest = max(largest, error)
+    return largest

@@ -1,0 +1,199 @@
+"""Elasticity of the bonded layer: its Green's function in Fourier space, and the products with it by FFT.
+
+Tractions on the lower surface are K (u - U) for the mode exp(i q x), with K_xz = -i K_c, K_zx = +i K_c.
+"""
+
+from functools import lru_cache
+from threading import Lock
+
+import numpy as np
+import pyfftw
+from numba import njit
+
+_planning = Lock()  # FFTW's planner is not thread-safe
+_MEASURE = ("FFTW_MEASURE",)
+
+
+def stiffness(q, height, E, nu):
+    """(K_xx, K_zz, K_c) in GPa/nm at wavenumbers q >= 0 (1/nm) of a layer of that height (nm), each of q's shape.
+
+    Source: plane-strain layer clamped at z = h; q = 0 is the uniform mode, q h -> infinity the half-plane.
+    """
+    y, sc_plus, sc_minus, s2, y2, _ = _hyperbolic(q, height, nu)
+    G, kappa = E / (2.0 * (1.0 + nu)), 3.0 - 4.0 * nu
+    # D = kappa^2 s^2 - y^2 as a product of two sums, so that nothing cancels at nu -> 1/2 and small y
+    d = _det(y, kappa)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        k_xx = 4.0 * G * (1.0 - nu) * q * sc_minus / d
+        k_zz = 4.0 * G * (1.0 - nu) * q * sc_plus / d
+        k_c = 2.0 * G * q * (kappa * (1.0 - 2.0 * nu) * s2 - y2) / d
+    zero = y == 0.0
+    k_xx[zero], k_c[zero] = G / height, 0.0
+    k_zz[zero] = 2.0 * G * (1.0 - nu) / ((1.0 - 2.0 * nu) * height)
+    return k_xx, k_zz, k_c
+
+
+def compliance(q, height, E, nu):
+    """(C_xx, C_zz, C_c) in nm/GPa, the inverse of `stiffness`: C_xz = +i C_c, C_zx = -i C_c."""
+    y, sc_plus, sc_minus, s2, y2, b = _hyperbolic(q, height, nu)
+    G, kappa = E / (2.0 * (1.0 + nu)), 3.0 - 4.0 * nu
+    with np.errstate(invalid="ignore", divide="ignore"):
+        c_xx = (1.0 - nu) / (G * q) * sc_plus / b
+        c_zz = (1.0 - nu) / (G * q) * sc_minus / b
+        c_c = 0.5 / (G * q) * (kappa * (1.0 - 2.0 * nu) * s2 - y2) / b
+    zero = y == 0.0
+    c_xx[zero], c_c[zero] = height / G, 0.0
+    c_zz[zero] = (1.0 - 2.0 * nu) * height / (2.0 * G * (1.0 - nu))
+    return c_xx, c_zz, c_c
+
+
+def _excess(y):
+    """sinh y - y without cancellation, for 0 <= y <= 2."""
+    term, total = y**3 / 6.0, np.zeros_like(y)
+    for k in range(2, 16):
+        total += term
+        term = term * y * y / ((2 * k) * (2 * k + 1))
+    return total
+
+
+def _hyperbolic(q, height, nu):
+    """y = q h, then kappa s c + y, kappa s c - y, s^2, y^2 and B = kappa c^2 + y^2 + (1-2nu)^2, all times 4 exp(-2y)."""
+    y, kappa = np.asarray(q, float) * height, 3.0 - 4.0 * nu
+    t = np.exp(-2.0 * y)
+    scale, sc, s2, c2 = 4.0 * t, (1.0 - t) * (1.0 + t), (1.0 - t) ** 2, (1.0 + t) ** 2
+    small = np.minimum(y, 1.0)
+    s2 = np.where(y < 1.0, scale * np.sinh(small) ** 2, s2)
+    sc = np.where(y < 1.0, scale * np.sinh(small) * np.cosh(small), sc)
+    sc_less_y = np.where(y < 1.0, scale * _excess(2.0 * small) / 2.0, sc - scale * y)
+    plus = kappa * sc + scale * y
+    minus = (kappa - 1.0) * sc + sc_less_y
+    y2 = scale * y * y
+    return y, plus, minus, s2, y2, kappa * c2 + y2 + scale * (1.0 - 2.0 * nu) ** 2
+
+
+def _det(y, kappa):
+    """4 exp(-2y) (kappa^2 sinh^2 y - y^2)."""
+    small, half = np.minimum(y, 1.0), np.exp(-y)
+    two_s = np.where(y < 1.0, 2.0 * half * np.sinh(small), 1.0 - half * half)
+    less = np.where(y < 1.0, 2.0 * half * _excess(small), two_s - 2.0 * half * y)
+    return ((kappa - 1.0) * two_s + less) * (kappa * two_s + 2.0 * half * y)
+
+
+class Modes:
+    """The layer's stiffness and compliance at every wavenumber of the periodic cell, coupling dropped at Nyquist.
+
+    Attributes, each (nodes//2 + 1,) or stacked in rows xx, zz, c: k_xx, k_zz, k_c, stiffness (GPa/nm), compliance (nm/GPa).
+    """
+
+    def __init__(self, nodes, width, height, E, nu):
+        q = 2.0 * np.pi * np.arange(nodes // 2 + 1) / width
+        self.stiffness = np.array(stiffness(q, height, E, nu))
+        self.compliance = np.array(compliance(q, height, E, nu))
+        if nodes % 2 == 0:
+            self.stiffness[2, -1] = self.compliance[2, -1] = 0.0
+            # without coupling each component is its own inverse
+            self.compliance[:2, -1] = 1.0 / self.stiffness[:2, -1]
+        self.k_xx, self.k_zz, self.k_c = self.stiffness
+        self.stiffness.flags.writeable = self.compliance.flags.writeable = False
+
+    @staticmethod
+    def of(scene):
+        """The Modes of a scene, kept for the scenes used last."""
+        return _modes(scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu)
+
+    def displacement(self, traction_q):
+        """C T for Fourier tractions (2, nodes//2 + 1); a new array."""
+        out = traction_q.copy()
+        _multiply(out, self.compliance)
+        return out
+
+
+@lru_cache(maxsize=16)
+def _modes(nodes, width, height, E, nu):
+    return Modes(nodes, width, height, E, nu)
+
+
+class Transform:
+    """Real FFT of two rows of `length` numbers, planned once: real (2, length) <-> spectrum (2, length//2 + 1)."""
+
+    def __init__(self, length):
+        with _planning:
+            self.real = pyfftw.zeros_aligned((2, length))
+            self.spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
+            self._forward = pyfftw.FFTW(self.real, self.spectrum, axes=(1,), flags=_MEASURE)
+            self._backward = pyfftw.FFTW(
+                self.spectrum, self.real, axes=(1,), direction="FFTW_BACKWARD", flags=(*_MEASURE, "FFTW_DESTROY_INPUT")
+            )
+            self.real[:] = 0.0
+        self._scale = 1.0 / length
+        self.forward = self._forward.execute
+
+    def backward(self):
+        """real = inverse transform of spectrum, which is destroyed."""
+        self._backward.execute()
+        self.real *= self._scale
+
+
+def fft_size(least):
+    """The smallest length >= least that FFTW does fast."""
+    return pyfftw.next_fast_len(int(least))
+
+
+class Compliance:
+    """The product u = C T for tractions on `size` neighbouring nodes, seen on these nodes only.
+
+    Tractions vanish elsewhere, so the product is a linear convolution: it needs a transform of 2 size - 1 points
+    (rounded up), not of all nodes. Exact to round-off. Buffers belong to this object; not for use by two threads.
+
+    Attributes: traction (2, size) GPa, to be filled; displacement (2, size) nm, valid after `apply`.
+    """
+
+    def __init__(self, scene, size):
+        n = scene.nodes
+        modes = Modes.of(scene).compliance
+        length = fft_size(2 * size - 1)
+        if length >= n:
+            length = n
+            multipliers = modes
+        else:
+            multipliers = _cut(modes, n, size, length)
+        self.length = length
+        self.multipliers = np.ascontiguousarray(np.array(multipliers) / length)
+        self._real, self._spectrum, self._back, self._forward, self._inverse = _plans(length)
+        self._real[:] = 0.0
+        self.traction = self._real[:, :size]
+        self.displacement = self._back[:, :size]
+
+    def apply(self):
+        """displacement = C traction."""
+        self._forward.execute()
+        _multiply(self._spectrum, self.multipliers)
+        self._inverse.execute()
+
+
+def _cut(modes, n, size, length):
+    """Multipliers of the circulant of `length` points whose entries are the layer's influence within `size` nodes."""
+    reach = np.arange(length)
+    reach = np.where(reach < size, reach, reach - length)
+    inside = np.abs(reach) < size
+    kernels = [np.fft.irfft(c, n) for c in modes[:2]] + [np.fft.irfft(1j * modes[2], n)]
+    spectra = [np.fft.rfft(np.where(inside, k[reach % n], 0.0)) for k in kernels]
+    return spectra[0].real, spectra[1].real, spectra[2].imag
+
+
+def _plans(length):
+    with _planning:
+        real = pyfftw.zeros_aligned((2, length))
+        spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
+        back = pyfftw.zeros_aligned((2, length))
+        forward = pyfftw.FFTW(real, spectrum, axes=(1,), flags=_MEASURE)
+        inverse = pyfftw.FFTW(spectrum, back, axes=(1,), direction="FFTW_BACKWARD", flags=(*_MEASURE, "FFTW_DESTROY_INPUT"))
+    return real, spectrum, back, forward, inverse
+
+
+@njit(cache=True, nogil=True)
+def _multiply(spectrum, c):
+    for k in range(spectrum.shape[1]):
+        x, z = spectrum[0, k], spectrum[1, k]
+        spectrum[0, k] = complex(c[0, k] * x.real - c[2, k] * z.imag, c[0, k] * x.imag + c[2, k] * z.real)
+        spectrum[1, k] = complex(c[1, k] * z.real + c[2, k] * x.imag, c[1, k] * z.imag - c[2, k] * x.real)

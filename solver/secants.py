@@ -1,0 +1,114 @@
+"""Anderson (type II) acceleration of a fixed point, its secant pairs kept from one increment to the next.
+
+Source: Anderson 1965, doi:10.1145/321296.321305; Walker & Ni 2011, doi:10.1137/10078356X. The pairs are changes of
+displacement du and of residual dr; the load enters the residual as a constant, so pairs stay valid when it changes.
+"""
+
+import numpy as np
+from numba import njit
+
+REGULARISATION = 1e-10  # of the normalised Gram matrix: below it, pairs count as linearly dependent
+
+
+class Secants:
+    """The last `memory` pairs (du, dr) of vectors of `size` numbers, with the Gram matrix of dr."""
+
+    def __init__(self, memory, size):
+        self.du = np.zeros((memory, size))
+        self.dr = np.zeros((memory, size))
+        self.gram = np.zeros((memory, memory))
+        self.rows = 0
+        self.slot = 0
+
+    def push(self, u, r, u_before, r_before):
+        """Keep the pair (u - u_before, r - r_before) in place of the oldest."""
+        self.rows = max(self.rows, self.slot + 1)
+        _push(self.du, self.dr, self.gram, self.rows, self.slot, u, r, u_before, r_before)
+        self.slot = (self.slot + 1) % len(self.du)
+
+    @property
+    def memory(self):
+        return len(self.du)
+
+    def move(self, r):
+        """The move of u that should cancel the residual r, as far as the pairs know the tangent; a new array."""
+        return _move(self.du, self.dr, self.gram, self.rows, r, REGULARISATION)
+
+    def clear(self):
+        self.rows = self.slot = 0
+
+    def copy(self):
+        """An independent copy, for a checkpoint."""
+        other = Secants.__new__(Secants)
+        other.du, other.dr, other.gram = self.du.copy(), self.dr.copy(), self.gram.copy()
+        other.rows, other.slot = self.rows, self.slot
+        return other
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+def dot(a, b):
+    """a . b, summed in vector lanes."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
+    for i in range(u.size):
+        du[slot, i] = u[i] - u_before[i]
+        dr[slot, i] = r[i] - r_before[i]
+    for j in range(rows):
+        gram[slot, j] = gram[j, slot] = dot(dr[slot], dr[j])
+
+
+@njit(cache=True, nogil=True)
+def _move(du, dr, gram, rows, r, eps):
+    c = _coefficients(dr, gram, rows, r, eps)
+    move = r.copy()
+    for j in range(rows):
+        _subtract(move, c[j], du[j], dr[j])
+    return move
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _subtract(move, c, du, dr):
+    for i in range(move.size):
+        move[i] -= c * (du[i] + dr[i])
+
+
+@njit(cache=True, nogil=True)
+def _coefficients(dr, gram, rows, r, eps):
+    """Least-squares coefficients of r in the rows of dr: Cholesky of the normalised, regularised Gram matrix."""
+    low, y, d = np.zeros((rows, rows)), np.zeros(rows), np.zeros(rows)
+    for i in range(rows):
+        d[i] = 1.0 / np.sqrt(gram[i, i]) if gram[i, i] > 0.0 else 0.0
+        y[i] = dot(dr[i], r) * d[i]
+    for i in range(rows):
+        for j in range(i + 1):
+            t = 1.0 + eps if i == j else gram[i, j] * d[i] * d[j]
+            for k in range(j):
+                t -= low[i, k] * low[j, k]
+            low[i, j] = np.sqrt(max(t, eps)) if i == j else t / low[j, j]
+    for i in range(rows):
+        for k in range(i):
+            y[i] -= low[i, k] * y[k]
+        y[i] /= low[i, i]
+    for i in range(rows - 1, -1, -1):
+        for k in range(i + 1, rows):
+            y[i] -= low[k, i] * y[k]
+        y[i] /= low[i, i]
+    return y * d
+
+
+@njit(cache=True, nogil=True)
+def advance(u, move, bound):
+    """Add move to u in place, scaled down so that no component changes by more than bound; returns the scale."""
+    largest = 0.0
+    for i in range(u.size):
+        largest = max(largest, abs(move[i]))
+    scale = 1.0 if largest <= bound else bound / largest
+    for i in range(u.size):
+        u[i] += scale * move[i]
+    return scale

@@ -1,0 +1,64 @@
+"""Where a run stands: the state an increment starts from, the load it moves along, and why an increment can fail."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .secants import Secants
+
+
+class NotConverged(RuntimeError):
+    """An increment ended without an equilibrium; the message names the place, the residual and a remedy."""
+
+
+@dataclass(frozen=True)
+class Loading:
+    """A straight path of the rigid top: (U_x, U_z) = base + load * direction, nm."""
+
+    name: str  # of the load parameter, for messages: "delta" or "U_x"
+    base: tuple
+    direction: tuple
+
+    def at(self, load):
+        """(U_x, U_z) at that load, nm."""
+        return self.base[0] + load * self.direction[0], self.base[1] + load * self.direction[1]
+
+
+def approach(scene):
+    """Lowering the top: the load is delta."""
+    return Loading("delta", (0.0, 0.0), (0.0, -1.0))
+
+
+def shear(scene):
+    """Pulling the top sideways at the scene's indentation: the load is U_x."""
+    return Loading("U_x", (0.0, -scene.delta), (1.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Slip:
+    """An instability: a branch that ended, and where."""
+
+    load: float  # nm: U_x or delta at which the branch ended
+    before: np.ndarray  # (2, m) displacement there, nm
+    traction: np.ndarray  # (2, m) traction there, GPa
+
+
+@dataclass
+class State:
+    """An equilibrium, and what the next increment may use of those before it."""
+
+    load: float  # nm
+    u: np.ndarray  # (2, m) displacement, nm
+    active: np.ndarray  # (m,) nodes within the interaction window
+    past: list = field(default_factory=list)  # [(load, u)] on this branch, newest first, this one included
+    secants: Secants | None = None
+
+
+@dataclass(frozen=True)
+class Increment:
+    """The outcome of one increment: the state reached, its traction (2, m) in GPa, residual in nm, and slips on the way."""
+
+    state: State
+    traction: np.ndarray
+    residual: float
+    slips: tuple = ()
