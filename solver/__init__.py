@@ -3,7 +3,7 @@
 Lengths in nm, moduli and tractions in GPa, works of separation in N/m. x runs along the interface, z up; the layer lies
 above, its top is moved rigidly by (U_x, -delta). Arrays (2, m) hold x in row 0 and z in row 1.
 Tractions are those on the layer: repulsion T_z > 0; F = -sum(T_x) a, L = sum(T_z) a, F_bar = F/(wE), L_bar = L/(wE).
-Fourier: numpy's rfft signs and scaling; K_xz = -i K_c, K_zx = +i K_c; q = 0 is the uniform mode; no coupling at Nyquist.
+Fourier: numpy's rfft signs and scaling; K_xz = -i K_c, K_zx = +i K_c; q = 0 is the uniform mode; Nyquist uncoupled.
 The residual max |U + C T(u) - u| (nm) measures every method.
 
     for frame in load_path(Scene(delta_bar=0.2)): print(frame.U_x, frame.F_bar, frame.A_bar)

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from collections import deque
+from contextlib import suppress
 from dataclasses import asdict, fields, replace
 from math import isfinite, nan
 from time import perf_counter
@@ -16,8 +17,12 @@ from . import LIMITS, METHODS, NotConverged, Scene, SceneError, __version__, loa
 from .progress import Progress
 
 COLUMNS = ("U_x", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
-# Small, and yet it sticks, slips and sticks again: compiles every kernel before the clock starts.
-WARM_UP = Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0)
+# Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
+# arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
+WARM_UP = [
+    Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0),
+    Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0),
+]
 NO_FIELD = np.empty((2, 0))
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
 
@@ -72,23 +77,26 @@ def parameter_table():
     lines = ["parameters:", "  surface     circular | flat, default circular"]
     for name, (low, high, unit, meaning) in LIMITS.items():
         default = next(f.default for f in fields(Scene) if f.name == name)
-        lines.append(f"  {name:<11} {low:g} .. {high:g} {unit}, default {default:g}: {meaning}")
+        span = f"{low:g} .. {high:g}" + (f" [{unit}]" if unit else "")
+        lines.append(f"  {name:<11} {span}, default {default:g}: {meaning}")
     return "\n".join(lines)
 
 
 def run(arguments):
     """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
     scene = scene_from_text(settings(arguments.set))
-    outputs = [file for file in (arguments.csv, arguments.npz, arguments.json) if file is not None]
-    for file in outputs:
-        check_writable(file)
-    deque(load_path(WARM_UP, method=arguments.method), maxlen=0)
+    for option in ("csv", "npz", "json"):
+        check_writable(option, getattr(arguments, option))
+    for small in WARM_UP:
+        with suppress(NotConverged):
+            deque(load_path(small, method=arguments.method), maxlen=0)
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     seconds = perf_counter() - start
     report = {"version": __version__, "method": arguments.method, "scene": asdict(scene)}
     report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure}
     shear = [frame for frame in frames if frame.stage == "shear"]
+    print(described(report, len(frames)))
     try:
         if arguments.csv is not None:
             write_csv(arguments.csv, shear)
@@ -97,8 +105,7 @@ def run(arguments):
         if arguments.json is not None:
             write_json(arguments.json, report)
     except OSError as error:
-        raise InputError(f"{error.filename or outputs}: not written, {error.strerror}") from None
-    print(described(report, len(frames)))
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
     if failure is not None:
         print(failure, file=sys.stderr)
     return code
@@ -116,14 +123,17 @@ def settings(pairs):
     return texts
 
 
-def check_writable(file):
-    """Raises InputError where `file` cannot be written; leaves what is there as it is."""
+def check_writable(option, file):
+    """Raises InputError where the file of --option cannot be written; leaves what is there as it is."""
+    if file is None:
+        return
     new = not os.path.lexists(file)
     try:
         with open(file, "ab"):
             pass
-    except OSError as error:
-        raise InputError(f"{file}: cannot be written, {error.strerror}; name a file in an existing directory") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"--{option} {file!r}: {reason}; allowed: a writable file in an existing directory") from None
     if new:
         os.remove(file)
 
@@ -136,12 +146,22 @@ def compute(scene, method, fields_too):
             for frame in load_path(scene, method=method):
                 frames.append(frame if fields_too else replace(frame, u=NO_FIELD, T=NO_FIELD))
                 progress(len(frames))
+                if not frame.residual <= scene.tolerance:  # a contract of load_path; nan fails it too
+                    return frames, unfinished(scene, frame), NOT_CONVERGED
     except NotConverged as error:
         return frames, str(error), NOT_CONVERGED
     except KeyboardInterrupt:
         place = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
         return frames, f"Interrupted {place}; run again to finish", INTERRUPTED
     return frames, None, 0
+
+
+def unfinished(scene, frame):
+    """The place and a remedy for a frame above tolerance."""
+    return (
+        f"Not converged at U_x = {frame.U_x:g} nm, delta = {frame.delta:g} nm: residual {frame.residual:.2g} nm,"
+        f" tolerance = {scene.tolerance:g} nm; try a smaller du_x and du_z, or a larger tolerance"
+    )
 
 
 def write_csv(file, frames):
@@ -206,4 +226,5 @@ def described(report, increments):
 
 
 if __name__ == "__main__":
+    sys.stdout.reconfigure(errors="replace")  # units in --help are Greek, which some terminals cannot show
     sys.exit(main())

@@ -1,26 +1,30 @@
 """The fast method: secant steps on a stable branch, the overdamped flow where the branch ends.
 
 On a branch, an increment starts from the extrapolation of those before and takes a few accelerated fixed-point steps
-(`secants`). Where that fails or the state would move far, the branch is followed by its arc length instead (`fold`), past
-which the load has a maximum: the end of the branch, where a slip begins. The slip is the overdamped flow (`flow`).
+(`secants`). Where that fails or the state would move far, the branch is followed by its arc length instead (`fold`), to
+the load asked for or to the load's maximum: the end of the branch, where a slip begins. `flow` carries it through.
 """
+
+from functools import lru_cache
 
 import numpy as np
 
 from .contact import Contact
 from .flow import STEP_ERROR, Flow
 from .fold import Fold, follow
+from .layer import Convolution, Modes
 from .secants import Secants, advance
 from .state import Increment, NotConverged, Slip, State
 
-MEMORY = 30  # secant pairs
+MEMORY = 40  # secant pairs
 ORDER = 3  # of the extrapolation in the load
-MOST_STEPS = 25  # of a load increment on a branch, before the branch is followed by arc length
+MOST_STEPS = 60  # of a load increment on a branch, before the branch is followed by arc length
 LONGEST_STEP = 0.15  # of min(delta_n, delta_t): bound of one secant step
 FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is followed by arc length
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
 MOST_LANDING_STEPS = 80
-BUDGET = 50_000  # force evaluations of one increment
+STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
+BUDGET = 400_000  # force evaluations of one increment
 
 
 class Fast:
@@ -30,7 +34,27 @@ class Fast:
         self.scene, self.contact = scene, Contact(scene, first, size)
         self.unit = min(scene.delta_n, scene.delta_t)
         self.tolerance = scene.tolerance
+        self.smooth = None
         self._r = np.empty((2, size))
+        longest_wave = Modes.of(scene).compliance[1, max(1, round(scene.nodes / size))]
+        self._stiff = STIFF / float(longest_wave)
+        self._smoother = lru_cache(maxsize=8)(self._new_smoother)
+
+    def _choose_smoother(self, state):
+        """Damp the long waves that a stiff interface pins: without it they take most of the secant steps."""
+        stiffness = self.contact.stiffness(state.u, state.active)
+        self.smooth = self._smoother(int(np.ceil(np.log2(0.5 * stiffness)))) if stiffness > self._stiff else None
+
+    def _new_smoother(self, power):
+        """r -> (I + sigma C)^-1 r on the patch, for sigma = 2^power GPa/nm."""
+        shifted = Convolution(Modes.of(self.scene).shifted(2.0**power), self.scene.nodes, self.contact.size)
+
+        def smooth(r):
+            shifted.field[:] = r.reshape(shifted.field.shape)
+            shifted.apply()
+            return shifted.product.reshape(-1)
+
+        return smooth
 
     def start(self, loading, load):
         """The equilibrium at the first load, from the undeformed layer."""
@@ -41,6 +65,7 @@ class Fast:
 
     def increment(self, state, loading, target):
         """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
+        self._choose_smoother(state)
         slips, limit = [], self.contact.evaluations + BUDGET
         while True:
             found = self._on_branch(state, loading, target)
@@ -85,7 +110,7 @@ class Fast:
             if steps == most or not worst < 1e3 * max(first, bound):
                 return False
             u_before, r_before = u.copy(), r.copy()
-            advance(u.ravel(), secants.move(r.ravel()), bound)
+            advance(u.ravel(), secants.move(r.ravel(), self.smooth), bound)
             worst = self.contact.residual(u, active, load, r)
             secants.push(u.ravel(), r.ravel(), u_before.ravel(), r_before.ravel())
             steps += 1
@@ -100,8 +125,8 @@ class Fast:
                 flow.advance()
                 if self.contact.evaluations > limit:
                     raise NotConverged(
-                        f"Not converged at {loading.name} = {load:.6g} nm: still moving by {flow.speed:.2g} nm per unit of time"
-                        f" after {BUDGET} force evaluations; try a smaller du_x or du_z, or method gfmd"
+                        f"Not converged at {loading.name} = {load:.6g} nm: residual {flow.speed:.2g} nm after {BUDGET}"
+                        " force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
                     )
             state = self._land(flow, loading, load)
             if state is not None:

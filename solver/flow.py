@@ -4,7 +4,7 @@ Runge-Kutta-Chebyshev, second order, step by error control: explicit, with as ma
 (Sommeijer, Shampine & Verwer 1998, doi:10.1016/S0377-0427(97)00219-7). Which branch is reached is part of the answer.
 """
 
-from functools import lru_cache
+from functools import cache
 from math import ceil, sqrt
 
 import numpy as np
@@ -12,7 +12,7 @@ from numba import njit
 
 from .secants import dot
 
-STEP_ERROR = 0.02  # of min(delta_n, delta_t), allowed in one step; the end state does not depend on it (tests/test_instability.py)
+STEP_ERROR = 0.02  # of min(delta_n, delta_t), in one step; the branch reached does not depend on it (test_slip.py)
 MOST_STAGES = 20
 PROBE = 1e-6  # nm, length of the probe along the stiffest mode
 
@@ -76,7 +76,7 @@ class Flow:
         return now, r
 
 
-@lru_cache(maxsize=None)
+@cache
 def _chebyshev(s):
     """Coefficients of the s-stage formula: of the first stage, then (mu, nu, mu~, gamma~) of each later one."""
     w0 = 1.0 + 2.0 / (13.0 * s * s)

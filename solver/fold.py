@@ -16,7 +16,7 @@ GROWTH = 3.0  # of one step over the one before: farther, the extrapolation mean
 ASTRAY = 3.0  # a point farther off than this many steps lies on another branch
 MOST_STEPS = 40  # secant steps of one point of the arc
 MOST_POINTS = 400
-SHARPNESS = 1e-6  # of min(delta_n, delta_t): accuracy of the load at the fold
+SHARPNESS = 1e-9  # of min(delta_n, delta_t): accuracy of the load at the fold
 
 
 @dataclass(frozen=True)
@@ -73,15 +73,15 @@ def _two_points(method, state, loading, target):
     while part > 1e-3:
         load = state.load + part * (target - state.load)
         u = state.u.copy()
-        if load != state.load and method.solve(u, state.active, loading.at(load), state.secants, MOST_STEPS):
-            if np.abs(u - state.u).max() < 0.5 * method.unit:
-                return [(load, u), state.past[0]]
+        solved = load != state.load and method.solve(u, state.active, loading.at(load), state.secants, MOST_STEPS)
+        if solved and np.abs(u - state.u).max() < 0.5 * method.unit:
+            return [(load, u), state.past[0]]
         part *= 0.2
     return None
 
 
 def _at_arc(method, state, loading, chord, arc, here):
-    """The point (load, u) of the branch with <chord, u> = arc, predicted through here = [(arc, load, u)]; None if not found."""
+    """The point (load, u) of the branch with <chord, u> = arc, or None; predicted through here = [(arc, load, u)]."""
     u, load = np.zeros_like(chord), 0.0
     for i, (si, li, ui) in enumerate(here):
         weight = 1.0
@@ -101,7 +101,7 @@ def _at_arc(method, state, loading, chord, arc, here):
         if not worst < 1e3 * method.unit:
             return None
         u_before, r_before = u.copy(), r.copy()
-        correction, response = secants.move(r.ravel()), secants.move(direction.ravel())
+        correction, response = secants.move(r.ravel(), method.smooth), secants.move(direction.ravel(), method.smooth)
         slack = arc - dot(chord.ravel(), u.ravel()) - dot(chord.ravel(), correction)
         slope = dot(chord.ravel(), response)
         change = slack / slope if slope != 0.0 else 0.0
@@ -127,35 +127,45 @@ def _arrive(method, state, loading, target, points):
 
 
 def _fold_or_target(method, state, loading, target, points):
-    """The load has passed its maximum: refine it by parabolas; if it lies beyond `target`, arrive there instead."""
-    beyond = points[0]
-    chord = points[0][1] - points[1][1]
+    """The load has passed its maximum: find it between the last points; if it lies beyond `target`, arrive there."""
+    beyond = points[0][1]
+    chord = beyond - points[1][1]
     chord /= np.sqrt(dot(chord.ravel(), chord.ravel()))
-    here = [(dot(chord.ravel(), u.ravel()), load, u) for load, u in points[:3]]
-    for _ in range(8):
-        arc, top = _parabola_top(here)
-        found = _at_arc(method, state, loading, chord, arc, here)
+    bracket = sorted(((dot(chord.ravel(), u.ravel()), load, u) for load, u in points[:3]), key=lambda p: p[0])
+    for _ in range(10):
+        arc, top = _parabola_top(bracket)
+        found = _at_arc(method, state, loading, chord, arc, bracket)
         if found is None:
             break
-        best = max(here, key=lambda p: p[1])
-        here = sorted([*here, (dot(chord.ravel(), found[1].ravel()), *found)], key=lambda p: -p[1])[:3]
-        if abs(found[0] - top) < SHARPNESS * method.unit or abs(here[0][1] - best[1]) < 0.1 * SHARPNESS * method.unit:
+        bracket = _narrowed(bracket, (arc, *found))
+        if abs(found[0] - top) < SHARPNESS * method.unit:
             break
-    _, load, u = max(here, key=lambda p: p[1])
+    _, load, u = max(bracket, key=lambda p: p[1])
     if load >= target:
-        before = [p for p in [(load, u), *points[1:]] if p[0] != load]
-        return _arrive(method, state, loading, target, [(load, u), *before])
+        return _arrive(method, state, loading, target, [(load, u), *[p for p in points[1:] if p[0] < load]])
     method.contact.residual(u, state.active, loading.at(load), method._r)
-    return Fold(load, u, method.contact.traction(), beyond[1])
+    return Fold(load, u, method.contact.traction(), beyond)
 
 
-def _parabola_top(here):
-    """(arc, load) of the maximum of the parabola through three points (arc, load, ...)."""
-    (a, fa), (b, fb), (c, fc) = [(p[0], p[1]) for p in here]
+def _narrowed(bracket, point):
+    """The highest of four points (arc, load, u) with its neighbours in arc."""
+    points = sorted([*bracket, point], key=lambda p: p[0])
+    highest = max(range(4), key=lambda i: points[i][1])
+    first = min(max(highest - 1, 0), 1)
+    return points[first : first + 3]
+
+
+def _parabola_top(bracket):
+    """(arc, load) of the maximum of the parabola through (arc, load, u) in order of arc, the middle one highest.
+
+    Kept off the middle by a hundredth of the bracket, so that every point narrows it.
+    """
+    (a, fa), (b, fb), (c, fc) = [(p[0], p[1]) for p in bracket]
     slope, slope2 = (fb - fa) / (b - a), (fc - fb) / (c - b)
     bend = (slope2 - slope) / (c - a)
-    if bend >= 0.0:
-        best = max(here, key=lambda p: p[1])
-        return best[0], best[1]
-    top = 0.5 * (a + b) - slope / (2.0 * bend)
+    top = 0.5 * (a + b) - slope / (2.0 * bend) if bend < 0.0 else b
+    least = 0.01 * min(b - a, c - b)
+    if abs(top - b) < least:
+        top = b + (least if c - b > b - a else -least)
+    top = min(max(top, a + least), c - least)
     return top, fa + slope * (top - a) + bend * (top - a) * (top - b)

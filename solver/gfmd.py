@@ -9,7 +9,7 @@ from numba import njit
 
 from . import np1
 from .contact import Contact
-from .layer import Modes, Transform
+from .layer import Modes, transforms
 from .state import Increment, NotConverged, Slip, State
 
 CHECK_EVERY = 20  # steps between two looks at the residual
@@ -19,14 +19,14 @@ SLIPPED = 0.5  # of min(delta_n, delta_t), beyond twice the increment of the loa
 
 
 class Gfmd:
-    """Advances States of one scene by damped dynamics of all surface modes; holds no state between calls but buffers."""
+    """Advances States of one scene by damped dynamics of all modes; holds no state between calls but buffers."""
 
     def __init__(self, scene, first, size, damping=1.0):
         """damping: in units of the critical damping of the slowest mode."""
         self.scene, self.contact = scene, Contact(scene, first, size)
         self._part = slice(first, first + size)
         self._modes = Modes.of(scene)
-        self._forward, self._back = Transform(scene.nodes), Transform(scene.nodes)
+        self._traction, self._u, self._spectrum, self._forward, self._backward = transforms(scene.nodes)
         self._stiffest = float(np.max(np.maximum(self._modes.k_xx, self._modes.k_zz) + np.abs(self._modes.k_c)))
         slowest = float(min(self._modes.k_xx.min(), self._modes.k_zz.min()))
         self._gamma = 2.0 * damping * np.sqrt(slowest)
@@ -60,43 +60,46 @@ class Gfmd:
 
     def _settle(self, u, active, loading, load, target):
         """Bring u, in place, to rest at load `target`; the surface outside the patch starts in equilibrium with it."""
-        contact, force, shape = self.contact, self._forward, self._back
+        contact, nodes = self.contact, self.scene.nodes
         limit = contact.evaluations + BUDGET
-        force.real[:] = 0.0
-        here = force.real[:, self._part]
-        top = np.array(loading.at(target))
-        modes = self._equilibrium(u, active, loading.at(load), here)
+        self._traction[:] = 0.0
+        traction, shape = self._traction[:, self._part], self._u[:, self._part]
+        top = np.array(loading.at(target)) * nodes
+        modes = self._equilibrium(u, active, loading.at(load), traction)
         motion = np.zeros_like(modes)
         step = self._time_step(u, active)
         while True:
             for _ in range(CHECK_EVERY):
-                shape.spectrum[:] = modes
-                shape.backward()
-                np1.tractions(shape.real[:, self._part], contact.profile, active, contact.law, here)
-                force.forward()
-                _verlet(modes, motion, force.spectrum, self._modes.stiffness, top * self.scene.nodes, step, self._gamma)
+                self._shape(modes)
+                np1.tractions(shape, contact.profile, active, contact.law, traction)
+                self._forward()
+                _verlet(modes, motion, self._spectrum, self._modes.stiffness, top, step, self._gamma)
                 contact.evaluations += 1
-            shape.spectrum[:] = modes
-            shape.backward()
-            u[:] = shape.real[:, self._part]
+            self._shape(modes)
+            u[:] = shape
             residual = contact.residual(u, active, loading.at(target), self._r)
             if residual <= self.scene.tolerance:
                 return
             if not np.isfinite(residual) or contact.evaluations > limit:
                 raise NotConverged(
-                    f"Not converged at {loading.name} = {target:.6g} nm: residual {residual:.2g} nm, tolerance"
-                    f" {self.scene.tolerance:.2g} nm, after {contact.evaluations - limit + BUDGET} force evaluations of gfmd;"
-                    " try a larger tolerance, a smaller du_x or du_z, or method fast"
+                    f"Not converged at {loading.name} = {target:.6g} nm: residual {residual:.2g} nm after {BUDGET}"
+                    " force evaluations of gfmd; try a larger tolerance, a smaller du_x or du_z, or method fast"
                 )
             smaller = self._time_step(u, active)
             motion *= smaller / step
             step = smaller
 
-    def _equilibrium(self, u, active, load, here):
+    def _shape(self, modes):
+        """Displacement of the surface from its modes."""
+        self._spectrum[:] = modes
+        self._backward()
+        self._u *= 1.0 / self.scene.nodes
+
+    def _equilibrium(self, u, active, load, traction):
         """Modes of the whole surface, U + C T(u)."""
-        np1.tractions(u, self.contact.profile, active, self.contact.law, here)
-        self._forward.forward()
-        modes = self._modes.displacement(self._forward.spectrum)
+        np1.tractions(u, self.contact.profile, active, self.contact.law, traction)
+        self._forward()
+        modes = self._modes.displacement(self._spectrum)
         modes[:, 0] += np.array(load) * self.scene.nodes
         return modes
 

@@ -57,7 +57,7 @@ def _excess(y):
 
 
 def _hyperbolic(q, height, nu):
-    """y = q h, then kappa s c + y, kappa s c - y, s^2, y^2 and B = kappa c^2 + y^2 + (1-2nu)^2, all times 4 exp(-2y)."""
+    """y = q h; then kappa s c +- y, s^2, y^2 and B = kappa c^2 + y^2 + (1-2nu)^2, all times 4 exp(-2y)."""
     y, kappa = np.asarray(q, float) * height, 3.0 - 4.0 * nu
     t = np.exp(-2.0 * y)
     scale, sc, s2, c2 = 4.0 * t, (1.0 - t) * (1.0 + t), (1.0 - t) ** 2, (1.0 + t) ** 2
@@ -82,7 +82,7 @@ def _det(y, kappa):
 class Modes:
     """The layer's stiffness and compliance at every wavenumber of the periodic cell, coupling dropped at Nyquist.
 
-    Attributes, each (nodes//2 + 1,) or stacked in rows xx, zz, c: k_xx, k_zz, k_c, stiffness (GPa/nm), compliance (nm/GPa).
+    Attributes: stiffness (GPa/nm) and compliance (nm/GPa), (3, nodes//2 + 1) in rows xx, zz, c; k_xx, k_zz, k_c.
     """
 
     def __init__(self, nodes, width, height, E, nu):
@@ -101,6 +101,12 @@ class Modes:
         """The Modes of a scene, kept for the scenes used last."""
         return _modes(scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu)
 
+    def shifted(self, sigma):
+        """(I + sigma C)^-1 in rows xx, zz, c: removes from a residual what interface stiffness sigma (GPa/nm) would."""
+        c_xx, c_zz, c_c = sigma * self.compliance
+        det = (1.0 + c_xx) * (1.0 + c_zz) - c_c**2
+        return np.array([(1.0 + c_zz) / det, (1.0 + c_xx) / det, -c_c / det])
+
     def displacement(self, traction_q):
         """C T for Fourier tractions (2, nodes//2 + 1); a new array."""
         out = traction_q.copy()
@@ -113,82 +119,61 @@ def _modes(nodes, width, height, E, nu):
     return Modes(nodes, width, height, E, nu)
 
 
-class Transform:
-    """Real FFT of two rows of `length` numbers, planned once: real (2, length) <-> spectrum (2, length//2 + 1)."""
-
-    def __init__(self, length):
-        with _planning:
-            self.real = pyfftw.zeros_aligned((2, length))
-            self.spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
-            self._forward = pyfftw.FFTW(self.real, self.spectrum, axes=(1,), flags=_MEASURE)
-            self._backward = pyfftw.FFTW(
-                self.spectrum, self.real, axes=(1,), direction="FFTW_BACKWARD", flags=(*_MEASURE, "FFTW_DESTROY_INPUT")
-            )
-            self.real[:] = 0.0
-        self._scale = 1.0 / length
-        self.forward = self._forward.execute
-
-    def backward(self):
-        """real = inverse transform of spectrum, which is destroyed."""
-        self._backward.execute()
-        self.real *= self._scale
-
-
 def fft_size(least):
     """The smallest length >= least that FFTW does fast."""
     return pyfftw.next_fast_len(int(least))
 
 
-class Compliance:
-    """The product u = C T for tractions on `size` neighbouring nodes, seen on these nodes only.
+class Convolution:
+    """The product of modes (3, nodes//2 + 1), rows xx, zz, c, with a field on `size` neighbouring nodes, seen there.
 
-    Tractions vanish elsewhere, so the product is a linear convolution: it needs a transform of 2 size - 1 points
-    (rounded up), not of all nodes. Exact to round-off. Buffers belong to this object; not for use by two threads.
+    The field vanishes elsewhere, so this is a linear convolution: it needs a transform of 2 size - 1 points (rounded up
+    to a fast length), not of all nodes. Exact to round-off. Buffers belong to this object; not for use by two threads.
 
-    Attributes: traction (2, size) GPa, to be filled; displacement (2, size) nm, valid after `apply`.
+    Attributes: field (2, size), to be filled; product (2, size), valid after `apply`.
     """
 
-    def __init__(self, scene, size):
-        n = scene.nodes
-        modes = Modes.of(scene).compliance
+    def __init__(self, modes, nodes, size):
         length = fft_size(2 * size - 1)
-        if length >= n:
-            length = n
-            multipliers = modes
+        if length >= nodes:
+            length = nodes
         else:
-            multipliers = _cut(modes, n, size, length)
+            modes = _cut(modes, nodes, size, length)
         self.length = length
-        self.multipliers = np.ascontiguousarray(np.array(multipliers) / length)
-        self._real, self._spectrum, self._back, self._forward, self._inverse = _plans(length)
-        self._real[:] = 0.0
-        self.traction = self._real[:, :size]
-        self.displacement = self._back[:, :size]
+        self._multipliers = np.ascontiguousarray(modes / length)
+        self._before, self._after, self._spectrum, self._forward, self._backward = transforms(length)
+        self.field, self.product = self._before[:, :size], self._after[:, :size]
 
     def apply(self):
-        """displacement = C traction."""
-        self._forward.execute()
-        _multiply(self._spectrum, self.multipliers)
-        self._inverse.execute()
+        """product = modes * field."""
+        self._forward()
+        _multiply(self._spectrum, self._multipliers)
+        self._backward()
 
 
-def _cut(modes, n, size, length):
-    """Multipliers of the circulant of `length` points whose entries are the layer's influence within `size` nodes."""
+def _cut(modes, nodes, size, length):
+    """Modes (3, length//2+1) of the circulant of `length` points with the given one's entries within `size` nodes."""
     reach = np.arange(length)
     reach = np.where(reach < size, reach, reach - length)
     inside = np.abs(reach) < size
-    kernels = [np.fft.irfft(c, n) for c in modes[:2]] + [np.fft.irfft(1j * modes[2], n)]
-    spectra = [np.fft.rfft(np.where(inside, k[reach % n], 0.0)) for k in kernels]
-    return spectra[0].real, spectra[1].real, spectra[2].imag
+    kernels = [np.fft.irfft(c, nodes) for c in modes[:2]] + [np.fft.irfft(1j * modes[2], nodes)]
+    spectra = [np.fft.rfft(np.where(inside, k[reach % nodes], 0.0)) for k in kernels]
+    return np.array([spectra[0].real, spectra[1].real, spectra[2].imag])
 
 
-def _plans(length):
+def transforms(length):
+    """(before, after, spectrum, forward, backward): real rows (2, length), their spectrum, and two calls.
+
+    forward() fills spectrum from before; backward() fills after, times length, and destroys spectrum.
+    """
     with _planning:
-        real = pyfftw.zeros_aligned((2, length))
+        before, after = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))
         spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
-        back = pyfftw.zeros_aligned((2, length))
-        forward = pyfftw.FFTW(real, spectrum, axes=(1,), flags=_MEASURE)
-        inverse = pyfftw.FFTW(spectrum, back, axes=(1,), direction="FFTW_BACKWARD", flags=(*_MEASURE, "FFTW_DESTROY_INPUT"))
-    return real, spectrum, back, forward, inverse
+        forward = pyfftw.FFTW(before, spectrum, axes=(1,), flags=_MEASURE)
+        flags = (*_MEASURE, "FFTW_DESTROY_INPUT")
+        backward = pyfftw.FFTW(spectrum, after, axes=(1,), direction="FFTW_BACKWARD", flags=flags)
+        before[:] = 0.0  # planning measures, and so overwrites
+    return before, after, spectrum, forward.execute, backward.execute
 
 
 @njit(cache=True, nogil=True)

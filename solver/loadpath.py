@@ -10,7 +10,7 @@ from .contact import Contact, patch, wider
 from .fast import Fast
 from .frame import Frame, contact_area, forces, slip_event
 from .gfmd import Gfmd
-from .layer import Compliance
+from .layer import Convolution, Modes
 from .secants import Secants
 from .state import NotConverged, State, approach, shear
 
@@ -44,7 +44,7 @@ def advance(scene, checkpoint=None, budget=0.04, method="fast"):
     A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
     then checkpoint.failure says where and what to do.
     """
-    checkpoint = checkpoint or Checkpoint()
+    checkpoint = _own(checkpoint) if checkpoint else Checkpoint()
     frames, end = [], perf_counter() + budget
     while not checkpoint.done:
         try:
@@ -57,8 +57,15 @@ def advance(scene, checkpoint=None, budget=0.04, method="fast"):
     return frames, checkpoint
 
 
+def _own(checkpoint):
+    """The checkpoint with secant pairs of its own, so that going on from it leaves the given one as it is."""
+    if checkpoint.state is None or checkpoint.state.secants is None:
+        return checkpoint
+    return replace(checkpoint, state=replace(checkpoint.state, secants=checkpoint.state.secants.copy()))
+
+
 def next_frame(scene, checkpoint, method="fast"):
-    """(frame, checkpoint) of the increment that `checkpoint` stands before."""
+    """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
     if method not in METHODS:
         raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
     approaching = checkpoint.stage == "approach"
@@ -88,13 +95,14 @@ def _widened(scene, loading, state, before, first, size):
     part = slice(before - first, before - first + state.active.size)
     narrow = Contact(scene, before, state.active.size)
     narrow.residual(state.u, state.active, loading.at(state.load), np.empty_like(state.u))
-    wide = Compliance(scene, size)
-    wide.traction[:, part] = narrow.traction()
+    wide = Convolution(Modes.of(scene).compliance, scene.nodes, size)
+    wide.field[:, part] = narrow.traction()
     wide.apply()
-    u = wide.displacement + np.array(loading.at(state.load))[:, None]
+    u = wide.product + np.array(loading.at(state.load))[:, None]
     active = np.zeros(size, bool)
     u[:, part], active[part] = state.u, state.active
-    return State(state.load, u, active, [(state.load, u)], Secants(state.secants.memory, u.size) if state.secants else None)
+    secants = state.secants and Secants(state.secants.memory, u.size)
+    return State(state.load, u, active, [(state.load, u)], secants)
 
 
 def _turned(start):
@@ -141,10 +149,10 @@ def _solver(method, scene, first, size):
 
 def whole_surface(scene, frame):
     """Displacement of every surface node of the layer, (2, nodes) nm, from the traction on the patch."""
-    product = Compliance(scene, scene.nodes)
-    product.traction[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
-    product.apply()
-    return product.displacement + np.array([[frame.U_x], [-frame.delta]])
+    compliance = Convolution(Modes.of(scene).compliance, scene.nodes, scene.nodes)
+    compliance.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
+    compliance.apply()
+    return compliance.product + np.array([[frame.U_x], [-frame.delta]])
 
 
 def summarize(scene, frames):

@@ -41,7 +41,7 @@ class SceneError(ValueError):
 
 @dataclass(frozen=True)
 class Scene:
-    """Parameters of one experiment, in nm, GPa and N/m (source: paper section 2.3; defaults where it is silent are ours).
+    """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; defaults where it is silent are ours).
 
     Raises SceneError when built with a value outside LIMITS, of the wrong type, or with an impossible combination.
     """

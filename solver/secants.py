@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 REGULARISATION = 1e-10  # of the normalised Gram matrix: below it, pairs count as linearly dependent
+FORGET = 1.5  # growth of the regularisation from a pair to the next older one, whose tangent is more out of date
 
 
 class Secants:
@@ -30,9 +31,15 @@ class Secants:
     def memory(self):
         return len(self.du)
 
-    def move(self, r):
-        """The move of u that should cancel the residual r, as far as the pairs know the tangent; a new array."""
-        return _move(self.du, self.dr, self.gram, self.rows, r, REGULARISATION)
+    def move(self, r, smooth=None):
+        """The move of u that should cancel the residual r, as far as the pairs know the tangent; a new array.
+
+        smooth (array -> array): applied to the part of r that the pairs do not know; by default it is added as it is.
+        """
+        move, rest = np.empty_like(r), r.copy()
+        _split(self.du, self.dr, self.gram, self.rows, self.slot, r, REGULARISATION, FORGET, move, rest)
+        move += rest if smooth is None else smooth(rest)
+        return move
 
     def clear(self):
         self.rows = self.slot = 0
@@ -64,22 +71,23 @@ def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
 
 
 @njit(cache=True, nogil=True)
-def _move(du, dr, gram, rows, r, eps):
-    c = _coefficients(dr, gram, rows, r, eps)
-    move = r.copy()
+def _split(du, dr, gram, rows, slot, r, eps, forget, move, rest):
+    """move = -sum c_j du_j and rest = r - sum c_j dr_j with the c that make rest least."""
+    c = _coefficients(dr, gram, rows, slot, r, eps, forget)
+    move[:] = 0.0
     for j in range(rows):
-        _subtract(move, c[j], du[j], dr[j])
-    return move
+        _subtract(move, c[j], du[j])
+        _subtract(rest, c[j], dr[j])
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
-def _subtract(move, c, du, dr):
-    for i in range(move.size):
-        move[i] -= c * (du[i] + dr[i])
+def _subtract(total, c, row):
+    for i in range(total.size):
+        total[i] -= c * row[i]
 
 
 @njit(cache=True, nogil=True)
-def _coefficients(dr, gram, rows, r, eps):
+def _coefficients(dr, gram, rows, slot, r, eps, forget):
     """Least-squares coefficients of r in the rows of dr: Cholesky of the normalised, regularised Gram matrix."""
     low, y, d = np.zeros((rows, rows)), np.zeros(rows), np.zeros(rows)
     for i in range(rows):
@@ -87,7 +95,7 @@ def _coefficients(dr, gram, rows, r, eps):
         y[i] = dot(dr[i], r) * d[i]
     for i in range(rows):
         for j in range(i + 1):
-            t = 1.0 + eps if i == j else gram[i, j] * d[i] * d[j]
+            t = 1.0 + min(1.0, eps * forget ** ((slot - 1 - i) % dr.shape[0])) if i == j else gram[i, j] * d[i] * d[j]
             for k in range(j):
                 t -= low[i, k] * low[j, k]
             low[i, j] = np.sqrt(max(t, eps)) if i == j else t / low[j, j]

@@ -56,7 +56,7 @@ class State:
 
 @dataclass(frozen=True)
 class Increment:
-    """The outcome of one increment: the state reached, its traction (2, m) in GPa, residual in nm, and slips on the way."""
+    """The outcome of one increment: the state reached, traction (2, m) in GPa, residual in nm, slips on the way."""
 
     state: State
     traction: np.ndarray

@@ -1,0 +1,68 @@
+"""Flat on flat: all nodes move alike, and one scalar equation G/h (U_x - u) = -T(u) is the exact answer."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+from solver import Scene, load_path
+
+
+class OneNode:
+    """Prandtl-Tomlinson: the load U_x under which a node rests at u, and where that has its maximum."""
+
+    def __init__(self, scene):
+        self.a, self.scene = scene.spacing, scene
+        self.flexibility = scene.height * scene.width / scene.shear_modulus
+        self.top = minimize_scalar(
+            lambda u: -self.load(u), bounds=(0, self.a / 2), method="bounded", options={"xatol": 1e-12}
+        )
+        self.u_fold, self.fold = self.top.x, -self.top.fun
+
+    def pull(self, u):
+        dt = (np.arange(-20, 21) * self.a - u) / self.scene.delta_t
+        return -2.0 * self.scene.phi_t / self.scene.delta_t * np.sum(dt * np.exp(-(dt**2)))
+
+    def load(self, u):
+        return u + self.pull(u) * self.flexibility
+
+    def rest(self, U_x):
+        """Where the node rests after as many slips as there were folds below U_x."""
+        slips = max(0, int(np.ceil((U_x - self.fold) / self.a)))
+        low = slips * self.a - (self.a / 2 if slips else 1e-9)
+        # from the fold before, the node has moved on to the first rest behind it
+        return brentq(lambda u: self.load(u) - U_x, low, slips * self.a + self.u_fold, xtol=1e-14)
+
+
+@pytest.mark.parametrize("values", [{"phi_ratio": 0.1}, {"phi_ratio": 0.1, "E": 140.0}, {"phi_ratio": 0.05}])
+def test_stick_slip_follows_one_node_folds_included(values):
+    scene = Scene(surface="flat", tolerance=1e-11, **values)
+    node = OneNode(scene)
+    shear = [f for f in load_path(scene) if f.stage == "shear"]
+    folds = [event.load for f in shear for event in f.slips]
+    expected = np.arange(len(folds)) * scene.spacing + node.fold
+    assert len(folds) == int(np.floor((scene.u_x_max - node.fold) / scene.spacing)) + 1
+    assert folds == pytest.approx(expected, abs=1e-8)
+    for frame in shear:
+        u = node.rest(frame.U_x)
+        assert np.abs(frame.u[0] - u).max() < 1e-8
+        assert frame.F_bar == pytest.approx(node.pull(u) / scene.E, rel=1e-8, abs=1e-14)
+        assert np.abs(frame.u[1]).max() < 1e-8
+
+
+def test_weak_friction_slides_continuously():
+    """Below max dT/du = G/h the load has no maximum: no slip, and the force returns to zero twice per period."""
+    scene = Scene(surface="flat", phi_ratio=0.001, u_x_max=8.0)
+    shear = [f for f in load_path(scene) if f.stage == "shear"]
+    assert not any(f.slip for f in shear)
+    force = np.array([f.F_bar for f in shear])
+    assert np.count_nonzero(np.diff(np.sign(force[1:]))) >= 6
+    assert force.mean() == pytest.approx(0.0, abs=0.1 * force.max())
+
+
+def test_stiffer_layer_drops_more_force_at_a_slip():
+    drops = []
+    for E in (70.0, 140.0):
+        shear = [f for f in load_path(Scene(surface="flat", phi_ratio=0.1, E=E, u_x_max=18.0)) if f.stage == "shear"]
+        k = next(i for i, f in enumerate(shear) if f.slip)
+        drops.append((shear[k - 1].F_bar - shear[k].F_bar) * E)
+    assert drops[1] > 1.8 * drops[0]
