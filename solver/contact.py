@@ -23,14 +23,19 @@ class Contact:
         self.window = scene.window_n * scene.delta_n
         self.law = np1.law_constants(scene)
         self.compliance = Convolution(Modes.of(scene).compliance, scene.nodes, size)
+        self.work = np.empty((np1.WORK, size))
         self.evaluations = 0
 
     def residual(self, u, active, load, out):
         """Fill out (2, size) with U + C T(u) - u, nm, at load (U_x, U_z); returns its largest magnitude."""
+        return _residual(u, self.response(u, active), load[0], load[1], out)
+
+    def response(self, u, active):
+        """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next one."""
         self.evaluations += 1
-        np1.tractions(u, self.profile, active, self.law, self.compliance.field)
+        np1.tractions(u, self.profile, active, self.law, self.work, self.compliance.field)
         self.compliance.apply()
-        return _residual(u, self.compliance.product, load[0], load[1], out)
+        return self.compliance.product
 
     def traction(self):
         """Traction of the last evaluation, GPa, (2, size); a copy."""
@@ -39,7 +44,7 @@ class Contact:
     def stiffness(self, u, active):
         """The largest restoring stiffness of the interface in u, GPa/nm."""
         tangents = np.empty((4, self.size))
-        np1.tangents(u, self.profile, active, self.law, tangents)
+        np1.tangents(u, self.profile, active, self.law, self.work, tangents)
         return max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
 
     def within_window(self, u):

@@ -13,6 +13,7 @@ from .contact import Contact
 from .flow import STEP_ERROR, Flow
 from .fold import Fold, follow
 from .layer import Convolution, Modes
+from .record import SAME, Record
 from .secants import Secants, advance
 from .state import Increment, NotConverged, Slip, State
 
@@ -22,7 +23,7 @@ MOST_STEPS = 60  # of a load increment on a branch, before the branch is followe
 LONGEST_STEP = 0.15  # of min(delta_n, delta_t): bound of one secant step
 FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is followed by arc length
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
-MOST_LANDING_STEPS = 80
+MOST_LANDING_STEPS = 150
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
 BUDGET = 400_000  # force evaluations of one increment
 
@@ -34,7 +35,8 @@ class Fast:
         self.scene, self.contact = scene, Contact(scene, first, size)
         self.unit = min(scene.delta_n, scene.delta_t)
         self.tolerance = scene.tolerance
-        self.smooth = None
+        self.smooth = None  # what secant steps do to the unknown part of the residual
+        self.worst = np.inf  # nm, residual of the last evaluation
         self._r = np.empty((2, size))
         longest_wave = Modes.of(scene).compliance[1, max(1, round(scene.nodes / size))]
         self._stiff = STIFF / float(longest_wave)
@@ -65,21 +67,43 @@ class Fast:
 
     def increment(self, state, loading, target):
         """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
+        repeated = self._repeat(state, loading, target)
+        if repeated is not None:
+            return repeated
         self._choose_smoother(state)
         slips, limit = [], self.contact.evaluations + BUDGET
         while True:
-            found = self._on_branch(state, loading, target)
-            if found is None:
-                found = follow(self, state, loading, target)
+            found = self._on_branch(state, loading, target) or follow(self, state, loading, target)
             if isinstance(found, Fold):
                 slips.append(Slip(found.load, found.u, found.traction))
-                state = self._through(found.beyond, loading, found.load, limit)
-                if found.load >= target:  # the flow was needed at the target itself
-                    found = state
-                else:
+                state = self._through(state, found, loading, limit)
+                if found.load < target:
                     continue
-            residual = self.contact.residual(found.u, found.active, loading.at(target), self._r)
-            return Increment(found, self.contact.traction(), residual, tuple(slips))
+                found = state  # the flow was needed at the target itself
+            if found.record is not None:
+                found.record.add(target, found.u, found.active, found.sites * self.scene.spacing)
+            return Increment(found, self.contact.traction(), self.worst, tuple(slips))
+
+    def _repeat(self, state, loading, target):
+        """The increment to `target` from the record of a sliding run; None if it tells nothing."""
+        record, spacing, slips = state.record, self.scene.spacing, []
+        if record is None or not record.sites:
+            return None
+        sites = state.sites
+        while target - sites * spacing > record.fold.load:
+            slips.append(record.fold.moved(sites * spacing))
+            sites += record.sites
+        u, active = record.state_at(target, sites * spacing)
+        guess, before = u.copy(), self.contact.evaluations
+        active = self.settle(u, active, loading.at(target), state.secants, MOST_STEPS)
+        if active is None or np.abs(u - guess).max() > SAME * self.unit:
+            state.record = None  # from here on everything is solved for
+            return None
+        if self.contact.evaluations > before + 1:  # not accurate enough as interpolated: now it is known better
+            record.add(target, u, active, sites * spacing)
+        past = [(target, u)] if slips else [(target, u), *state.past[: ORDER + 1]]
+        moved = State(target, u, active, past, state.secants, record, sites)
+        return Increment(moved, self.contact.traction(), self.worst, tuple(slips), True)
 
     def _on_branch(self, state, loading, target):
         """The state at `target` on the same branch by secant steps, or None if that is not to be had safely."""
@@ -95,7 +119,7 @@ class Fast:
     def reached(self, state, load, u, active):
         """The state at `load` on the branch of `state`."""
         older = [p for p in state.past if p[0] != load]
-        return State(load, u, active, [(load, u), *older[: ORDER + 1]], state.secants)
+        return State(load, u, active, [(load, u), *older[: ORDER + 1]], state.secants, state.record, state.sites)
 
     def settle(self, u, active, load, secants, most):
         """Solve for u, in place, with the set of active nodes it implies; that set, or None."""
@@ -104,34 +128,40 @@ class Fast:
     def solve(self, u, active, load, secants, most, longest=LONGEST_STEP):
         """Secant steps on u, in place, at fixed load; True if the residual came below the tolerance."""
         r, bound = self._r, longest * self.unit
-        worst = self.contact.residual(u, active, load, r)
+        self.worst = worst = self.contact.residual(u, active, load, r)
         first, steps = worst, 0
         while worst > self.tolerance:
             if steps == most or not worst < 1e3 * max(first, bound):
                 return False
             u_before, r_before = u.copy(), r.copy()
             advance(u.ravel(), secants.move(r.ravel(), self.smooth), bound)
-            worst = self.contact.residual(u, active, load, r)
+            self.worst = worst = self.contact.residual(u, active, load, r)
             secants.push(u.ravel(), r.ravel(), u_before.ravel(), r_before.ravel())
             steps += 1
         return True
 
-    def _through(self, u, loading, load, limit):
-        """The state that the overdamped flow from u reaches at fixed load."""
-        flow = Flow(self.contact, u, loading.at(load), STEP_ERROR * self.unit)
-        landed = LANDED
-        while True:
+    def _through(self, state, fold, loading, limit):
+        """The state that the overdamped flow from the fold of the branch of `state` reaches, at the fold's load."""
+        flow = Flow(self.contact, fold.beyond, loading.at(fold.load), STEP_ERROR * self.unit)
+        landed, found = LANDED, None
+        while found is None:
             while flow.speed > max(landed * flow.peak, self.tolerance):
                 flow.advance()
                 if self.contact.evaluations > limit:
                     raise NotConverged(
-                        f"Not converged at {loading.name} = {load:.6g} nm: residual {flow.speed:.2g} nm after {BUDGET}"
-                        " force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
+                        f"Not converged at {loading.name} = {fold.load:.6g} nm: residual {flow.speed:.2g} nm after"
+                        f" {BUDGET} force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
                     )
-            state = self._land(flow, loading, load)
-            if state is not None:
-                return state
+            found = self._land(flow, loading, fold.load)
             landed *= 0.2
+        if state.record is not None:
+            slip = Slip(fold.load, fold.u, fold.traction)
+            known = state.record.close(slip, found, self.scene.spacing, self.unit)
+            if known:
+                found.record, found.sites = state.record, state.record.sites
+            else:
+                found.record = Record([fold.load], [(found.u, found.active)])
+        return found
 
     def _land(self, flow, loading, load):
         """Secant steps from where the flow has nearly come to rest; None if they fail or lead away."""

@@ -13,7 +13,8 @@ from numba import njit
 from .secants import dot
 
 STEP_ERROR = 0.02  # of min(delta_n, delta_t), in one step; the branch reached does not depend on it (test_slip.py)
-MOST_STAGES = 20
+MOST_STAGES = 60
+PROBE_EVERY = 4  # steps between two looks at the stiffest mode
 PROBE = 1e-6  # nm, length of the probe along the stiffest mode
 
 
@@ -28,6 +29,7 @@ class Flow:
         self.speed = contact.residual(self.u, self.active, load, self.r)
         self.peak = self.speed
         self.step = 0.1
+        self._steps = 0
         self._mode = np.random.default_rng(0).normal(size=u.shape)
         self.radius = 1.0
         for _ in range(6):
@@ -60,20 +62,19 @@ class Flow:
         self.u, self.r, self.speed = there, r, speed
         self.peak = max(self.peak, speed)
         self.active = self.contact.within_window(there)
-        self._probe()
+        self._steps += 1
+        if self._steps % PROBE_EVERY == 0:
+            self._probe()
         return speed
 
     def _stages(self, stages):
         first, table = _chebyshev(stages)
-        h = self.step
+        load, h = self.load, self.step
         before, now = self.u, self.u + first * h * self.r
-        r = np.empty_like(self.r)
-        for mu, nu, rate, start in table:
-            self.contact.residual(now, self.active, self.load, r)
-            later = np.empty_like(now)
-            _stage(self.u, now, before, r, self.r, mu, nu, rate * h, start * h, later)
-            before, now = now, later
-        return now, r
+        for coefficients in table:
+            response = self.contact.response(now, self.active)
+            before, now = now, _stage(self.u, now, before, response, load[0], load[1], self.r, *coefficients, h)
+        return now, np.empty_like(now)
 
 
 @cache
@@ -95,12 +96,15 @@ def _chebyshev(s):
     return b[1] * w1, tuple(table)
 
 
-@njit(cache=True, nogil=True)
-def _stage(u0, now, before, r, r0, mu, nu, rate, start, out):
-    rest = 1.0 - mu - nu
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _stage(u0, now, before, response, load_x, load_z, r0, mu, nu, rate, start, h):
+    later, rest = np.empty_like(now), 1.0 - mu - nu
     for c in range(2):
+        load = load_x if c == 0 else load_z
         for i in range(u0.shape[1]):
-            out[c, i] = rest * u0[c, i] + mu * now[c, i] + nu * before[c, i] + rate * r[c, i] + start * r0[c, i]
+            r = load + response[c, i] - now[c, i]
+            later[c, i] = rest * u0[c, i] + mu * now[c, i] + nu * before[c, i] + h * (rate * r + start * r0[c, i])
+    return later
 
 
 @njit(cache=True, nogil=True)

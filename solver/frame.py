@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Frame:
 
 def forces(scene, T):
     """(F_bar, L_bar): tangential and normal force over w E; attraction is negative."""
-    scale = scene.spacing / (scene.width * scene.E)
+    scale = 1.0 / (scene.nodes * scene.E)
     return -float(T[0].sum()) * scale, float(T[1].sum()) * scale
 
 
@@ -60,22 +61,30 @@ def contact_area(scene, T, first):
 
     A_bar: repulsive length over w; trailing, leading: outermost edges in nm (nan without contact).
     """
-    n, a, tz = T.shape[1], scene.spacing, T[1]
-    if n < scene.nodes:
-        tz = np.concatenate(([0.0], tz, [0.0]))
-        first -= 1
-    inside = tz > 0.0
-    if not inside.any():
-        return 0.0, np.nan, np.nan
-    if inside.all():
-        return 1.0, np.nan, np.nan
-    after, follows = np.roll(tz, -1), np.roll(inside, -1)
-    i = np.flatnonzero(inside != follows)
-    share = tz[i] / (tz[i] - after[i])  # from node i to the edge, in spacings
-    opens = follows[i]
-    length = np.count_nonzero(inside & follows) + float(np.where(opens, 1.0 - share, share).sum())
-    edges = (first + i + share) * a
-    return length / scene.nodes, float(edges[opens].min()), float(edges[~opens].max())
+    length, trailing, leading = _contact(T, T.shape[1] == scene.nodes)
+    return length / scene.nodes, (first + trailing) * scene.spacing, (first + leading) * scene.spacing
+
+
+@njit(cache=True, nogil=True)
+def _contact(T, closed):
+    """Repulsive length, first opening and last closing edge, in spacings; closed: the last node meets the first."""
+    n = T.shape[1]
+    length, trailing, leading = 0.0, np.nan, np.nan
+    for i in range(0 if closed else -1, n):
+        here = T[1, i] if i >= 0 else 0.0
+        after = T[1, i + 1] if i + 1 < n else (T[1, 0] if closed else 0.0)
+        if here > 0.0 and after > 0.0:
+            length += 1.0
+        elif after > 0.0:
+            edge = here / (here - after)
+            length += 1.0 - edge
+            if np.isnan(trailing):
+                trailing = i + edge
+        elif here > 0.0:
+            edge = here / (here - after)
+            length += edge
+            leading = i + edge
+    return length, trailing, leading
 
 
 def slip_event(scene, first, slip):

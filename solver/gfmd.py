@@ -71,7 +71,7 @@ class Gfmd:
         while True:
             for _ in range(CHECK_EVERY):
                 self._shape(modes)
-                np1.tractions(shape, contact.profile, active, contact.law, traction)
+                np1.tractions(shape, contact.profile, active, contact.law, contact.work, traction)
                 self._forward()
                 _verlet(modes, motion, self._spectrum, self._modes.stiffness, top, step, self._gamma)
                 contact.evaluations += 1
@@ -97,7 +97,7 @@ class Gfmd:
 
     def _equilibrium(self, u, active, load, traction):
         """Modes of the whole surface, U + C T(u)."""
-        np1.tractions(u, self.contact.profile, active, self.contact.law, traction)
+        np1.tractions(u, self.contact.profile, active, self.contact.law, self.contact.work, traction)
         self._forward()
         modes = self._modes.displacement(self._spectrum)
         modes[:, 0] += np.array(load) * self.scene.nodes
@@ -105,7 +105,7 @@ class Gfmd:
 
     def _time_step(self, u, active):
         tangents = np.empty((4, self.contact.size))
-        np1.tangents(u, self.contact.profile, active, self.contact.law, tangents)
+        np1.tangents(u, self.contact.profile, active, self.contact.law, self.contact.work, tangents)
         tangents = np.abs(tangents)
         interface = max((tangents[0] + tangents[1]).max(), (tangents[2] + tangents[3]).max())
         return SAFETY * 2.0 / np.sqrt(self._stiffest + interface)

@@ -11,6 +11,7 @@ from .fast import Fast
 from .frame import Frame, contact_area, forces, slip_event
 from .gfmd import Gfmd
 from .layer import Convolution, Modes
+from .record import Record
 from .secants import Secants
 from .state import NotConverged, State, approach, shear
 
@@ -59,9 +60,11 @@ def advance(scene, checkpoint=None, budget=0.04, method="fast"):
 
 def _own(checkpoint):
     """The checkpoint with secant pairs of its own, so that going on from it leaves the given one as it is."""
-    if checkpoint.state is None or checkpoint.state.secants is None:
+    state = checkpoint.state
+    if state is None:
         return checkpoint
-    return replace(checkpoint, state=replace(checkpoint.state, secants=checkpoint.state.secants.copy()))
+    own = replace(state, secants=state.secants and state.secants.copy(), record=state.record and state.record.copy())
+    return replace(checkpoint, state=own)
 
 
 def next_frame(scene, checkpoint, method="fast"):
@@ -107,7 +110,7 @@ def _widened(scene, loading, state, before, first, size):
 
 def _turned(start):
     """The state at the end of the approach as the first of the shear: another load, no past along it."""
-    return replace(start, load=0.0, past=[(0.0, start.u)])
+    return replace(start, load=0.0, past=[(0.0, start.u)], record=Record())
 
 
 def _after(scene, checkpoint, first, reached):

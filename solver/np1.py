@@ -7,12 +7,16 @@ A spring from a surface node to a lattice site has the tangential gap dt and the
 
 as traction on the layer. Both lattices have the period a, so the sum over sites depends on u_x only through its
 distance r to the nearest site, and the Gaussians of all sites follow from exp(-r^2) and exp(2 a r) by recurrence.
+All loops run over the nodes and hold no branch and no call, so that they compile to vector instructions.
 """
 
 import numpy as np
 from numba import njit
 
 DEEPEST = -50.0  # dn/delta_n; deeper overclosure (iterates only, never a solution) is continued as if at this depth
+WORK = 10  # rows of scratch that `tractions` and `tangents` need
+
+_fast = {"contract", "nsz", "arcp"}  # no reordering of sums, and NaN stays NaN
 
 
 def law_constants(scene):
@@ -29,86 +33,117 @@ def law_constants(scene):
     )
 
 
-@njit(cache=True, nogil=True)
-def lattice_sums(x, a, window):
-    """Sums of 1, dt and dt^2 times exp(-dt^2) over the sites |dt| <= window around x; all lengths in delta_t."""
-    r = x - a * np.rint(x / a)
-    s0 = s1 = s2 = 0.0
-    if a > 3.0:  # few sites; exp(2 a r) could overflow
-        for k in range(-int((window + r) / a) - 1, int((window + r) / a) + 2):
-            dt = k * a - r
-            if abs(dt) <= window:
-                e = np.exp(-dt * dt)
-                s0 += e
-                s1 += dt * e
-                s2 += dt * dt * e
-        return s0, s1, s2
-    e0 = np.exp(-r * r)
-    s0, s1, s2 = e0, -r * e0, r * r * e0
+@njit(cache=True, nogil=True, fastmath=_fast)
+def exponential(x, power):
+    """x = exp(x) in place, to round-off, x kept within +-700; power: scratch of the same length.
+
+    exp(x) = 2^k p(r), r = x - k ln 2. Adding 1.5 2^52 leaves k in the low bits of the sum; shifted up they are 2^k.
+    """
+    bits = power.view(np.int64)
+    for i in range(x.size):
+        v = min(max(x[i], -700.0), 700.0)
+        power[i] = v * 1.4426950408889634 + 6755399441055744.0
+        k = power[i] - 6755399441055744.0
+        r = v - k * 6.93147180369123816490e-01 - k * 1.90821492927058770002e-10  # ln 2 in two parts
+        p = 1.0 / 6227020800.0
+        p = p * r + 1.0 / 479001600.0
+        p = p * r + 1.0 / 39916800.0
+        p = p * r + 1.0 / 3628800.0
+        p = p * r + 1.0 / 362880.0
+        p = p * r + 1.0 / 40320.0
+        p = p * r + 1.0 / 5040.0
+        p = p * r + 1.0 / 720.0
+        p = p * r + 1.0 / 120.0
+        p = p * r + 1.0 / 24.0
+        p = p * r + 1.0 / 6.0
+        x[i] = ((p * r + 0.5) * r + 1.0) * r + 1.0
+    for i in range(x.size):
+        bits[i] = (bits[i] << 52) + 0x3FF0000000000000
+    for i in range(x.size):
+        x[i] *= power[i]
+
+
+@njit(cache=True, nogil=True, fastmath=_fast)
+def window_sums(u, profile, law, work):
+    """Fill the first rows of work (WORK, m): sums of 1, dt and dt^2 times exp(-dt^2), then exp(-dn), then dn.
+
+    u: (2, >= m) nm; profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
+    """
+    a, window, m = law[4], law[5], profile.size
+    s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
+    r, up, down, ahead, behind = work[5], work[6], work[7], work[8], work[9]
+    for i in range(m):
+        x = u[0, i] / law[3]
+        r[i] = x - a * np.floor(x / a + 0.5)
+        dn[i] = max((profile[i] + u[1, i]) / law[2], DEEPEST)
+        e[i] = -dn[i]
+        s0[i] = -r[i] * r[i]
+        up[i] = 2.0 * a * r[i]
+    exponential(e, down)
+    exponential(s0, down)
+    exponential(up, down)
     shrink = np.exp(-a * a)
-    forward = np.exp(2.0 * a * r)
-    up, down = forward * shrink, shrink / forward  # ratio of the next Gaussian to this one, ahead and behind
+    for i in range(m):
+        down[i] = shrink / up[i]
+        up[i] *= shrink
+        ahead[i] = behind[i] = s0[i]
+        s1[i] = -r[i] * s0[i]
+        s2[i] = r[i] * r[i] * s0[i]
     shrink *= shrink
-    ahead = behind = e0
-    k = 1
-    while k * a - abs(r) <= window:
-        ahead *= up
-        behind *= down
-        up *= shrink
-        down *= shrink
-        dt = k * a - r
-        if abs(dt) <= window:
-            s0 += ahead
-            s1 += dt * ahead
-            s2 += dt * dt * ahead
-        dt = -k * a - r
-        if abs(dt) <= window:
-            s0 += behind
-            s1 += dt * behind
-            s2 += dt * dt * behind
-        k += 1
-    return s0, s1, s2
+    for k in range(1, int((window + 0.5 * a) / a) + 1):
+        for i in range(m):
+            ahead[i] *= up[i]  # up and down: the ratio of the next Gaussian to this one, ahead and behind
+            behind[i] *= down[i]
+            up[i] *= shrink
+            down[i] *= shrink
+            front, back = k * a - r[i], k * a + r[i]
+            g = ahead[i] if front <= window else 0.0
+            h = behind[i] if back <= window else 0.0
+            s0[i] += g + h
+            s1[i] += front * g - back * h
+            s2[i] += front * front * g + back * back * h
 
 
-@njit(cache=True, nogil=True)
-def traction(ux, gap, law):
-    """(T_x, T_z) on one node, GPa, from its tangential displacement and gap in nm."""
-    dn = max(gap / law[2], DEEPEST)
-    s0, s1, _ = lattice_sums(ux / law[3], law[4], law[5])
-    e = np.exp(-dn)
-    return law[1] * s1 * e, -law[0] * dn * s0 * e
-
-
-@njit(cache=True, nogil=True)
-def tangent(ux, gap, law):
-    """(dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z) of one node, GPa/nm; not symmetric, NP1 has no potential."""
-    dn = max(gap / law[2], DEEPEST)
-    s0, s1, s2 = lattice_sums(ux / law[3], law[4], law[5])
-    e = np.exp(-dn)
-    return (
-        -law[1] * (s0 - 2.0 * s2) * e / law[3],
-        -law[1] * s1 * e / law[2],
-        -law[0] * dn * e * 2.0 * s1 / law[3],
-        -law[0] * (1.0 - dn) * e * s0 / law[2],
-    )
-
-
-@njit(cache=True, nogil=True)
-def tractions(u, profile, active, law, out):
-    """Traction of every node. u, out: (2, >= m) nm and GPa; profile, active: (m,); inactive nodes get zero."""
+@njit(cache=True, nogil=True, fastmath=_fast)
+def tractions(u, profile, active, law, work, out):
+    """Traction (T_x, T_z) of every node, GPa, out: (2, >= m); active (m,) bool: the others get zero."""
+    window_sums(u, profile, law, work)
+    s0, s1, e, dn = work[0], work[1], work[3], work[4]
     for i in range(profile.size):
-        if active[i]:
-            out[0, i], out[1, i] = traction(u[0, i], profile[i] + u[1, i], law)
-        else:
-            out[0, i] = 0.0
-            out[1, i] = 0.0
+        force = e[i] if active[i] else 0.0
+        out[0, i] = law[1] * s1[i] * force
+        out[1, i] = -law[0] * dn[i] * s0[i] * force
 
 
-@njit(cache=True, nogil=True)
-def tangents(u, profile, active, law, out):
-    """Tangent of every node, out: (4, m), rows xx, xz, zx, zz in GPa/nm; inactive nodes get zero."""
+@njit(cache=True, nogil=True, fastmath=_fast)
+def tangents(u, profile, active, law, work, out):
+    """Tangent of every node, GPa/nm, out: (4, m) with rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z.
+
+    Not symmetric: NP1 has no potential.
+    """
+    window_sums(u, profile, law, work)
+    s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
     for i in range(profile.size):
-        if active[i]:
-            out[0, i], out[1, i], out[2, i], out[3, i] = tangent(u[0, i], profile[i] + u[1, i], law)
-        else:
-            out[0, i] = out[1, i] = out[2, i] = out[3, i] = 0.0
+        force = e[i] if active[i] else 0.0
+        out[0, i] = -law[1] * (s0[i] - 2.0 * s2[i]) * force / law[3]
+        out[1, i] = -law[1] * s1[i] * force / law[2]
+        out[2, i] = -law[0] * dn[i] * 2.0 * s1[i] * force / law[3]
+        out[3, i] = -law[0] * (1.0 - dn[i]) * s0[i] * force / law[2]
+
+
+def traction(scene, ux, gap):
+    """(T_x, T_z), GPa, of nodes displaced by ux (nm) at that gap (nm); arrays of one shape, or numbers."""
+    ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
+    u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((2, ux.size))
+    nodes = np.zeros(ux.size), np.ones(ux.size, bool)
+    tractions(u, *nodes, law_constants(scene), np.empty((WORK, ux.size)), out)
+    return out.reshape(2, *ux.shape)
+
+
+def tangent(scene, ux, gap):
+    """The tangents, rows as in `tangents`, GPa/nm; arguments as in `traction`."""
+    ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
+    u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((4, ux.size))
+    nodes = np.zeros(ux.size), np.ones(ux.size, bool)
+    tangents(u, *nodes, law_constants(scene), np.empty((WORK, ux.size)), out)
+    return out.reshape(4, *ux.shape)

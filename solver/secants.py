@@ -86,27 +86,31 @@ def _subtract(total, c, row):
         total[i] -= c * row[i]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def _coefficients(dr, gram, rows, slot, r, eps, forget):
     """Least-squares coefficients of r in the rows of dr: Cholesky of the normalised, regularised Gram matrix."""
-    low, y, d = np.zeros((rows, rows)), np.zeros(rows), np.zeros(rows)
+    upper, y, d = np.empty((rows, rows)), np.empty(rows), np.empty(rows)
     for i in range(rows):
         d[i] = 1.0 / np.sqrt(gram[i, i]) if gram[i, i] > 0.0 else 0.0
         y[i] = dot(dr[i], r) * d[i]
     for i in range(rows):
-        for j in range(i + 1):
-            t = 1.0 + min(1.0, eps * forget ** ((slot - 1 - i) % dr.shape[0])) if i == j else gram[i, j] * d[i] * d[j]
-            for k in range(j):
-                t -= low[i, k] * low[j, k]
-            low[i, j] = np.sqrt(max(t, eps)) if i == j else t / low[j, j]
-    for i in range(rows):
-        for k in range(i):
-            y[i] -= low[i, k] * y[k]
-        y[i] /= low[i, i]
+        for j in range(i, rows):
+            upper[i, j] = gram[i, j] * d[i] * d[j]
+        upper[i, i] = 1.0 + min(1.0, eps * forget ** ((slot - 1 - i) % dr.shape[0]))
+    for k in range(rows):
+        pivot = 1.0 / np.sqrt(max(upper[k, k], eps))
+        for j in range(k, rows):
+            upper[k, j] *= pivot
+        y[k] *= pivot
+        for i in range(k + 1, rows):
+            factor = upper[k, i]
+            for j in range(i, rows):
+                upper[i, j] -= factor * upper[k, j]
+            y[i] -= factor * y[k]
     for i in range(rows - 1, -1, -1):
-        for k in range(i + 1, rows):
-            y[i] -= low[k, i] * y[k]
-        y[i] /= low[i, i]
+        y[i] /= upper[i, i]
+        for k in range(i):
+            y[k] -= upper[k, i] * y[i]
     return y * d
 
 

@@ -42,6 +42,10 @@ class Slip:
     before: np.ndarray  # (2, m) displacement there, nm
     traction: np.ndarray  # (2, m) traction there, GPa
 
+    def moved(self, distance):
+        """The same slip a whole number of lattice periods (nm) farther on."""
+        return Slip(self.load + distance, self.before + np.array([[distance], [0.0]]), self.traction)
+
 
 @dataclass
 class State:
@@ -52,6 +56,8 @@ class State:
     active: np.ndarray  # (m,) nodes within the interaction window
     past: list = field(default_factory=list)  # [(load, u)] on this branch, newest first, this one included
     secants: Secants | None = None
+    record: object = None  # the Record of this branch, if sliding may repeat it
+    sites: int = 0  # by which the state has moved on from the record; counts once that is closed
 
 
 @dataclass(frozen=True)
@@ -62,3 +68,4 @@ class Increment:
     traction: np.ndarray
     residual: float
     slips: tuple = ()
+    repeated: bool = False  # a recorded state moved on, not solved for

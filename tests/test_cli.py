@@ -1,0 +1,293 @@
+"""The command line: exit codes, one-line errors, and what the files hold."""
+
+import csv
+import io
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import solver.__main__ as cli
+from solver import LIMITS, NotConverged, Scene, __version__, load_path
+from solver.progress import Progress
+
+ROOT = Path(__file__).parents[1]
+SMALL = ("nodes=64", "width=160", "u_x_max=2")
+HEADER = "U_x,F_bar,L_bar,A_bar,residual,evaluations,slip"
+
+
+@pytest.fixture
+def call(capsys):
+    """call(*arguments) -> (exit code, standard output, standard error), within this process."""
+
+    def run(*arguments):
+        try:
+            code = cli.main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """The three files of one small run that slips, from a real process, and that process."""
+    folder = tmp_path_factory.mktemp("run")
+    files = {kind: folder / f"out.{kind}" for kind in ("csv", "npz", "json")}
+    options = [word for kind, file in files.items() for word in (f"--{kind}", file)]
+    settings = ["--set", "nodes=64", "width=160", "--set", "u_x_max=8"]
+    command = [sys.executable, "-m", "solver", "run", *settings, *options]
+    return SimpleNamespace(**files, process=subprocess.run(command, cwd=ROOT, capture_output=True, text=True))
+
+
+def rows(file):
+    with open(file, newline="") as text:
+        return list(csv.DictReader(text))
+
+
+def strict(file):
+    return json.loads(file.read_text(), parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
+
+
+def test_a_run_succeeds_with_a_summary_and_a_silent_error_stream(written):
+    assert written.process.returncode == 0
+    assert written.process.stderr == ""
+    for word in ("A_0", "F_s", "A_s", "slips", "evaluations", " s\n"):
+        assert word in written.process.stdout
+
+
+def test_csv_has_a_row_per_shear_increment_from_zero(written):
+    assert written.csv.read_text().split("\n")[0] == HEADER
+    table = rows(written.csv)
+    assert [float(row["U_x"]) for row in table] == [0.1 * k for k in range(81)]
+    assert {row["slip"] for row in table} == {"0", "1"}
+    assert all(float(row["residual"]) <= 1e-8 for row in table)
+
+
+def test_csv_numbers_are_complete(written):
+    for row in rows(written.csv):
+        assert row["evaluations"] == str(int(row["evaluations"]))
+        assert all(row[name] == repr(float(row[name])) for name in ("U_x", "F_bar", "L_bar", "A_bar", "residual"))
+
+
+def test_json_holds_scene_version_method_and_summary(written):
+    report = strict(written.json)
+    table = rows(written.csv)
+    assert Scene(**report["scene"]) == Scene(nodes=64, width=160.0, u_x_max=8.0)
+    assert (report["version"], report["method"], report["converged"]) == (__version__, "fast", True)
+    assert report["A_0"] == float(table[0]["A_bar"])
+    assert report["slips"] >= sum(row["slip"] == "1" for row in table) > 0
+    assert report["seconds"] > 0
+    # The approach counts too.
+    assert report["evaluations"] > sum(int(row["evaluations"]) for row in table)
+    k = next(k for k, row in enumerate(table) if row["slip"] == "1")
+    assert float(table[k - 1]["U_x"]) <= report["U_s"] <= float(table[k]["U_x"])
+    # The force at the end of the branch, within what it changes by in the last part of an increment.
+    assert report["F_s"] == pytest.approx(float(table[k - 1]["F_bar"]), rel=0.05)
+
+
+def test_npz_holds_curves_and_fields_that_agree(written):
+    scene = Scene(nodes=64, width=160.0, u_x_max=8.0)
+    with np.load(written.npz) as data:
+        frames, m = len(data["U_x"]), len(data["x"])
+        assert frames == 81
+        assert data["u"].shape == data["T"].shape == (frames, 2, m)
+        for name in HEADER.split(","):
+            assert data[name].tolist() == [float(row[name]) for row in rows(written.csv)]
+        # Outside the patch nothing acts: the sums over it are the forces (round-off of 64 terms).
+        scale = scene.spacing / (scene.width * scene.E)
+        assert np.allclose(-data["T"][:, 0].sum(1) * scale, data["F_bar"], rtol=1e-10, atol=1e-15)
+        assert np.allclose(data["T"][:, 1].sum(1) * scale, data["L_bar"], rtol=1e-10, atol=1e-15)
+        assert np.allclose(np.diff(data["x"]), scene.spacing)
+
+
+def test_npz_pads_where_the_patch_grew(tmp_path):
+    def frame(first, m):
+        curves = {
+            "U_x": 0.0,
+            "F_bar": 0.0,
+            "L_bar": 0.0,
+            "A_bar": 0.0,
+            "residual": 0.0,
+            "evaluations": 1,
+            "slip": False,
+        }
+        return SimpleNamespace(first=first, u=np.full((2, m), 1.0), T=np.full((2, m), 2.0), **curves)
+
+    cli.write_npz(tmp_path / "grown", Scene(), [frame(10, 3), frame(8, 6)])
+    with np.load(tmp_path / "grown") as data:
+        assert np.allclose(data["x"], Scene().spacing * np.arange(8, 14))
+        assert np.isnan(data["u"][0, :, [0, 1, 5]]).all()
+        assert (data["T"][0] == [0, 0, 2, 2, 2, 0]).all()
+        assert (data["u"][1] == 1).all()
+
+
+@pytest.mark.parametrize("method", ["fast", "gfmd"])
+def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
+    code, out, _ = call("run", "--method", method, "--set", *SMALL, "--json", tmp_path / "j")
+    report = strict(tmp_path / "j")
+    assert (code, report["method"], report["slips"]) == (0, method, 0)
+    assert report["U_s"] is report["F_s"] is report["A_s"] is None
+    assert "0 slips" in out
+
+
+def test_without_shear_there_is_one_row(call, tmp_path):
+    code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=0", "--csv", tmp_path / "c")
+    assert code == 0
+    assert [row["U_x"] for row in rows(tmp_path / "c")] == ["0.0"]
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_beyond_a_limit_one_line_names_parameter_value_and_range(call, name):
+    low, high = LIMITS[name][:2]
+    for value in (low - 1, high * 2):
+        code, out, err = call("run", "--set", f"{name}={value}")
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert re.search(rf"{name} = {re.escape(f'{float(value)!r}')}.*{re.escape(f'{low:g} .. {high:g}')}", err)
+
+
+@pytest.mark.parametrize(
+    ("setting", "named"),
+    [
+        ("delta_bar=nan", ("delta_bar", "nan", "-1 .. 3")),
+        ("delta_bar=deep", ("delta_bar", "deep", "-1 .. 3")),
+        ("delta_bar=", ("delta_bar", "''", "-1 .. 3")),
+        ("nodes=1e9", ("nodes", "1000000000", "4 .. 16384")),
+        ("nodes=" + "9" * 400, ("nodes", "inf", "4 .. 16384")),
+        ("nodes=64.5", ("nodes", "64.5", "4 .. 16384")),
+        ("nodes=16", ("nodes", "16", "nm must lie within")),
+        ("surface=bumpy", ("surface", "bumpy", "circular, flat")),
+        ("Ebar=3", ("Ebar", "allowed", "delta_bar")),
+        ("foo", ("foo", "NAME=VALUE", "delta_bar")),
+        ("=3", ("''", "allowed", "delta_bar")),
+    ],
+)
+def test_bad_settings_give_one_line_and_exit_code_two(call, setting, named):
+    code, out, err = call("run", "--set", setting)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert all(word in err for word in named)
+
+
+@pytest.mark.parametrize("arguments", [("run", "--method", "magic"), ("run", "--st"), ("walk",), ()])
+def test_bad_arguments_give_one_line_and_exit_code_two(call, arguments):
+    code, out, err = call(*arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+
+
+@pytest.mark.parametrize("option", ["--csv", "--npz", "--json"])
+def test_a_file_that_cannot_be_written_is_refused_before_the_run(call, tmp_path, monkeypatch, option):
+    monkeypatch.setattr(cli, "load_path", lambda *_, **__: pytest.fail("ran"))
+    for file in (tmp_path / "missing" / "file", tmp_path):
+        code, _, err = call("run", option, file)
+        assert (code, err.count("\n")) == (2, 1)
+        assert option in err
+        assert str(file) in err
+
+
+def test_bad_input_leaves_files_as_they_are(call, tmp_path):
+    kept = tmp_path / "kept.csv"
+    kept.write_text("mine")
+    assert call("run", "--csv", kept, "--json", tmp_path / "new", "--npz", tmp_path / "no" / "x")[0] == 2
+    assert kept.read_text() == "mine"
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.fixture
+def cut_short(monkeypatch):
+    """cut_short(error, frames): every load path ends with `error` after that many frames; the warm-up is left alone."""
+
+    def cut(error, count):
+        def failing(scene, method):
+            for k, frame in enumerate(load_path(scene, method=method)):
+                if k == count and scene not in cli.WARM_UP:
+                    raise error
+                yield frame
+
+        monkeypatch.setattr(cli, "load_path", failing)
+
+    return cut
+
+
+def test_no_convergence_exits_with_one_the_place_and_what_was_computed(call, tmp_path, cut_short):
+    message = "Not converged at U_x = 0.5: residual 2e-5; try a smaller du_x"
+    cut_short(NotConverged(message), 101 + 5)
+    code, _, err = call(
+        "run", "--set", *SMALL, "--csv", tmp_path / "c", "--npz", tmp_path / "n", "--json", tmp_path / "j"
+    )
+    assert (code, err) == (1, message + "\n")
+    assert [float(row["U_x"]) for row in rows(tmp_path / "c")] == [0.1 * k for k in range(5)]
+    report = strict(tmp_path / "j")
+    assert report["converged"] is False
+    assert report["failure"] == message
+    assert report["evaluations"] > 0
+
+
+def test_the_solver_s_own_failure_names_place_and_remedy(call, monkeypatch):
+    monkeypatch.setattr("solver.gfmd.BUDGET", 100)
+    code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
+    assert (code, err.count("\n")) == (1, 1)
+    assert re.search("(delta|U_x) = .* nm: residual .* try ", err)
+
+
+@pytest.mark.parametrize("count", [0, 50])
+def test_no_convergence_in_the_approach_still_writes_files(call, tmp_path, cut_short, count):
+    cut_short(NotConverged("Not converged at delta = -5"), count)
+    code, *_ = call("run", "--set", *SMALL, "--csv", tmp_path / "c", "--npz", tmp_path / "n", "--json", tmp_path / "j")
+    assert code == 1
+    assert (tmp_path / "c").read_text() == HEADER + "\n"
+    assert strict(tmp_path / "j")["converged"] is False
+    with np.load(tmp_path / "n") as data:
+        assert len(data["U_x"]) == 0
+
+
+def test_an_interrupt_keeps_what_was_computed(call, tmp_path, cut_short):
+    cut_short(KeyboardInterrupt(), 101 + 5)
+    code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c")
+    assert code == 130
+    assert "shear increment 4" in err
+    assert len(rows(tmp_path / "c")) == 5
+
+
+def test_a_residual_above_tolerance_is_never_passed_off_as_converged(call, tmp_path, monkeypatch):
+    def sloppy(scene, method):
+        for frame in load_path(scene, method=method):
+            if frame.stage == "shear" and frame.index == 3:
+                frame = cli.replace(frame, residual=2e-5)
+            yield frame
+
+    monkeypatch.setattr(cli, "load_path", sloppy)
+    code, _, err = call("run", "--set", *SMALL, "--json", tmp_path / "j")
+    assert code == 1
+    assert all(word in err for word in ("U_x = 0.3 nm", "2e-05", "smaller du_x"))
+    assert strict(tmp_path / "j")["converged"] is False
+
+
+def test_progress_is_drawn_on_a_terminal_only():
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    for stream, drawn in ((Terminal(), True), (io.StringIO(), False)):
+        with Progress(4, stream) as progress:
+            for done in range(5):
+                progress(done)
+        assert ("of 4 increments" in stream.getvalue()) is drawn
+        assert stream.getvalue().endswith("\r\033[K" if drawn else "")
+
+
+def test_help_lists_every_parameter(call):
+    code, out, _ = call("run", "--help")
+    assert code == 0
+    assert all(name in out for name in (*LIMITS, "surface"))
+
+
+def test_ci_runs_exactly_the_test_command_of_the_readme():
+    shown = subprocess.run([ROOT / ".ci" / "run", "--print"], capture_output=True, text=True, check=True).stdout
+    assert shown == 'pip install -e ".[test]" && pytest\n'
+    assert f"- test: `{shown.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")

@@ -1,0 +1,133 @@
+"""Scene: what is accepted, what is refused, and that a refusal says what to do."""
+
+import pickle
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from solver import LIMITS, Scene, SceneError, scene_from_text
+
+# Values at a limit that need another parameter to follow, or the node spacing would leave its own range.
+COMPANIONS = {
+    ("delta_t", 0): {"width": 10.0},
+    ("delta_t", 1): {"width": 1e4, "nodes": 1024},
+    ("width", 0): {"nodes": 4},
+    ("width", 1): {"nodes": 16384, "delta_t": 10.0},
+    ("nodes", 0): {"width": 10.0},
+}
+EDGES = [(name, side) for name in LIMITS for side in (0, 1)]
+
+
+def beyond(name, side):
+    low, high = LIMITS[name][:2]
+    step = 1 if name == "nodes" else 1e-9 * (high - low)
+    return low - step if side == 0 else high + step
+
+
+@pytest.mark.parametrize(("name", "side"), EDGES)
+def test_limits_themselves_are_accepted(name, side):
+    value = LIMITS[name][side]
+    assert getattr(Scene(**COMPANIONS.get((name, side), {}), **{name: value}), name) == value
+
+
+@pytest.mark.parametrize(("name", "side"), EDGES)
+def test_beyond_a_limit_the_message_names_parameter_value_and_range(name, side):
+    value = beyond(name, side)
+    with pytest.raises(SceneError) as caught:
+        Scene(**{name: value})
+    low, high = LIMITS[name][:2]
+    message = str(caught.value)
+    assert message.startswith(f"{name} = {value!r}")
+    assert f"{low:g} .. {high:g}" in message
+    assert caught.value.name == name
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize("name", LIMITS)
+@pytest.mark.parametrize("value", [nan, inf, -inf, "text", "1.0", None, True, [1.0], 10**400, 1j])
+def test_what_is_not_a_finite_number_is_refused(name, value):
+    with pytest.raises(SceneError, match=f"^{name} = "):
+        Scene(**{name: value})
+
+
+@pytest.mark.parametrize("value", [64.5, 10**9, 0, -64])
+def test_nodes_must_be_a_whole_number_in_range(value):
+    with pytest.raises(SceneError, match="a whole number"):
+        Scene(nodes=value)
+
+
+def test_a_node_spacing_without_lattice_physics_is_refused_with_a_remedy():
+    with pytest.raises(SceneError, match="change nodes, width or delta_t"):
+        Scene(nodes=4)
+
+
+def test_an_endless_run_is_refused_with_a_remedy():
+    with pytest.raises(SceneError, match="enlarge du_x or shorten the run"):
+        Scene(du_x=1e-3, u_x_max=1e4)
+
+
+def test_an_unknown_surface_is_refused():
+    with pytest.raises(SceneError, match="surface = 'bumpy': allowed: circular, flat"):
+        Scene(surface="bumpy")
+
+
+def test_text_becomes_a_scene():
+    scene = scene_from_text({"surface": "flat", "nodes": "64", "width": "160", "delta_bar": "-1.5e-1"})
+    assert scene == Scene(surface="flat", nodes=64, width=160.0, delta_bar=-0.15)
+    assert isinstance(scene.nodes, int)
+
+
+@pytest.mark.parametrize("text", ["", "nan", "inf", "1e999", "ten", "0x10", "1,5", "1;import os"])
+def test_text_that_is_no_number_in_range_is_refused(text):
+    with pytest.raises(SceneError, match=r"^E = .*0\.01 \.\. 1e\+06"):
+        scene_from_text({"E": text})
+
+
+def test_an_unknown_name_is_refused_with_the_known_ones():
+    with pytest.raises(SceneError, match=r"'Ebar'.*delta_bar.*tolerance"):
+        scene_from_text({"Ebar": "1"})
+
+
+def test_a_scene_is_frozen_hashable_and_picklable():
+    scene = Scene(delta_bar=0.2)
+    assert pickle.loads(pickle.dumps(scene)) == scene
+    assert len({scene, Scene(delta_bar=0.2), Scene()}) == 2
+    with pytest.raises(AttributeError):
+        scene.delta_bar = 0.3
+
+
+def test_changed_values_are_validated_too():
+    assert Scene().changed(delta_bar=0.2).delta_bar == 0.2
+    with pytest.raises(SceneError, match=r"nu = 0\.5"):
+        Scene().changed(nu=0.5)
+
+
+@pytest.mark.parametrize(("delta_bar", "du_z"), [(0.0, 0.1), (0.4, 0.1), (-0.15, 0.3), (-1.0, 0.1), (0.123, 0.7)])
+def test_approach_starts_ten_lengths_away_and_ends_exactly_at_its_target(delta_bar, du_z):
+    scene = Scene(delta_bar=delta_bar, du_z=du_z, delta_n=2.0)
+    path = [scene.approach_at(k) for k in range(scene.approach_increments + 1)]
+    assert path[0] == -20.0
+    assert path[-1] == scene.delta
+    assert np.all(np.diff(path) > 0.0)
+    assert np.all(np.diff(path) < du_z * 2.0 * (1 + 1e-9))
+
+
+@pytest.mark.parametrize(
+    ("u_x_max", "du_x", "increments"), [(40.0, 0.1, 400), (0.0, 0.1, 0), (1.0, 0.3, 3), (0.3, 0.1, 3)]
+)
+def test_shear_goes_as_far_as_whole_increments_reach(u_x_max, du_x, increments):
+    scene = Scene(u_x_max=u_x_max, du_x=du_x)
+    assert scene.shear_increments == increments
+    assert scene.shear_at(0) == 0.0
+    assert scene.shear_at(increments) <= u_x_max * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("nodes", [64, 65])
+def test_profile_touches_at_the_middle_and_is_periodic(nodes):
+    scene = Scene(nodes=nodes, width=160.0)
+    assert scene.x.shape == scene.profile.shape == (nodes,)
+    # Periodic mirror symmetry: node i and node n - i are equally high.
+    assert np.allclose(scene.profile[1:], scene.profile[:0:-1], rtol=1e-12)
+    assert scene.profile.min() <= scene.spacing**2 / (8.0 * scene.radius * scene.width) * (1 + 1e-9)
+    assert not Scene(surface="flat", nodes=nodes, width=160.0).profile.any()
