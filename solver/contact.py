@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from . import np1
-from .layer import Convolution, Modes
+from .layer import Convolution, Modes, UniformMode
 
 MARGIN = 1e-3  # of delta_n, by which a node must cross the edge of the window to be let in or out
 EDGE = 2  # nodes at each end of a patch that must stay inactive
@@ -13,18 +13,28 @@ EDGE = 2  # nodes at each end of a patch that must stay inactive
 class Contact:
     """One scene on `size` neighbouring nodes from node `first` on; counts its force evaluations.
 
+    uniform: one node that stands for all; normal_only: without tangential traction.
+
     Nodes outside the patch carry no traction; where they are follows from the patch (`loadpath.whole_surface`).
     Buffers belong to this object: not for use by two threads.
     """
 
-    def __init__(self, scene, first, size):
+    def __init__(self, scene, first, size, uniform=False, normal_only=False):
         self.scene, self.first, self.size = scene, first, size
         self.profile = np.ascontiguousarray(scene.profile[first : first + size])
         self.window = scene.window_n * scene.delta_n
+        self.lowest = float(self.profile.min())
         self.law = np1.law_constants(scene)
-        self.compliance = Convolution(Modes.of(scene).compliance, scene.nodes, size)
+        modes = Modes.of(scene).compliance
+        self.compliance = UniformMode(modes) if uniform else Convolution(modes, scene.nodes, size, normal_only)
+        self.alone = uniform or size == scene.nodes
+        self.mirror = False  # whether u is its own mirror image: then half the tractions tell the rest
         self.work = np.empty((np1.WORK, size))
         self.evaluations = 0
+
+    def undeformed(self, load):
+        """Displacement (2, size) of a layer that nothing acts on, at load (U_x, U_z), nm."""
+        return np.repeat(np.array(load)[:, None], self.size, axis=1)
 
     def residual(self, u, active, load, out):
         """Fill out (2, size) with U + C T(u) - u, nm, at load (U_x, U_z); returns its largest magnitude."""
@@ -33,7 +43,10 @@ class Contact:
     def response(self, u, active):
         """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next one."""
         self.evaluations += 1
-        np1.tractions(u, self.profile, active, self.law, self.work, self.compliance.field)
+        known = (self.size + 1) // 2 if self.mirror else self.size
+        np1.tractions(u, self.profile, active, self.law, self.work, self.compliance.field, known)
+        if self.mirror:
+            np1.reflect(self.compliance.field, known, self.size)
         self.compliance.apply()
         return self.compliance.product
 
@@ -56,8 +69,10 @@ class Contact:
 
         settled (bool (size,), optional): nodes that must stay as they are.
         """
-        edge = self.profile + u[1] - self.window
         margin = MARGIN * self.scene.delta_n
+        if not _crossed(u, self.profile, active, self.window, margin):
+            return active
+        edge = self.profile + u[1] - self.window
         changed = np.where(active, edge > margin, edge < -margin)
         if settled is not None:
             changed &= ~settled
@@ -81,7 +96,7 @@ class Contact:
 
     def crowded(self, active):
         """Whether an active node stands at the end of the patch, so that its neighbours outside may act as well."""
-        return self.size < self.scene.nodes and bool(active[:EDGE].any() or active[-EDGE:].any())
+        return not self.alone and bool(active[:EDGE].any() or active[-EDGE:].any())
 
 
 def patch(scene, bulge):
@@ -107,3 +122,12 @@ def _residual(u, g, load_x, load_z, out):
         out[1, i] = load_z + g[1, i] - u[1, i]
         largest = max(largest, abs(out[0, i]), abs(out[1, i]))
     return largest
+
+
+@njit(cache=True, nogil=True)
+def _crossed(u, profile, active, window, margin):
+    for i in range(profile.size):
+        edge = profile[i] + u[1, i] - window
+        if edge > margin if active[i] else edge < -margin:
+            return True
+    return False

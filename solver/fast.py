@@ -13,6 +13,7 @@ from .contact import Contact
 from .flow import STEP_ERROR, Flow
 from .fold import Fold, follow
 from .layer import Convolution, Modes
+from .left_out import ALL, mirrored
 from .record import SAME, Record
 from .secants import Secants, advance
 from .state import Increment, NotConverged, Slip, State
@@ -31,8 +32,10 @@ BUDGET = 400_000  # force evaluations of one increment
 class Fast:
     """Advances States of one scene on one patch; holds no state between calls but buffers."""
 
-    def __init__(self, scene, first, size):
-        self.scene, self.contact = scene, Contact(scene, first, size)
+    def __init__(self, scene, first, size, leave_out=ALL):
+        normal_only = scene.phi_ratio == 0.0 and "friction" in leave_out
+        self.scene, self.contact = scene, Contact(scene, first, size, normal_only=normal_only)
+        self._mirror = "mirror" in leave_out and mirrored(self.contact.profile)
         self.unit = min(scene.delta_n, scene.delta_t)
         self.tolerance = scene.tolerance
         self.smooth = None  # what secant steps do to the unknown part of the residual
@@ -58,15 +61,14 @@ class Fast:
 
         return smooth
 
-    def start(self, loading, load):
-        """The equilibrium at the first load, from the undeformed layer."""
-        u = np.empty((2, self.contact.size))
-        u[0], u[1] = loading.at(load)
-        state = State(load, u, self.contact.within_window(u), [(load, u)], Secants(MEMORY, u.size))
-        return self.increment(state, loading, load)
+    def undeformed(self, loading, load):
+        """The State of a layer that nothing acts on."""
+        u = self.contact.undeformed(loading.at(load))
+        return State(load, u, self.contact.within_window(u), [(load, u)], Secants(MEMORY, u.size))
 
     def increment(self, state, loading, target):
         """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
+        self.contact.mirror = self._mirror and loading.name == "delta"
         repeated = self._repeat(state, loading, target)
         if repeated is not None:
             return repeated

@@ -38,6 +38,7 @@ class Frame:
     residual: float  # max |U + C T(u) - u|, nm
     evaluations: int  # force evaluations of this increment
     slips: tuple = ()  # SlipEvents in this increment
+    repeated: bool = False  # known from an earlier lattice period, moved on and verified
 
     @property
     def slip(self):
@@ -61,18 +62,20 @@ def contact_area(scene, T, first):
 
     A_bar: repulsive length over w; trailing, leading: outermost edges in nm (nan without contact).
     """
-    length, trailing, leading = _contact(T, T.shape[1] == scene.nodes)
+    # repulsion weaker than an error of the tolerance makes is none: on the flat at dn = 0 it would flicker
+    least = scene.tolerance * scene.phi_n / scene.delta_n**2
+    length, trailing, leading = _contact(T, T.shape[1] == scene.nodes, least)
     return length / scene.nodes, (first + trailing) * scene.spacing, (first + leading) * scene.spacing
 
 
 @njit(cache=True, nogil=True)
-def _contact(T, closed):
+def _contact(T, closed, least):
     """Repulsive length, first opening and last closing edge, in spacings; closed: the last node meets the first."""
     n = T.shape[1]
     length, trailing, leading = 0.0, np.nan, np.nan
     for i in range(0 if closed else -1, n):
-        here = T[1, i] if i >= 0 else 0.0
-        after = T[1, i + 1] if i + 1 < n else (T[1, 0] if closed else 0.0)
+        here = T[1, i] - least if i >= 0 else -least
+        after = (T[1, i + 1] if i + 1 < n else (T[1, 0] if closed else 0.0)) - least
         if here > 0.0 and after > 0.0:
             length += 1.0
         elif after > 0.0:
@@ -87,6 +90,6 @@ def _contact(T, closed):
     return length, trailing, leading
 
 
-def slip_event(scene, first, slip):
-    """The SlipEvent of a Slip."""
-    return SlipEvent(slip.load, *forces(scene, slip.traction), contact_area(scene, slip.traction, first)[0])
+def slip_event(scene, first, load, T):
+    """The SlipEvent of a branch that ended at that load (nm) with tractions T (2, m), GPa."""
+    return SlipEvent(float(load), *forces(scene, T), contact_area(scene, T, first)[0])

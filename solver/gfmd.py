@@ -21,7 +21,7 @@ SLIPPED = 0.5  # of min(delta_n, delta_t), beyond twice the increment of the loa
 class Gfmd:
     """Advances States of one scene by damped dynamics of all modes; holds no state between calls but buffers."""
 
-    def __init__(self, scene, first, size, damping=1.0):
+    def __init__(self, scene, first, size, leave_out=frozenset(), damping=1.0):
         """damping: in units of the critical damping of the slowest mode."""
         self.scene, self.contact = scene, Contact(scene, first, size)
         self._part = slice(first, first + size)
@@ -32,11 +32,10 @@ class Gfmd:
         self._gamma = 2.0 * damping * np.sqrt(slowest)
         self._r = np.empty((2, size))
 
-    def start(self, loading, load):
-        """The equilibrium at the first load, from the undeformed layer."""
-        u = np.empty((2, self.contact.size))
-        u[0], u[1] = loading.at(load)
-        return self.increment(State(load, u, self.contact.within_window(u)), loading, load)
+    def undeformed(self, loading, load):
+        """The State of a layer that nothing acts on."""
+        u = self.contact.undeformed(loading.at(load))
+        return State(load, u, self.contact.within_window(u))
 
     def increment(self, state, loading, target):
         """The equilibrium at load `target` that the damped motion from `state` reaches; raises NotConverged."""
@@ -71,7 +70,7 @@ class Gfmd:
         while True:
             for _ in range(CHECK_EVERY):
                 self._shape(modes)
-                np1.tractions(shape, contact.profile, active, contact.law, contact.work, traction)
+                np1.tractions(shape, contact.profile, active, contact.law, contact.work, traction, contact.size)
                 self._forward()
                 _verlet(modes, motion, self._spectrum, self._modes.stiffness, top, step, self._gamma)
                 contact.evaluations += 1
@@ -97,7 +96,7 @@ class Gfmd:
 
     def _equilibrium(self, u, active, load, traction):
         """Modes of the whole surface, U + C T(u)."""
-        np1.tractions(u, self.contact.profile, active, self.contact.law, self.contact.work, traction)
+        np1.tractions(u, self.contact.profile, active, self.contact.law, self.contact.work, traction, self.contact.size)
         self._forward()
         modes = self._modes.displacement(self._spectrum)
         modes[:, 0] += np.array(load) * self.scene.nodes

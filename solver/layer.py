@@ -130,10 +130,12 @@ class Convolution:
     The field vanishes elsewhere, so this is a linear convolution: it needs a transform of 2 size - 1 points (rounded up
     to a fast length), not of all nodes. Exact to round-off. Buffers belong to this object; not for use by two threads.
 
+    normal_only: the first row of the field is zero throughout and its transform left out.
+
     Attributes: field (2, size), to be filled; product (2, size), valid after `apply`.
     """
 
-    def __init__(self, modes, nodes, size):
+    def __init__(self, modes, nodes, size, normal_only=False):
         length = fft_size(2 * size - 1)
         if length >= nodes:
             length = nodes
@@ -141,14 +143,27 @@ class Convolution:
             modes = _cut(modes, nodes, size, length)
         self.length = length
         self._multipliers = np.ascontiguousarray(modes / length)
-        self._before, self._after, self._spectrum, self._forward, self._backward = transforms(length)
+        self._before, self._after, self._spectrum, self._forward, self._backward = transforms(length, normal_only)
         self.field, self.product = self._before[:, :size], self._after[:, :size]
+        self._multiply = _multiply_normal if normal_only else _multiply
 
     def apply(self):
         """product = modes * field."""
         self._forward()
-        _multiply(self._spectrum, self._multipliers)
+        self._multiply(self._spectrum, self._multipliers)
         self._backward()
+
+
+class UniformMode:
+    """The same product where all nodes carry the same traction: field and product (2, 1), modes (c_xx, c_zz)."""
+
+    def __init__(self, modes):
+        self.modes = modes[0, 0], modes[1, 0]
+        self.field, self.product = np.zeros((2, 1)), np.zeros((2, 1))
+
+    def apply(self):
+        """product = modes * field."""
+        self.product[0, 0], self.product[1, 0] = self.modes[0] * self.field[0, 0], self.modes[1] * self.field[1, 0]
 
 
 def _cut(modes, nodes, size, length):
@@ -161,15 +176,17 @@ def _cut(modes, nodes, size, length):
     return np.array([spectra[0].real, spectra[1].real, spectra[2].imag])
 
 
-def transforms(length):
+def transforms(length, normal_only=False):
     """(before, after, spectrum, forward, backward): real rows (2, length), their spectrum, and two calls.
 
     forward() fills spectrum from before; backward() fills after, times length, and destroys spectrum.
+    normal_only: forward() leaves out the first row.
     """
     with _planning:
         before, after = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))
         spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
-        forward = pyfftw.FFTW(before, spectrum, axes=(1,), flags=_MEASURE)
+        rows = slice(1, 2) if normal_only else slice(0, 2)
+        forward = pyfftw.FFTW(before[rows], spectrum[rows], axes=(1,), flags=_MEASURE)
         flags = (*_MEASURE, "FFTW_DESTROY_INPUT")
         backward = pyfftw.FFTW(spectrum, after, axes=(1,), direction="FFTW_BACKWARD", flags=flags)
         before[:] = 0.0  # planning measures, and so overwrites
@@ -182,3 +199,11 @@ def _multiply(spectrum, c):
         x, z = spectrum[0, k], spectrum[1, k]
         spectrum[0, k] = complex(c[0, k] * x.real - c[2, k] * z.imag, c[0, k] * x.imag + c[2, k] * z.real)
         spectrum[1, k] = complex(c[1, k] * z.real + c[2, k] * x.imag, c[1, k] * z.imag - c[2, k] * x.real)
+
+
+@njit(cache=True, nogil=True)
+def _multiply_normal(spectrum, c):
+    for k in range(spectrum.shape[1]):
+        z = spectrum[1, k]
+        spectrum[0, k] = complex(-c[2, k] * z.imag, c[2, k] * z.real)
+        spectrum[1, k] = c[1, k] * z

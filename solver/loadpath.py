@@ -11,9 +11,11 @@ from .fast import Fast
 from .frame import Frame, contact_area, forces, slip_event
 from .gfmd import Gfmd
 from .layer import Convolution, Modes
+from .left_out import ALL
 from .record import Record
 from .secants import Secants
-from .state import NotConverged, State, approach, shear
+from .state import Increment, NotConverged, State, approach, shear
+from .uniform import Uniform
 
 METHODS = {"fast": Fast, "gfmd": Gfmd}
 BULGE = 3.0  # delta_n: gap beyond the window that the first patch includes, for surfaces drawn together
@@ -31,15 +33,18 @@ class Checkpoint:
     failure: str | None = None  # why the run ended early, with a remedy
 
 
-def load_path(scene, method="fast"):
-    """Yield the Frames of a scene in order; raises NotConverged where an increment has no equilibrium in reach."""
+def load_path(scene, method="fast", leave_out=ALL):
+    """Yield the Frames of a scene in order; raises NotConverged where an increment has no equilibrium in reach.
+
+    leave_out: the rules of `left_out` that the fast method may use.
+    """
     checkpoint = Checkpoint()
     while not checkpoint.done:
-        frame, checkpoint = next_frame(scene, checkpoint, method)
+        frame, checkpoint = next_frame(scene, checkpoint, method, leave_out)
         yield frame
 
 
-def advance(scene, checkpoint=None, budget=0.04, method="fast"):
+def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL):
     """(frames, checkpoint): the Frames that follow `checkpoint` (None: the first ones), for about `budget` seconds.
 
     A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
@@ -49,7 +54,7 @@ def advance(scene, checkpoint=None, budget=0.04, method="fast"):
     frames, end = [], perf_counter() + budget
     while not checkpoint.done:
         try:
-            frame, checkpoint = next_frame(scene, checkpoint, method)
+            frame, checkpoint = next_frame(scene, checkpoint, method, leave_out)
         except NotConverged as failure:
             return frames, replace(checkpoint, done=True, failure=str(failure))
         frames.append(frame)
@@ -67,7 +72,7 @@ def _own(checkpoint):
     return replace(checkpoint, state=own)
 
 
-def next_frame(scene, checkpoint, method="fast"):
+def next_frame(scene, checkpoint, method="fast", leave_out=ALL):
     """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
     if method not in METHODS:
         raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
@@ -77,13 +82,22 @@ def next_frame(scene, checkpoint, method="fast"):
     load = scene.approach_at(k) if approaching else scene.shear_at(k)
     start, first = checkpoint.state, checkpoint.first
     if start is not None and not approaching and k == 0:
-        start = _turned(start)
-    first, size = (first, start.active.size) if start is not None else patch(scene, BULGE)
+        start = _turned(start, "translation" in leave_out)
+    if start is not None:
+        size = start.active.size
+    elif "window" in leave_out:
+        first, size = patch(scene, BULGE)
+    else:
+        first, size = 0, scene.nodes
     evaluations = 0
     while True:
-        solver = _solver(method, scene, first, size)
+        solver = _solver(method, scene, first, size, leave_out)
         evaluations -= solver.contact.evaluations
-        done = solver.start(loading, load) if start is None else solver.increment(start, loading, load)
+        if approaching and "approach" in leave_out and solver.contact.lowest - load > solver.contact.window:
+            rest = solver.undeformed(loading, load)
+            done = Increment(rest, np.zeros_like(rest.u), 0.0)
+        else:
+            done = solver.increment(start or solver.undeformed(loading, load), loading, load)
         evaluations += solver.contact.evaluations
         if not solver.contact.crowded(done.state.active):
             break
@@ -108,9 +122,9 @@ def _widened(scene, loading, state, before, first, size):
     return State(state.load, u, active, [(state.load, u)], secants)
 
 
-def _turned(start):
+def _turned(start, recording):
     """The state at the end of the approach as the first of the shear: another load, no past along it."""
-    return replace(start, load=0.0, past=[(0.0, start.u)], record=Record())
+    return replace(start, load=0.0, past=[(0.0, start.u)], record=Record() if recording else None)
 
 
 def _after(scene, checkpoint, first, reached):
@@ -123,31 +137,46 @@ def _after(scene, checkpoint, first, reached):
 
 
 def _frame(scene, stage, k, load, first, done, evaluations):
-    u, T = done.state.u.copy(), done.traction
+    u, T = _spread(scene, done.state.u), _spread(scene, done.traction)
+    first = first if u is done.state.u else 0
     u.flags.writeable = T.flags.writeable = False
+    F_bar, L_bar = forces(scene, T)
     area, trailing, leading = contact_area(scene, T, first)
     return Frame(
-        stage,
-        k,
-        load if stage == "shear" else 0.0,
-        scene.delta if stage == "shear" else load,
-        first,
-        u,
-        T,
-        *forces(scene, T),
-        area,
-        trailing,
-        leading,
-        done.residual,
-        evaluations,
-        tuple(slip_event(scene, first, slip) for slip in done.slips),
+        stage=stage,
+        index=k,
+        U_x=load if stage == "shear" else 0.0,
+        delta=scene.delta if stage == "shear" else load,
+        first=first,
+        u=u,
+        T=T,
+        F_bar=F_bar,
+        L_bar=L_bar,
+        A_bar=area,
+        trailing=trailing,
+        leading=leading,
+        residual=done.residual,
+        evaluations=evaluations,
+        slips=tuple(slip_event(scene, first, slip.load, _spread(scene, slip.traction)) for slip in done.slips),
+        repeated=done.repeated,
     )
 
 
+def _spread(scene, field):
+    """A field of one node that stands for all, on every node; any other as it is."""
+    if field.shape[1] == 1 < scene.nodes:
+        return np.ndarray(
+            (2, scene.nodes), float, field, 0, (field.strides[0], 0)
+        )  # broadcast_to takes ten times longer
+    return field
+
+
 @lru_cache(maxsize=4)
-def _solver(method, scene, first, size):
+def _solver(method, scene, first, size, leave_out):
     """Buffers, plans and Green's function of a scene: kept because they are dear, lost without harm."""
-    return METHODS[method](scene, first, size)
+    if method == "fast" and scene.surface == "flat" and "uniform" in leave_out:
+        return Uniform(scene, first, size, leave_out)
+    return METHODS[method](scene, first, size, leave_out)
 
 
 def whole_surface(scene, frame):

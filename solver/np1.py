@@ -64,14 +64,14 @@ def exponential(x, power):
 
 
 @njit(cache=True, nogil=True, fastmath=_fast)
-def window_sums(u, profile, law, work):
+def window_sums(u, profile, law, work, m):
     """Fill the first rows of work (WORK, m): sums of 1, dt and dt^2 times exp(-dt^2), then exp(-dn), then dn.
 
-    u: (2, >= m) nm; profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
+    u: (2, >= m) nm; profile: (>= m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
     """
-    a, window, m = law[4], law[5], profile.size
-    s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
-    r, up, down, ahead, behind = work[5], work[6], work[7], work[8], work[9]
+    a, window = law[4], law[5]
+    s0, s1, s2, e, dn = work[0, :m], work[1, :m], work[2, :m], work[3, :m], work[4, :m]
+    r, up, down, ahead, behind = work[5, :m], work[6, :m], work[7, :m], work[8, :m], work[9, :m]
     for i in range(m):
         x = u[0, i] / law[3]
         r[i] = x - a * np.floor(x / a + 0.5)
@@ -105,14 +105,18 @@ def window_sums(u, profile, law, work):
 
 
 @njit(cache=True, nogil=True, fastmath=_fast)
-def tractions(u, profile, active, law, work, out):
-    """Traction (T_x, T_z) of every node, GPa, out: (2, >= m); active (m,) bool: the others get zero."""
-    window_sums(u, profile, law, work)
-    s0, s1, e, dn = work[0], work[1], work[3], work[4]
-    for i in range(profile.size):
-        force = e[i] if active[i] else 0.0
-        out[0, i] = law[1] * s1[i] * force
-        out[1, i] = -law[0] * dn[i] * s0[i] * force
+def traction_from_sums(work, i, active, law):
+    """(T_x, T_z) of node i after `window_sums`, GPa."""
+    force = work[3, i] if active else 0.0
+    return law[1] * work[1, i] * force, -law[0] * work[4, i] * work[0, i] * force
+
+
+@njit(cache=True, nogil=True, fastmath=_fast)
+def tractions(u, profile, active, law, work, out, m):
+    """Traction (T_x, T_z) of the first m nodes, GPa, out: (2, >= m); active bool: the others get zero."""
+    window_sums(u, profile, law, work, m)
+    for i in range(m):
+        out[0, i], out[1, i] = traction_from_sums(work, i, active[i], law)
 
 
 @njit(cache=True, nogil=True, fastmath=_fast)
@@ -121,7 +125,7 @@ def tangents(u, profile, active, law, work, out):
 
     Not symmetric: NP1 has no potential.
     """
-    window_sums(u, profile, law, work)
+    window_sums(u, profile, law, work, profile.size)
     s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
     for i in range(profile.size):
         force = e[i] if active[i] else 0.0
@@ -131,12 +135,20 @@ def tangents(u, profile, active, law, work, out):
         out[3, i] = -law[0] * (1.0 - dn[i]) * s0[i] * force / law[2]
 
 
+@njit(cache=True, nogil=True)
+def reflect(out, m, size):
+    """Complete tractions (2, size), known on the first m nodes, by mirroring: T_x is odd, T_z even."""
+    for i in range(m, size):
+        out[0, i] = -out[0, size - 1 - i]
+        out[1, i] = out[1, size - 1 - i]
+
+
 def traction(scene, ux, gap):
     """(T_x, T_z), GPa, of nodes displaced by ux (nm) at that gap (nm); arrays of one shape, or numbers."""
     ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
     u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((2, ux.size))
     nodes = np.zeros(ux.size), np.ones(ux.size, bool)
-    tractions(u, *nodes, law_constants(scene), np.empty((WORK, ux.size)), out)
+    tractions(u, *nodes, law_constants(scene), np.empty((WORK, ux.size)), out, ux.size)
     return out.reshape(2, *ux.shape)
 
 

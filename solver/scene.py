@@ -1,7 +1,7 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
 from dataclasses import dataclass, fields, replace
-from math import isfinite
+from math import ceil, floor, isfinite
 
 import numpy as np
 
@@ -115,11 +115,11 @@ class Scene:
 
     @property
     def approach_increments(self):
-        return int(np.ceil((self.delta + self.delta_0) / (self.du_z * self.delta_n) - 1e-9))
+        return ceil((self.delta + self.delta_0) / (self.du_z * self.delta_n) - 1e-9)
 
     @property
     def shear_increments(self):
-        return int(np.floor(self.u_x_max / (self.du_x * self.delta_t) + 1e-9))
+        return floor(self.u_x_max / (self.du_x * self.delta_t) + 1e-9)
 
     def approach_at(self, k):
         """Indentation of approach increment k, nm; the last one is exactly `delta`."""

@@ -1,0 +1,177 @@
+"""Flat on flat: all nodes move alike, so two numbers u = (u_x, u_z) are the whole state (Prandtl-Tomlinson).
+
+Branches are followed by Newton steps, halving the step of the load down to round-off at the fold where a branch ends;
+from there the overdamped flow u' = U + C T(u) - u leads to the next.
+"""
+
+import numpy as np
+from numba import njit
+
+from . import np1
+from .contact import Contact
+from .state import Increment, NotConverged, Slip, State
+
+LONGEST = 0.1  # of min(delta_n, delta_t), beyond the step of the load: largest change of u in one step
+FINEST = 1e-14  # of the increment: step of the load at which a branch has ended
+NUDGE = 0.01  # of min(delta_n, delta_t): how far beyond the fold the flow starts
+STABLE = 2.0  # step times stiffest mode, of at most 2.51
+SLOW = 0.01  # of the peak speed: below it, Newton steps finish a slip
+FLOW_ERROR = 1e-2  # of min(delta_n, delta_t), in one step of the flow
+BUDGET = 5_000_000  # force evaluations of one slip
+
+
+class Uniform:
+    """Advances States of a flat scene, (2, 1) in size, under the contract of `fast.Fast`."""
+
+    def __init__(self, scene, first, size, leave_out):
+        self.scene, self.contact = scene, Contact(scene, 0, 1, uniform=True)
+        unit = min(scene.delta_n, scene.delta_t)
+        self._numbers = np.array([*self.contact.compliance.modes, unit, scene.tolerance])
+        self._r = np.empty((2, 1))
+
+    def undeformed(self, loading, load):
+        """The State of a layer that nothing acts on."""
+        u = self.contact.undeformed(loading.at(load))
+        return State(load, u, self.contact.within_window(u))
+
+    def increment(self, state, loading, target):
+        """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
+        u, slips, load = state.u.copy(), [], state.load
+        path = np.array([*loading.base, *loading.direction])
+
+        def solve(active):
+            nonlocal load
+            ended = False
+            while not ended:
+                load, ended = self._until_fold(u, active, path, load, target, slips, loading.name)
+            return True
+
+        active = self.contact.settle(solve, u, state.active)
+        residual = self.contact.residual(u, active, loading.at(target), self._r)
+        return Increment(State(target, u, active), self.contact.traction(), residual, tuple(slips))
+
+    def _until_fold(self, u, active, path, load, target, slips, name):
+        """(load, whether it is the target): follow the branch and, if it ends before, the slip at its end."""
+        contact = self.contact
+        law = contact.profile, active, contact.law, contact.work
+        load, folded, count = _follow(u, load, target, path, *law, self._numbers)
+        contact.evaluations += count
+        if folded:
+            traction = np.empty((2, 1))
+            np1.tractions(u, *law, traction, 1)
+            slips.append(Slip(load, u.copy(), traction))
+            rests, count = _slip(u, load, path, *law, self._numbers)
+            contact.evaluations += count
+            if not rests:
+                raise NotConverged(
+                    f"Not converged at {name} = {load:.6g} nm: still moving after {BUDGET} force evaluations of the"
+                    " slip; try a smaller du_x or du_z, or a larger tolerance"
+                )
+        return load, not folded
+
+
+@njit(cache=True, nogil=True)
+def _evaluate(u, load, path, profile, active, law, work, numbers, r, a):
+    """r = U + C T(u) - u and a = I - C dT/du, row by row; returns the largest |r|."""
+    t = np.empty((4, 1))
+    np1.tangents(u, profile, active, law, work, t)
+    a[0], a[1] = 1.0 - numbers[0] * t[0, 0], -numbers[0] * t[1, 0]
+    a[2], a[3] = -numbers[1] * t[2, 0], 1.0 - numbers[1] * t[3, 0]
+    t_x, t_z = np1.traction_from_sums(work, 0, active[0], law)
+    r[0] = path[0] + load * path[2] + numbers[0] * t_x - u[0, 0]
+    r[1] = path[1] + load * path[3] + numbers[1] * t_z - u[1, 0]
+    return max(abs(r[0]), abs(r[1]))
+
+
+@njit(cache=True, nogil=True)
+def _solved(a, x, z):
+    det = a[0] * a[3] - a[1] * a[2]
+    return (a[3] * x - a[1] * z) / det, (a[0] * z - a[2] * x) / det
+
+
+@njit(cache=True, nogil=True)
+def _newton(u, load, path, profile, active, law, work, numbers, longest):
+    """(whether u, in place, came to a stable rest at most `longest` away, evaluations)."""
+    r, a = np.empty(2), np.empty(4)
+    x, z = u[0, 0], u[1, 0]
+    worst = np.inf
+    for k in range(20):
+        now = _evaluate(u, load, path, profile, active, law, work, numbers, r, a)
+        stable = a[0] * a[3] - a[1] * a[2] > 0.0 and a[0] + a[3] > 0.0
+        if not stable or max(abs(u[0, 0] - x), abs(u[1, 0] - z)) > longest:
+            return False, k + 1
+        if now <= numbers[3] and (now >= 0.5 * worst or now < 1e-14):  # as far down as round-off allows
+            return True, k + 1
+        worst = now
+        dx, dz = _solved(a, r[0], r[1])
+        u[0, 0] += dx
+        u[1, 0] += dz
+    return False, 20
+
+
+@njit(cache=True, nogil=True)
+def _follow(u, load, target, path, profile, active, law, work, numbers):
+    """Follow the branch from u, in place, towards `target`: (load reached, whether it ended there, evaluations)."""
+    step, count = target - load, 0
+    finest = FINEST * max(abs(step), numbers[2])
+    r, a, trial = np.empty(2), np.empty(4), u.copy()
+    while True:
+        _evaluate(u, load, path, profile, active, law, work, numbers, r, a)
+        dx, dz = _solved(a, path[2] * step, path[3] * step)
+        trial[0, 0], trial[1, 0] = u[0, 0] + dx, u[1, 0] + dz
+        ahead = target if load + step >= target else load + step
+        longest = LONGEST * numbers[2] + 2.0 * abs(step)
+        near = max(abs(dx), abs(dz)) <= longest
+        good, tried = False, 0
+        if near:
+            good, tried = _newton(trial, ahead, path, profile, active, law, work, numbers, longest)
+        count += tried + 1
+        if good:
+            u[:], load = trial, ahead
+            if load >= target:
+                return load, False, count
+            step *= 2.0
+        else:
+            step *= 0.5
+            if step < finest:
+                return load, True, count
+
+
+@njit(cache=True, nogil=True)
+def _slip(u, load, path, profile, active, law, work, numbers):
+    """The overdamped flow from a fold u, in place, to the next rest: (whether it rests, evaluations).
+
+    Bogacki & Shampine's pair of second and third order; it starts along the direction in which the branch was moving.
+    """
+    unit, r, a = numbers[2], np.empty(2), np.empty(4)
+    _evaluate(u, load, path, profile, active, law, work, numbers, r, a)
+    dx, dz = _solved(a, path[2], path[3])
+    size = max(abs(dx), abs(dz))
+    u[0, 0] += NUDGE * unit * dx / size
+    u[1, 0] += NUDGE * unit * dz / size
+    k1, k2, k3, k4, trial = np.empty(2), np.empty(2), np.empty(2), np.empty(2), u.copy()
+    speed = _evaluate(u, load, path, profile, active, law, work, numbers, k1, a)
+    peak, h, count = speed, 1e-3, 2
+    while count < BUDGET:
+        trial[:, 0] = u[:, 0] + 0.5 * h * k1
+        _evaluate(trial, load, path, profile, active, law, work, numbers, k2, a)
+        trial[:, 0] = u[:, 0] + 0.75 * h * k2
+        _evaluate(trial, load, path, profile, active, law, work, numbers, k3, a)
+        trial[:, 0] = u[:, 0] + h * (2.0 * k1 + 3.0 * k2 + 4.0 * k3) / 9.0
+        now = _evaluate(trial, load, path, profile, active, law, work, numbers, k4, a)
+        count += 3
+        error = h * np.abs(-5.0 * k1 / 72.0 + k2 / 12.0 + k3 / 9.0 - k4 / 8.0).max()
+        if error <= FLOW_ERROR * unit:
+            u[:], speed = trial, now
+            k1[:] = k4
+            peak = max(peak, speed)
+            if speed < SLOW * peak:
+                good, tried = _newton(trial, load, path, profile, active, law, work, numbers, LONGEST * unit)
+                count += tried
+                if good:
+                    u[:] = trial
+                    return True, count
+        h *= min(3.0, max(0.2, 0.8 * (FLOW_ERROR * unit / max(error, 1e-300)) ** (1.0 / 3.0)))
+        # beyond the limit of stability the error of a stiff mode stays just below what is allowed, and never ends
+        h = min(h, STABLE / max(abs(a[0]) + abs(a[1]), abs(a[2]) + abs(a[3])))
+    return False, count

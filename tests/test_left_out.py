@@ -1,0 +1,71 @@
+"""Leaving out what a scene does not need changes its cost, not its frames."""
+
+import numpy as np
+import pytest
+
+from solver import Scene, load_path
+from solver.left_out import ALL, RULES, account, mirrored
+
+SCENES = {
+    "uniform": Scene(surface="flat", phi_ratio=0.1, u_x_max=20.0, nodes=256, width=625.0),
+    "window": Scene(u_x_max=12.0),
+    "approach": Scene(window_n=5.0, u_x_max=1.0),
+    "friction": Scene(phi_ratio=0.0, u_x_max=3.0),
+    "mirror": Scene(delta_bar=0.2, u_x_max=1.0),
+    "translation": Scene(u_x_max=22.0),
+}
+
+
+def evaluations(frames):
+    return sum(f.evaluations for f in frames)
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_frames_are_the_same_with_and_without(rule):
+    scene = SCENES[rule]
+    spared, full = list(load_path(scene)), list(load_path(scene, leave_out=ALL - {rule}))
+    assert len(spared) == len(full)
+    assert max(f.residual for f in spared + full) <= scene.tolerance
+    F, L = (max(abs(getattr(f, name)) for f in full) or 1.0 for name in ("F_bar", "L_bar"))
+    for a, b in zip(spared, full, strict=True):
+        wide, narrow = (a, b) if a.u.shape[1] > b.u.shape[1] else (b, a)
+        part = slice(narrow.first - wide.first, narrow.first - wide.first + narrow.u.shape[1])
+        # a residual of the tolerance leaves a few times it in u, and more where the branch is about to end
+        assert np.abs(wide.u[:, part] - narrow.u).max() < (2e-6 if rule == "translation" else 2e-7)
+        assert a.slip == b.slip
+        assert abs(a.F_bar - b.F_bar) < 1e-6 * F and abs(a.L_bar - b.L_bar) < 1e-6 * L
+        assert abs(a.A_bar - b.A_bar) * scene.nodes < 1e-3 or scene.surface == "flat"
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_the_account_names_what_was_saved(rule):
+    scene = SCENES[rule]
+    told = account(scene, list(load_path(scene)))
+    assert 0 < told[rule]["saved"] <= told[rule]["of"]
+    assert told[rule]["what"] == RULES[rule]
+    assert rule not in account(scene, list(load_path(scene, leave_out=ALL - {rule})), ALL - {rule})
+
+
+def test_repeated_increments_cost_about_one_evaluation_and_say_so():
+    frames = [f for f in load_path(Scene()) if f.stage == "shear"]
+    repeated = [f for f in frames if f.repeated]
+    assert len(repeated) > 280
+    assert np.median([f.evaluations for f in repeated]) == 1
+    assert evaluations(frames) < 2000 < evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
+
+
+def test_a_slip_known_from_the_record_lies_a_whole_number_of_periods_on():
+    scene = Scene()
+    events = [e for f in load_path(scene) for e in f.slips if f.stage == "shear"]
+    assert len({e.F_bar for e in events[1:]}) == 1
+    assert np.diff([e.load for e in events]) == pytest.approx(scene.spacing, abs=1e-9)
+
+
+def test_median_evaluations_per_increment_on_a_branch():
+    scene = Scene(u_x_max=10.7)
+    shear = [f for f in load_path(scene) if f.stage == "shear"]
+    assert np.median([f.evaluations for f in shear]) <= 4
+
+
+def test_mirror_rule_needs_a_symmetric_patch():
+    assert mirrored(np.array([3.0, 1.0, 3.0])) and not mirrored(np.array([3.0, 1.0, 2.0]))
