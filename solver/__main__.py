@@ -14,6 +14,7 @@ from time import perf_counter
 import numpy as np
 
 from . import LIMITS, METHODS, NotConverged, Scene, SceneError, __version__, load_path, scene_from_text, summarize
+from .left_out import account
 from .progress import Progress
 
 COLUMNS = ("U_x", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
@@ -94,7 +95,8 @@ def run(arguments):
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     seconds = perf_counter() - start
     report = {"version": __version__, "method": arguments.method, "scene": asdict(scene)}
-    report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure}
+    left_out = account(scene, frames) if arguments.method == "fast" else {}
+    report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
     shear = [frame for frame in frames if frame.stage == "shear"]
     print(described(report, len(frames)))
     try:
@@ -144,7 +146,9 @@ def compute(scene, method, fields_too):
     try:
         with Progress(scene.approach_increments + scene.shear_increments + 2) as progress:
             for frame in load_path(scene, method=method):
-                frames.append(frame if fields_too else replace(frame, u=NO_FIELD, T=NO_FIELD))
+                if frames and not fields_too:  # a curve needs no fields; the last ones stay, for `account`
+                    frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
+                frames.append(frame)
                 progress(len(frames))
                 if not frame.residual <= scene.tolerance:  # a contract of load_path; nan fails it too
                     return frames, unfinished(scene, frame), NOT_CONVERGED

@@ -1,0 +1,1 @@
+"""The live experiment as a web page: `panel serve app`."""

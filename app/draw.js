@@ -1,0 +1,182 @@
+// Drawing: frames and curves into the sources of the Bokeh figures. Nothing here reaches the server (sync: false).
+
+const here = { sync: false }
+const figure = plain(figures), part = plain(parts)
+for (const name in part) part[name] = plain(part[name])
+const THOUSAND = 1000
+const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+
+function fill(view, label, columns) {
+  const source = part[view][label].data_source
+  Object.assign(plainData(source), columns)
+  source.change.emit()
+}
+
+function plainData(source) {
+  if (source.data instanceof Map) source.setv({ data: Object.fromEntries(source.data) }, { ...here, silent: true })
+  return source.data
+}
+
+// A range that holds low..high with room; it follows at once when too small, and shrinks only when far too large
+function fit(range, low, high, room = 0.08) {
+  const size = Math.max(high - low, 1e-9)
+  const inside = low >= range.start && high <= range.end
+  if (inside && size > 0.6 * (range.end - range.start)) return
+  range.setv({ start: low - room * size, end: high + room * size }, here)
+}
+
+const extent = (...lists) => lists.reduce(([a, b], list) => {
+  for (const v of list) { if (v < a) a = v; if (v > b) b = v }
+  return [a, b]
+}, [0, 0])
+
+function drawCurves(run, ghost) {
+  if (ghost !== drawnGhost) drawGhost(ghost)
+  const U_x = run.shear("U_x"), F = run.shear("F", THOUSAND), L = run.shear("L", THOUSAND), A = run.shear("A", THOUSAND)
+  fill("forces", "F", { U_x, value: F })
+  fill("forces", "L", { U_x, value: L })
+  fill("area", "A", { U_x, value: A })
+  drawSlips(run)
+  figure.forces.x_range.setv({ start: 0, end: run.head.U_end }, here)
+  const old = (name) => ghost?.shear(name, THOUSAND) ?? []
+  fit(figure.forces.y_range, ...extent([-0.01, 0.02], F, L, old("F"), old("L")))
+  fit(figure.area.y_range, 0, Math.max(extent(A, old("A"))[1], 5))
+}
+
+let drawnGhost = null
+function drawGhost(ghost) {
+  drawnGhost = ghost
+  for (const [view, name] of [["forces", "F"], ["forces", "L"], ["area", "A"]]) {
+    fill(view, `ghost_${name}`, { U_x: ghost?.shear("U_x") ?? [], value: ghost?.shear(name, THOUSAND) ?? [] })
+  }
+}
+
+function drawSlips(run) {
+  for (const [view, name] of [["forces", "F"], ["area", "A"]]) {
+    const [U_x, value] = run.slips(name, THOUSAND)
+    fill(view, `slips_${name}`, { U_x, value })
+  }
+}
+
+// Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt
+function shades(low, high) {
+  const size = 256
+  const pulls = Math.max(1, Math.round((size * -low) / (high - low)))
+  const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
+  const ramp = (name, n) => {
+    const from = digits(colour(`--${name}-0`)), to = digits(colour(`--${name}-1`))
+    const mixed = (t) => from.map((v, i) => Math.round(v * (1 - t) + to[i] * t).toString(16).padStart(2, "0")).join("")
+    return Array.from({ length: n }, (_, i) => `#${mixed(i / Math.max(1, n - 1))}`)
+  }
+  return [...ramp("pull", pulls).reverse(), ...ramp("push", size - pulls)]
+}
+
+const nice = (value) => {
+  const ten = 10 ** Math.floor(Math.log10(Math.max(value, 1e-6)))
+  return [1, 1.5, 2, 3, 4, 5, 6, 8, 10].map((m) => m * ten).find((v) => v >= value * 0.999)?.toPrecision(3) * 1
+}
+
+function drawMap(run) {
+  if (run.sheared < 0) return
+  const { image, rows, columns, low } = run.map()
+  const array = plainData(part.map.map.data_source).image[0].constructor
+  const { spacing, increment } = run.head
+  fill("map", "map", { image: [new array(image, [rows, columns])], x: [-increment / 2], y: [low], dw: [columns * increment], dh: [rows * spacing] })
+  shadeMap(run)
+  const half = Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
+  figure.map.y_range.setv({ start: -half, end: half }, here)
+  const [U_x] = run.slips("F")
+  fill("map", "slips_map", { U_x, x: U_x.map(() => -0.94 * half) })
+  figure.punch.x_range.setv({ start: -half, end: half }, here)
+}
+
+let shaded = "" // for which limits and theme the map has its shades
+function shadeMap(run) {
+  const low = -nice(Math.max(-run.T_low, LEAST)), high = nice(Math.max(run.T_high, LEAST))
+  const mapper = part.map.map.glyph.color_mapper
+  const key = [low, high, document.documentElement.dataset.theme].join()
+  if (key === shaded) return
+  shaded = key
+  mapper.setv({ low, high, palette: shades(low, high), nan_color: "rgba(0,0,0,0)" }, here)
+  document.getElementById("low").textContent = `${low} GPa`.replace("-", "−")
+  document.getElementById("high").textContent = `+${high} GPa`
+}
+
+function drawFrame(run, k) {
+  const { x, gap, T_n, T_t } = run.frame(k)
+  const n = x.length
+  const top = Math.max(7, gap.reduce((a, b) => Math.min(a, b)) + 3) // a punch still far away must be in view as well
+  figure.punch.y_range.setv({ end: top }, here)
+  const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
+  for (let i = 0; i < n; i++) {
+    outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
+    outline.y[i] = gap[i]
+    outline.y[2 * n - 1 - i] = Math.max(top + 1, gap[i])
+  }
+  fill("punch", "body", outline)
+  fill("punch", "surface", { x, gap })
+  const free = run.free
+  const state = (T) => (T > 0 ? "repulsive" : T < free ? "adhering" : "free")
+  const nodes = { repulsive: [], adhering: [], free: [] }
+  for (let i = 0; i < n; i++) nodes[state(T_n[i])].push(i)
+  for (const label in nodes) {
+    const pick = (list) => Float32Array.from(nodes[label], (i) => list[i])
+    fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
+  }
+  fill("traction", "T_n", { x, T: T_n })
+  fill("traction", "T_t", { x, T: T_t })
+  drawCursor(run.curves.U_x[k])
+}
+
+function drawCursor(location) {
+  for (const view of ["forces", "area", "map"]) part[view].cursor.setv({ location }, here)
+}
+
+let sites = 0 // how many are drawn on either side of the middle
+function drawSites({ spacing, middle }) {
+  const half = Math.ceil(figure.punch.x_range.end / spacing) + 2
+  if (half === sites) return
+  sites = half
+  const first = Math.round(middle / spacing)
+  const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
+  fill("punch", "sites", { x, gap: x.map(() => 0) })
+}
+
+// What stays the same while a run is played: ranges that hold all of its frames
+function fitFrames(run) {
+  fit(figure.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
+  drawSites(run.head)
+}
+
+// The vertical exaggeration as it is on this screen now
+function stateStretch() {
+  const { inner_width, inner_height, x_range, y_range } = figure.punch
+  if (!inner_width || !inner_height) return
+  const times = (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
+  document.getElementById("stretch").textContent = `vertical ×${times.toPrecision(2)}`
+}
+
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim()
+
+// Colours come from style.css; figures are drawn on a canvas and must be told
+function paint() {
+  const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
+  for (const name in figure) {
+    const plot = figure[name]
+    plot.setv({ outline_line_color: grid }, here)
+    for (const axis of [...plot.below, ...plot.left]) {
+      axis.setv({ axis_label_text_color: text, major_label_text_color: soft, axis_line_color: soft, major_tick_line_color: soft,
+        axis_label_text_font_size: "14px", major_label_text_font_size: "13px" }, here)
+    }
+    for (const line of plot.center) if ("grid_line_color" in line) line.setv({ grid_line_color: grid, grid_line_alpha: 0.5 }, here)
+    const named = plain(plain(colours)[name])
+    for (const label in named) tint(part[name][label], colour(named[label]))
+  }
+}
+
+function tint(item, value) {
+  for (const model of [item.glyph ?? item, item.nonselection_glyph, item.muted_glyph]) {
+    if (!model || typeof model !== "object") continue
+    for (const key of ["line_color", "fill_color"]) if (key in model) model.setv({ [key]: value }, here)
+  }
+}

@@ -1,0 +1,5 @@
+"""What `panel serve app` runs, once per visitor."""
+
+from app.page import open_page
+
+open_page()

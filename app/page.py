@@ -1,0 +1,69 @@
+"""The page: views, controls and player put together for one visitor, or a message when that is impossible."""
+
+import html
+import logging
+from functools import cache
+from pathlib import Path
+
+import panel as pn
+from bokeh.models import CustomJS
+
+from app.controls import CONTROLS, values_of
+from app.plots import views
+from app.session import Session
+
+log = logging.getLogger("app")
+HERE = Path(__file__).parent
+SCRIPTS = ("store.js", "draw.js", "player.js")  # read as one function, in this order
+SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
+PLAIN_SPEED = 4
+
+
+@cache
+def _file(name):
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+def open_page():
+    """Serve the experiment to the visitor of the current document."""
+    doc = pn.state.curdoc
+    try:
+        session = Session(doc, pn.state.session_args)
+        doc.on_session_destroyed(lambda session_context: session.close())
+        with doc.models.freeze():  # the models are counted once, not after every view
+            _page(session).servable(title="Mixed-mode contact, live")
+    except Exception as error:  # otherwise the visitor would see a blank page
+        log.exception("the page could not be built")
+        why = html.escape(f"{type(error).__name__}: {error}")
+        text = f"The experiment could not be opened: {why}. Reload the page."
+        pn.pane.HTML(f'<p role="alert">{text}</p>').server_doc(doc)
+
+
+def _page(session):
+    """The template with the five figures, and the player that connects them with the session's wire."""
+    made = views()
+    made["punch"].figure.tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
+    template = pn.Template(_file("page.html"))
+    for name, view in made.items():
+        template.add_panel(name, pn.pane.Bokeh(view.figure, sizing_mode="stretch_both"))
+    template.add_variable("style", _file("style.css"))
+    template.add_variable("controls", CONTROLS)
+    template.add_variable("values", values_of(session.scene))
+    template.add_variable("speeds", SPEEDS)
+    template.add_variable("plain_speed", PLAIN_SPEED)
+    pn.state.curdoc.js_on_event("document_ready", _player(session, made))
+    return template
+
+
+def _player(session, made):
+    """The browser's half of the app, with the models it changes."""
+    return CustomJS(
+        args={
+            "wire": session.wire,
+            "figures": {name: view.figure for name, view in made.items()},
+            "parts": {name: view.parts for name, view in made.items()},
+            "colours": {name: view.colours for name, view in made.items()},
+            "controls": {control.name: list(control.positions) for control in CONTROLS},
+        },
+        code="\n".join(_file(name) for name in SCRIPTS),
+    )

@@ -1,0 +1,254 @@
+// The browser's half of the app: receives frames, plays and scrubs them without asking the server, sends what was entered.
+
+const by = (id) => document.getElementById(id)
+const positions = plain(controls)
+const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
+const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
+const QUIET = 150 // ms after a change in which the new run has the processor, and between two pictures of a growing one
+const me = { run: null, ghost: null, anchor: null, at: 0, preview: null, playing: !reduced, following: true, status: {}, speed: 4, dragging: false, fresh: false, orders: 0, drawn: -1, drawnAt: 0,
+  freshAt: 0, mappedAt: 0, begun: 0, quiet: 0 }
+window.punch = me // for the console, and for tests
+
+function order(what, values) {
+  wire.order = JSON.stringify({ do: what, values, n: me.orders++ })
+}
+
+// receiving
+
+function receive() {
+  const chunk = unpack(wire.chunk)
+  if (!me.run || chunk.head.run !== me.run.number) begin(new Run(chunk.head))
+  me.run.add(chunk)
+  if (me.following) me.at = me.run.length - 1
+  me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
+}
+
+function drawFresh(now) {
+  me.fresh = false
+  me.freshAt = now
+  if (me.run.sheared >= 0) {
+    drawCurves(me.run, me.ghost)
+    if (me.run.whole || (me.begun === me.run.number && now - me.mappedAt > QUIET)) {
+      drawMap(me.run) // the dearest of the views
+      me.mappedAt = now
+    }
+    me.begun = me.run.number
+    fitFrames(me.run)
+  }
+  by("scrub").max = Math.max(me.run.length - 1, Number(by("scrub").max) || 0)
+  if (me.run.sheared >= 0 || me.following) show()
+}
+
+// A new run takes the screen; what was there when the change began stays behind, pale
+function begin(run) {
+  if (me.anchor !== null) me.ghost = me.anchor.sheared >= 0 ? me.anchor : me.ghost
+  me.anchor = me.dragging ? me.anchor : null
+  me.run = run
+  me.preview = null
+}
+
+function heard() {
+  const old = me.status
+  me.status = JSON.parse(wire.status)
+  const { state, values, errors, notes, frames } = me.status
+  if (state === "finished" && me.run && frames === me.run.length) {
+    by("scrub").max = me.run.length - 1
+    if (me.following && me.playing) me.at = me.run.sheared
+    me.following = false
+    me.fresh = true
+  }
+  if (me.status.heard === me.orders - 1 && !waiting) { // not the echo of a position the slider has left
+    for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
+    writeAddress(values)
+  }
+  by("notes").hidden = notes.length === 0
+  by("notes").textContent = notes.join(" ")
+  tellState()
+}
+
+function describe(name, value, error, before) {
+  const entry = by(`${name}-entry`), message = by(`${name}-error`)
+  if (!error && document.activeElement !== entry || value !== before) entry.value = value
+  entry.setAttribute("aria-invalid", Boolean(error))
+  message.hidden = !error
+  message.textContent = error ?? ""
+  if (!me.dragging) place(name, value)
+}
+
+function place(name, value) {
+  const list = positions[name], slider = by(name)
+  const nearest = list.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(list[best] - value) ? i : best), 0)
+  slider.value = nearest
+  slider.setAttribute("aria-valuetext", `${value}`)
+}
+
+function writeAddress(values) {
+  const address = new URL(location.href)
+  for (const name in values) address.searchParams.set(name, values[name])
+  if (address.href !== location.href) history.replaceState(null, "", address)
+}
+
+function tellState() {
+  const { state, frames, total, evaluations, seconds, residual, tolerance, why } = me.status
+  if (!state) return
+  const shown = state === "finished" && !me.playing ? "paused" : state
+  const text = {
+    warming: "the solver gets ready; the first time takes up to a minute",
+    running: `${frames} of ${total} increments`,
+    paused: `after ${frames} of ${total} increments`,
+    failed: why,
+  }
+  const done = `${frames} increments, ${evaluations} evaluations, ${seconds} s · all increments converged, residual ${residual.toExponential(0)} ≤ ${tolerance.toExponential(0)} nm`
+  by("status").dataset.state = shown
+  by("status").firstElementChild.textContent = shown === "warming" ? "warming up" : shown
+  by("status").lastElementChild.textContent = state === "finished" ? done : text[state]
+}
+
+// showing and playing
+
+function show() {
+  const run = me.run
+  if (!run?.length) return
+  const k = Math.min(Math.floor(me.preview ?? me.at), run.length - 1)
+  drawFrame(run, k)
+  me.drawn = k
+  me.drawnAt = performance.now()
+  if (me.preview === null) by("scrub").value = k
+  const v = run.values(k), fixed = (x, d) => x.toFixed(d).replace("-", "−")
+  by("scrub").setAttribute("aria-valuetext", `${v.stage ? "shear" : "approach"} increment ${v.index}`)
+  by("readout").textContent = `${v.stage ? "shear" : "approach"} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm, δ = ${fixed(v.delta, 1)} nm, `
+    + `F̄ = ${fixed(v.F * 1000, 3)}·10⁻³, L̄ = ${fixed(v.L * 1000, 3)}·10⁻³, Ā = ${fixed(v.A * 1000, 1)}·10⁻³, `
+    + `residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations${v.slip ? ", SLIP" : ""}`
+  stateStretch()
+}
+
+let before = 0
+function tick(now) {
+  const passed = Math.min((now - before) / 1000, 0.1)
+  before = now
+  if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) drawFresh(now)
+  if (me.playing && !me.following && me.run?.sheared >= 0 && me.preview === null) {
+    me.at += (passed * me.speed) / me.run.head.increment
+    const last = me.run.length - 1
+    if (me.at > last + me.speed / me.run.head.increment && me.status.state === "finished") me.at = me.run.sheared // after a second at the end
+    if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && now - me.drawnAt > PICTURE && now > me.quiet) show()
+  }
+  requestAnimationFrame(tick)
+}
+
+function play(on) {
+  me.playing = on
+  if (!on) {
+    me.at = Math.min(me.at, (me.run?.length ?? 1) - 1)
+    show()
+  }
+  if (me.status.state === "running" || me.status.state === "paused" || me.status.state === "warming") order(on ? "go" : "pause")
+  by("play").textContent = on ? "Pause" : "Play"
+  by("play").setAttribute("aria-label", on ? "Pause" : "Play")
+  tellState()
+}
+
+function move(by_frames) {
+  const target = Math.floor(me.at) + by_frames
+  if (by_frames > 0 && target >= (me.run?.length ?? 0) && me.status.state === "paused") {
+    me.following = true
+    order("one")
+  } else goto(target)
+}
+
+function goto(k) {
+  if (me.playing) play(false)
+  me.following = false
+  me.preview = null
+  me.at = Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1))
+  show()
+}
+
+function reset() {
+  Object.assign(me, { ghost: null, anchor: null, following: true, preview: null, playing: !reduced })
+  by("speed").value = me.speed = 4
+  order("reset")
+  by("play").textContent = me.playing ? "Pause" : "Play"
+  by("play").setAttribute("aria-label", me.playing ? "Pause" : "Play")
+}
+
+// entering: at most one message per 30 ms, always the latest
+
+let waiting = null, last = 0
+function enter(name, value) {
+  if (me.anchor === null) me.anchor = me.run
+  waiting = { ...waiting, [name]: value }
+  me.quiet = performance.now() + QUIET
+  const rest = 30 - (performance.now() - last)
+  rest > 0 ? setTimeout(send, rest) : send()
+}
+
+function send() {
+  if (!waiting) return
+  last = performance.now()
+  order("scene", waiting)
+  waiting = null
+}
+
+for (const name in positions) {
+  const slider = by(name), entry = by(`${name}-entry`)
+  slider.addEventListener("input", () => {
+    me.dragging = true
+    entry.value = positions[name][slider.value]
+    slider.setAttribute("aria-valuetext", entry.value)
+    enter(name, entry.value)
+  })
+  for (const end of ["pointerup", "keyup", "blur"]) slider.addEventListener(end, () => { me.dragging = false })
+  entry.addEventListener("change", () => enter(name, entry.value))
+  slider.closest("form").addEventListener("keydown", (event) => { if (event.key === "Escape") document.activeElement.blur() })
+}
+
+// a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
+document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint)")?.blur() })
+by("play").addEventListener("click", () => play(!me.playing))
+by("step").addEventListener("click", () => { play(false); move(1) })
+by("back").addEventListener("click", () => move(-1))
+by("reset").addEventListener("click", reset)
+by("scrub").addEventListener("input", (event) => goto(Number(event.target.value)))
+by("speed").addEventListener("change", (event) => { me.speed = Number(event.target.value) })
+by("theme").addEventListener("click", () => {
+  const root = document.documentElement
+  root.dataset.theme = root.dataset.theme === "dark" ? "light" : "dark"
+  const address = new URL(location.href)
+  address.searchParams.set("theme", root.dataset.theme)
+  history.replaceState(null, "", address)
+  paint()
+  if (me.run?.sheared >= 0) shadeMap(me.run)
+})
+
+document.addEventListener("keydown", (event) => {
+  const on = (what) => event.target.matches?.(what)
+  const taken = on("input[type=text], select") || (on("input") && !" rR".includes(event.key)) || (on("button") && event.key === " ")
+  if (event.ctrlKey || event.metaKey || event.altKey || taken) return
+  const jump = event.shiftKey ? 10 : 1
+  const keys = {
+    " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
+    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset,
+  }
+  if (!keys[event.key]) return
+  event.preventDefault()
+  keys[event.key]()
+})
+
+// hovering a curve shows that increment in every view while playback rests; a click goes there
+for (const name of ["forces", "area", "map"]) {
+  const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x) : null)
+  figure[name].on_event("mousemove", (event) => { if (!me.playing) { me.preview = there(event); show() } })
+  figure[name].on_event("mouseleave", () => { if (me.preview !== null) { me.preview = null; show() } })
+  figure[name].on_event("tap", (event) => { const k = there(event); if (k !== null) goto(k) })
+}
+new ResizeObserver(stateStretch).observe(document.querySelector("figure"))
+
+wire.properties.chunk.change.connect(receive)
+wire.properties.status.change.connect(heard)
+me.speed = Number(by("speed").value)
+paint()
+for (const name in positions) place(name, Number(by(`${name}-entry`).value))
+play(me.playing)
+requestAnimationFrame(tick)
+order("hello")

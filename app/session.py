@@ -1,0 +1,247 @@
+"""A visitor: which scene is wanted, the run that computes it slice by slice, and what the browser is told about it."""
+
+import json
+import logging
+import time
+from concurrent.futures import CancelledError
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+
+from bokeh.core.properties import Bytes, Nullable, String
+from bokeh.model import DataModel
+
+from app import worker
+from app.controls import changed_scene, scene_from_address, values_of
+from app.pool import pool as shared_pool
+from solver import Scene
+
+log = logging.getLogger("app")
+BUDGET = 0.05  # s of work in a slice: short enough to cancel, long enough to hold most of the approach
+SPARE = 0.09  # s: a superseded run may reach this age, and go on if it needs less than this: whole curves in a drag
+LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+visitors = set()  # the sessions of this process; Panel's own count lags behind
+
+
+class Wire(DataModel):
+    """What passes between server and browser: packed frames and status to the browser, orders (JSON) from it."""
+
+    chunk = Nullable(Bytes)
+    status = String(default="{}")
+    order = String(default="")
+
+
+@dataclass
+class Run:
+    """One computation of one scene; `state` is warming, running, paused, finished or failed."""
+
+    number: int
+    scene: Scene
+    total: int
+    state: str
+    started: float  # s, monotonic
+    checkpoint: object = None
+    frames: int = 0
+    evaluations: int = 0
+    residual: float = 0.0
+    seconds: float = 0.0
+    lost: int = 0
+    why: str = ""
+
+
+class Session:
+    """The state machine of one visitor; every method but `_arrived` runs under the lock of the visitor's document.
+
+    Of the frames it keeps nothing: they live in the visitor's browser. At most one slice is in flight.
+    """
+
+    def __init__(self, doc, arguments=None, pool=shared_pool):
+        self.doc, self.pool = doc, pool
+        self.wire = Wire()
+        self.scene, self.notes = scene_from_address(arguments or {})
+        self.errors = {}
+        self.heard = None  # number of the last order: the browser ignores echoes of what it has changed since
+        self.run = None
+        self.wanted = None  # a newer scene, while a slice of the old one is still in flight
+        self.flight = None
+        self.closed = False
+        self.wire.on_change("order", self._on_order)
+        visitors.add(self)
+        log.info("visitor arrived, now %d", len(visitors))
+
+    def close(self):
+        """Free everything: called when the visitor has left."""
+        if not self.closed:
+            self.closed = True
+            if self.flight is not None:
+                self.flight.cancel()
+            self.run = self.wanted = None
+            visitors.discard(self)
+            log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
+
+    # orders from the browser
+
+    def _on_order(self, attribute, old, new):
+        try:
+            order = json.loads(new)
+            name, self.heard = order["do"], order.get("n")
+            if name == "scene":
+                self.change(dict(order["values"]))
+            elif name in ("hello", "pause", "go", "one", "reset"):
+                getattr(self, name)()
+        except (ValueError, KeyError, TypeError, AttributeError):
+            log.info("unreadable order from a browser: %.80s", new)
+        except Exception as error:
+            self._fail_unexpectedly(error)
+
+    def hello(self):
+        """The page is drawn and listens."""
+        self._want(self.scene)
+
+    def change(self, entries):
+        """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays."""
+        scene, self.errors = changed_scene(self.scene, entries)
+        self.notes = []
+        if scene == self.scene:
+            self.tell()
+        else:
+            self.scene = scene
+            self._want(scene)
+
+    def reset(self):
+        """Everything as in the paper."""
+        self.scene, self.errors, self.notes = Scene(), {}, []
+        self._want(self.scene)
+
+    def pause(self):
+        """Submit no further slice until `go`."""
+        if self.run and self.run.state in ("running", "warming"):
+            self.run.state = "paused"
+            self.tell()
+
+    def go(self):
+        """Continue a paused run."""
+        if self.run and self.run.state == "paused":
+            self.run.state = "running"
+            self._submit(BUDGET)
+            self.tell()
+
+    def one(self):
+        """Compute one further increment of a paused run."""
+        if self.run and self.run.state == "paused":
+            self._submit(0.0)
+
+    # the run
+
+    def _want(self, scene):
+        """The latest wish wins: start at once, or as soon as the slice in flight is back and has no right to go on."""
+        if self.flight is None or self.flight.cancel():
+            self.flight = None
+            self._begin(scene)
+            return
+        self.wanted = scene
+
+    def _gives_way(self):
+        """Whether the run ends for a newer scene: not while young or nearly done, or a drag would show nothing."""
+        run, age = self.run, time.monotonic() - self.run.started
+        if self.wanted is None or run.state != "running":
+            return self.wanted is not None
+        left = age * (run.total - run.frames) / max(run.frames, 1)
+        return age > SPARE and left > SPARE
+
+    def _begin(self, scene):
+        number = self.run.number + 1 if self.run else 1
+        total = scene.approach_increments + scene.shear_increments + 2
+        state = "warming" if self.pool.status != "ready" else "running"
+        self.run = Run(number, scene, total, state, time.monotonic())
+        self.wanted = None
+        self._submit(BUDGET)
+        self.tell()
+
+    def _submit(self, budget):
+        if self.flight is None:
+            run = self.run
+            self.flight = self.pool.submit(worker.compute, run.scene, run.checkpoint, budget, run.number)
+            self.flight.add_done_callback(self._arrived)
+
+    def _arrived(self, future):
+        """Called in a thread of the pool: hand over to the thread of the document."""
+        if not self.closed:
+            self.doc.add_next_tick_callback(lambda: self._take(future))
+
+    def _take(self, future):
+        """A slice is back: show it, and go on with this run or with the scene wanted since."""
+        if self.closed or future is not self.flight:
+            return
+        self.flight = None
+        try:
+            self._show(future.result())
+        except (BrokenProcessPool, CancelledError):
+            self._compute_again(future)
+        except Exception as error:
+            self._fail_unexpectedly(error)
+        try:
+            self._go_on()
+        except Exception as error:  # the pool cannot take work
+            self._fail_unexpectedly(error)
+
+    def _go_on(self):
+        if self._gives_way():
+            self._begin(self.wanted)
+        elif self.run.state == "running":
+            self._submit(BUDGET)
+        self.tell()
+
+    def _show(self, piece):
+        run = self.run
+        run.checkpoint = piece.checkpoint
+        run.frames += piece.frames
+        run.evaluations += piece.evaluations
+        run.residual = max(run.residual, piece.residual)
+        run.seconds = time.monotonic() - run.started
+        if run.state == "warming":
+            run.state, run.started = "running", time.monotonic()
+        if piece.done:
+            run.state, run.why = ("failed", piece.failure) if piece.failure else ("finished", "")
+            run.total = run.frames if run.state == "finished" else run.total
+            run.checkpoint = None
+        if piece.done or not self._gives_way():
+            for block in piece.blocks:
+                self.wire.chunk = block
+
+    def _compute_again(self, future):
+        """A worker died: the slice is pure, so it is computed again by another."""
+        self.pool.recover(future)
+        self.run.lost += 1
+        self.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
+        if self.run.lost >= LIVES:
+            self.run.state, self.run.why = "failed", f"lost {LIVES} workers; change a parameter or press Reset"
+
+    def _fail_unexpectedly(self, error):
+        log.exception("a visitor's run failed")
+        if self.run:
+            self.run.state = "failed"
+            self.run.why = f"{type(error).__name__}: {error}. Press Reset to start again"
+        self.tell()
+
+    def tell(self):
+        """Send status, values, notes and errors to the browser."""
+        run = self.run
+        if run is None:
+            return
+        self.wire.status = json.dumps(
+            {
+                "state": run.state,
+                "run": run.number,
+                "frames": run.frames,
+                "total": run.total,
+                "evaluations": run.evaluations,
+                "seconds": round(run.seconds, 3),
+                "residual": run.residual,
+                "tolerance": run.scene.tolerance,
+                "why": run.why,
+                "values": values_of(self.scene),
+                "heard": self.heard,
+                "notes": self.notes,
+                "errors": self.errors,
+            }
+        )

@@ -1,0 +1,141 @@
+// The frames of a run, as they arrive from the server (format: worker.pack) and as they are asked for by the views.
+
+const COLUMNS = ["stage", "index", "U_x", "delta", "F", "L", "A", "residual", "evaluations", "slip", "U_slip"]
+const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
+const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
+
+class Run {
+  constructor(head) {
+    this.number = head.run
+    this.head = head
+    this.places = [] // frame k -> [block, row]
+    this.curves = Object.fromEntries(COLUMNS.map((name) => [name, []]))
+    this.whole = false
+    this.sheared = -1 // the frame at which shear begins, once it is there
+    this.T_high = 0 // GPa, strongest repulsion of the shear frames
+    this.T_low = 0
+    this.T_most = 0 // GPa, strongest traction of either kind, and the most negative
+    this.T_least = 0
+    this.reach = 0 // nm from the middle within which anything acts while sheared
+  }
+
+  get length() {
+    return this.places.length
+  }
+
+  // Append one chunk: {head, columns: Float32Array (columns, n), fields: 4 x Int16Array (n, m)}
+  add(chunk) {
+    const { frames } = chunk.head
+    this.whole = chunk.head.last
+    const start = this.length
+    COLUMNS.forEach((name, c) => {
+      for (let k = 0; k < frames; k++) this.curves[name].push(chunk.columns[c * frames + k])
+    })
+    for (let k = 0; k < frames; k++) {
+      this.places.push([chunk, k])
+      if (this.sheared < 0 && this.curves.stage[start + k] > 0) this.sheared = start + k
+      if (this.sheared >= 0) this.measure(chunk, k)
+    }
+  }
+
+  measure({ head, fields: [, , normal, tangential] }, row) {
+    const { nodes, first, spacing, middle, scales } = head
+    const weak = (WEAK * head.adhesion) / scales[2]
+    let high = 0, low = 0, left = nodes, right = -1, held = 0, pulled = 0
+    for (let i = 0; i < nodes; i++) {
+      const value = normal[row * nodes + i]
+      held = Math.min(held, tangential[row * nodes + i])
+      pulled = Math.max(pulled, tangential[row * nodes + i])
+      if (value > high) high = value
+      if (value < low) low = value
+      if (value > 0 || value < -weak) {
+        if (left > i) left = i
+        right = i
+      }
+    }
+    this.T_high = Math.max(this.T_high, high * scales[2])
+    this.T_low = Math.min(this.T_low, low * scales[2])
+    this.T_most = Math.max(this.T_most, this.T_high, -held * scales[3])
+    this.T_least = Math.min(this.T_least, this.T_low, -pulled * scales[3])
+    if (right >= 0) {
+      const from = (first + left) * spacing - middle, to = (first + right) * spacing - middle
+      this.reach = Math.max(this.reach, -from, to)
+    }
+  }
+
+  // attraction weaker than this (GPa, negative) counts as free
+  get free() {
+    return -this.head.reach * this.head.adhesion
+  }
+
+  // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 holds the punch back
+  frame(k) {
+    const [{ head, fields }, row] = this.places[k]
+    const { nodes, first, spacing, middle, scales } = head
+    const out = { x: new Float32Array(nodes), gap: new Float32Array(nodes), T_n: new Float32Array(nodes), T_t: new Float32Array(nodes) }
+    for (let i = 0, j = row * nodes; i < nodes; i++, j++) {
+      out.gap[i] = fields[0][j] * scales[0]
+      out.x[i] = (first + i) * spacing - middle + fields[1][j] * scales[1]
+      out.T_n[i] = fields[2][j] * scales[2]
+      out.T_t[i] = -fields[3][j] * scales[3]
+    }
+    return out
+  }
+
+  values(k) {
+    return Object.fromEntries(COLUMNS.map((name) => [name, this.curves[name][k]]))
+  }
+
+  // A curve of the shear frames, times `factor`
+  shear(name, factor = 1) {
+    return this.sheared < 0 ? [] : Float32Array.from(this.curves[name].slice(this.sheared), (value) => value * factor)
+  }
+
+  // [U_x, value] at every slip, times `factor`
+  slips(name, factor = 1) {
+    const at = [[], []]
+    this.curves.slip.forEach((slipped, k) => {
+      if (!slipped || k < this.sheared) return
+      at[0].push(this.curves.U_slip[k])
+      at[1].push(this.curves[name][Math.max(k - 1, this.sheared)] * factor)
+    })
+    return at
+  }
+
+  // The frame nearest to a displacement of the top, nm
+  nearest(U) {
+    const k = this.sheared + Math.round(U / this.head.increment)
+    return Math.max(this.sheared, Math.min(this.length - 1, k))
+  }
+
+  // Normal traction (GPa) over place and displacement; free places and increments still to come are NaN
+  map() {
+    const start = Math.max(this.sheared, 0)
+    const blocks = new Set(this.places.slice(start).map(([block]) => block.head))
+    const from = Math.min(...[...blocks].map((head) => head.first))
+    const to = Math.max(...[...blocks].map((head) => head.first + head.nodes))
+    const columns = Math.round(this.head.U_end / this.head.increment) + 1
+    const rows = to - from
+    const image = new Float32Array(rows * columns).fill(NaN)
+    const free = this.free
+    for (let k = start, c = 0; k < this.length; k++, c++) {
+      const [{ head, fields }, row] = this.places[k]
+      for (let i = 0; i < head.nodes; i++) {
+        const value = fields[2][row * head.nodes + i] * head.scales[2]
+        if (value > 0 || value < free) image[(head.first - from + i) * columns + c] = value
+      }
+    }
+    return { image, rows, columns, low: (from - 0.5) * this.head.spacing - this.head.middle }
+  }
+}
+
+// One packed chunk (ArrayBuffer) as {head, columns, fields}; nothing is copied
+function unpack(buffer) {
+  const length = new DataView(buffer).getUint32(0, true)
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)))
+  const columns = new Float32Array(buffer, 4 + length, COLUMNS.length * head.frames)
+  const size = head.frames * head.nodes
+  const start = 4 + length + columns.byteLength
+  const fields = [0, 1, 2, 3].map((f) => new Int16Array(buffer, start + 2 * f * size, size))
+  return { head, columns, fields }
+}

@@ -1,0 +1,76 @@
+"""How soon a moved slider shows: the first changed frame and the whole new curve, in a real browser, p50 and p95.
+
+Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag]`. Times are
+taken in the page, from the slider's input event to the animation frame that has drawn the new run; one visitor, warm.
+"""
+
+import argparse
+import os
+import shutil
+
+from playwright.sync_api import sync_playwright
+
+WATCH = """
+() => {
+  const slider = document.getElementById("delta_bar")
+  window.marks = []
+  slider.addEventListener("input", () => marks.push({ at: performance.now(), run: punch.run.number }), true)
+  const watch = () => {
+    const now = performance.now(), run = punch.run
+    for (const mark of marks) {
+      if (run.number <= mark.run || punch.fresh) continue
+      if (!mark.first && run.sheared >= 0) mark.first = now - mark.at
+      if (!mark.whole && run.whole) mark.whole = now - mark.at
+    }
+    requestAnimationFrame(watch)
+  }
+  watch()
+}
+"""
+SETTLED = "() => punch.status.state === 'finished' && marks.every((mark) => mark.whole)"
+BROWSER = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+
+
+def percentile(values, part):
+    """The smallest value that `part` of all do not exceed."""
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(part * len(ordered)))]
+
+
+def measure(page, moves, drag):
+    """Move the slider `moves` times by keyboard, waiting for every whole curve unless dragging; milliseconds."""
+    page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
+    page.evaluate(WATCH)
+    page.focus("#delta_bar")
+    for move in range(moves):
+        page.keyboard.press("ArrowRight" if move % 40 < 20 else "ArrowLeft")
+        if drag:
+            page.wait_for_timeout(30)  # the rhythm of a hand, not a wait for a state
+        else:
+            page.wait_for_function(SETTLED, timeout=60_000)
+    page.wait_for_function(SETTLED, timeout=60_000)
+    return page.evaluate("marks")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--url", default="http://localhost:5006/app")
+    parser.add_argument("--moves", type=int, default=60)
+    parser.add_argument("--drag", action="store_true", help="move on every 30 ms without waiting, as a hand does")
+    options = parser.parse_args()
+    chromium = os.environ.get("CHROMIUM") or shutil.which("chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=BROWSER)
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.goto(options.url)
+        marks = measure(page, options.moves, options.drag)
+        runs = page.evaluate("punch.run.number") - 1
+        browser.close()
+    print(f"{len(marks)} moves, {runs} new runs")
+    for what, name in (("first", "first changed frame"), ("whole", "whole new curve")):
+        times = [mark[what] for mark in marks]
+        print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")
+
+
+if __name__ == "__main__":
+    main()

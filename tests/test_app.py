@@ -1,0 +1,249 @@
+"""The app without a browser: what is entered, what is packed, a visitor's run through cancelling and lost workers."""
+
+import json
+import os
+import queue
+import signal
+import struct
+import time
+
+import numpy as np
+import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
+
+from app import page as page_module
+from app import session as session_module
+from app import worker
+from app.controls import CONTROLS, NAMES, changed_scene, scene_from_address
+from app.pool import Pool
+from app.session import Session
+from solver import LIMITS, Scene, advance
+
+SHORT = Scene(u_x_max=6.0)
+PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+
+
+class Page:
+    """A stand-in for the visitor's document and browser: runs what is scheduled, collects what is sent."""
+
+    def __init__(self, pool, scene=SHORT, arguments=None):
+        self.calls, self.chunks = queue.Queue(), []
+        self.session = Session(self, arguments, pool)
+        self.session.scene = scene
+        self.session.wire.on_change("chunk", lambda attribute, old, new: self.chunks.append(unpacked(new)))
+
+    def add_next_tick_callback(self, call):
+        self.calls.put(call)
+
+    def order(self, what, **values):
+        self.session.wire.order = json.dumps({"do": what, "values": values, "n": time.monotonic()})
+
+    def status(self):
+        return json.loads(self.session.wire.status)
+
+    def until(self, state):
+        """Live on until the run has the given state."""
+        while self.status().get("state") != state:
+            self.calls.get(timeout=PATIENCE)()
+
+    def curve(self, name):
+        """The last run's curve of that name, as the browser holds it."""
+        last = self.chunks[-1][0]["run"]
+        at = worker.CURVES.index(name)
+        return np.concatenate([curves[at] for head, curves, _ in self.chunks if head["run"] == last])
+
+
+def unpacked(block):
+    """(header, curves, fields) of a packed block, as app/store.js reads it."""
+    (length,) = struct.unpack_from("<I", block)
+    head = json.loads(block[4 : 4 + length])
+    n, m, c = head["frames"], head["nodes"], len(worker.CURVES)
+    curves = np.frombuffer(block, "<f4", c * n, 4 + length).reshape(c, n)
+    fields = np.frombuffer(block, "<i2", 4 * n * m, 4 + length + 4 * c * n).reshape(4, n, m)
+    return head, curves, fields * np.array(head["scales"])[:, None, None]
+
+
+@pytest.fixture(scope="module")
+def pool():
+    workers = Pool(size=2)
+    workers.start()
+    yield workers
+    workers.close()
+
+
+@pytest.fixture
+def slices(monkeypatch):
+    """Cut runs into many slices, however fast the solver."""
+    monkeypatch.setattr(session_module, "BUDGET", 0.002)
+
+
+@pytest.fixture
+def page(pool):
+    visit = Page(pool)
+    yield visit
+    visit.session.close()
+
+
+def test_sliders_stay_within_the_solver_and_reach_its_defaults():
+    for control in CONTROLS:
+        low, high = LIMITS[control.name][:2]
+        assert low <= control.low < control.high <= high
+        assert control.default in control.positions
+        assert list(control.positions) == sorted(set(control.positions))
+
+
+def test_the_default_position_of_every_slider_is_the_default_scene():
+    scene, errors = changed_scene(Scene(), {control.name: str(control.default) for control in CONTROLS})
+    assert scene == Scene() and not errors
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "1e9", "-7", "", "0,5", "two", None, [1]])
+@pytest.mark.parametrize("name", NAMES)
+def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, text):
+    scene, errors = changed_scene(SHORT, {name: text})
+    assert scene == SHORT
+    control = next(control for control in CONTROLS if control.name == name)
+    assert name in errors[name] and f"{control.low:g} to {control.high:g}" in errors[name]
+
+
+def test_each_value_of_the_address_is_judged_alone():
+    scene, notes = scene_from_address({"delta_bar": [b"0.4"], "phi_ratio": [b"x"], "E": [b"\xff"], "theme": [b"dark"]})
+    assert scene == Scene(delta_bar=0.4)
+    assert len(notes) == 2 and "phi_ratio" in notes[0] and "default 1" in notes[0] and "default 70" in notes[1]
+
+
+def test_packed_frames_hold_the_solver_s_numbers():
+    scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
+    frames, _ = advance(scene, None, 60.0)
+    blocks = worker.compute(scene, None, 60.0, 3).blocks
+    head, curves, fields = unpacked(blocks[-1])
+    frame, nodes = frames[-1], head["nodes"]
+    assert head["run"] == 3 and head["first"] == frame.first and nodes == frame.u.shape[1]
+    assert curves[worker.CURVES.index("F_bar"), -1] == np.float32(frame.F_bar)
+    gap = scene.profile[frame.first : frame.first + nodes] + frame.u[1]
+    last = (gap, frame.u[0], frame.T[1], frame.T[0])
+    for packed, true, scale in zip(fields[:, -1], last, head["scales"], strict=True):
+        assert np.abs(packed - true).max() <= 0.51 * scale  # rounding to int16
+
+
+def test_a_run_is_streamed_whole_and_in_order(page, slices):
+    page.order("hello")
+    page.until("finished")
+    assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
+    np.testing.assert_allclose(page.curve("U_x")[page.curve("stage") > 0], np.arange(61) * 0.1, atol=1e-5)
+    assert len(page.chunks) > 1
+
+
+def test_a_changed_parameter_drops_the_run_and_the_latest_wins(page, slices):
+    page.order("hello")
+    for value in (0.1, 0.2, 0.3):
+        page.order("scene", delta_bar=value)
+    page.until("finished")
+    assert page.session.run.scene == SHORT.changed(delta_bar=0.3)
+    shown = {head["run"] for head, _, _ in page.chunks}
+    assert shown <= {1, page.session.run.number}  # nothing of 0.1 and 0.2
+    assert page.curve("delta")[-1] == pytest.approx(3.0)
+
+
+def test_an_unusable_entry_leaves_the_run_on_screen(page):
+    page.order("hello")
+    page.until("finished")
+    page.order("scene", E="a lot")
+    assert "a lot" in page.status()["errors"]["E"]
+    assert page.session.run.number == 1 and page.status()["state"] == "finished"
+    page.order("scene", E="80")
+    page.until("finished")
+    assert page.status()["errors"] == {} and page.session.run.number == 2
+
+
+@pytest.mark.parametrize("order", ["", "{", "[]", '{"do": "close"}', '{"do": "scene", "values": 3}', '{"do": ["x"]}'])
+def test_nonsense_from_a_browser_is_ignored(page, order):
+    page.order("hello")
+    page.session.wire.order = order
+    page.until("finished")
+
+
+def test_pause_submits_nothing_further_and_go_continues(page, slices):
+    page.order("hello")
+    page.until("running")
+    page.order("pause")
+    while page.session.flight is not None:
+        page.calls.get(timeout=PATIENCE)()
+    frames = page.status()["frames"]
+    page.order("one")
+    while page.session.flight is not None:
+        page.calls.get(timeout=PATIENCE)()
+    assert page.status()["state"] == "paused" and page.status()["frames"] == frames + 1
+    page.order("go")
+    page.until("finished")
+
+
+def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the_same(page, pool, monkeypatch):
+    page.order("hello")
+    page.until("finished")
+    undisturbed = page.curve("F_bar")
+    monkeypatch.setattr(session_module, "BUDGET", 60.0)  # the whole run is one slice
+    lost = pool.replaced
+    page.order("hello")
+    while not page.session.flight.running():
+        time.sleep(0.001)
+    for process in pool.processes():
+        os.kill(process, signal.SIGKILL)
+    page.until("finished")
+    assert pool.replaced == lost + 1
+    assert "replaced" in page.status()["notes"][0]
+    assert len(page.curve("F_bar")) == len(undisturbed)
+    # slices are cut by the clock, so the same increments may end elsewhere within the tolerance
+    np.testing.assert_allclose(page.curve("F_bar"), undisturbed, atol=1e-6 * np.abs(undisturbed).max() + 1e-10)
+
+
+def test_a_slice_that_kills_every_worker_fails_visibly(page, monkeypatch):
+    monkeypatch.setattr(page.session, "_submit", lambda budget: submit_exit(page.session))
+    page.order("hello")
+    page.until("failed")
+    assert "workers" in page.status()["why"]
+
+
+def submit_exit(session):
+    """Submit a task that ends its worker."""
+    if session.flight is None:
+        session.flight = session.pool.submit(os._exit, 1)
+        session.flight.add_done_callback(session._arrived)
+
+
+def test_a_visitor_who_leaves_is_forgotten(pool):
+    visit = Page(pool)
+    visit.order("hello")
+    assert visit.session in session_module.visitors
+    visit.session.close()
+    assert visit.session not in session_module.visitors
+    assert visit.session.run is None
+    before = visit.calls.qsize()
+    other = Page(pool)
+    other.order("hello")
+    other.until("finished")
+    assert visit.calls.qsize() <= before + 1  # no slice was submitted for the one who left
+    other.session.close()
+
+
+def test_closing_the_pool_leaves_no_process():
+    workers = Pool(size=1)
+    workers.submit(worker.ready).result(PATIENCE)
+    (process,) = workers.processes()
+    workers.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(process, 0)
+
+
+def test_a_page_that_cannot_be_built_says_why_instead_of_staying_blank(monkeypatch):
+    def broken(session):
+        raise RuntimeError("no figures today")
+
+    monkeypatch.setattr(page_module, "_page", broken)
+    doc = Document()
+    with set_curdoc(doc):
+        page_module.open_page()
+    assert "no figures today" in "".join(getattr(root, "text", "") for root in doc.roots)
+    for session in list(session_module.visitors):
+        session.close()
