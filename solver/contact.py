@@ -41,12 +41,15 @@ class Contact:
         return _residual(u, self.response(u, active), load[0], load[1], out)
 
     def response(self, u, active):
-        """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next one."""
+        """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next. `mirror` mirrors u."""
         self.evaluations += 1
-        known = (self.size + 1) // 2 if self.mirror else self.size
+        known = self.size
+        if self.mirror:  # round-off breaks the symmetry of u, and the residual must be that of the u that is kept
+            np1.reflect(u, self.size)
+            known -= self.size // 2
         np1.tractions(u, self.profile, active, self.law, self.work, self.compliance.field, known)
         if self.mirror:
-            np1.reflect(self.compliance.field, known, self.size)
+            np1.reflect(self.compliance.field, self.size)
         self.compliance.apply()
         return self.compliance.product
 

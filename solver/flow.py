@@ -14,6 +14,8 @@ from .secants import dot
 
 STEP_ERROR = 0.02  # of min(delta_n, delta_t), in one step; the branch reached does not depend on it (test_slip.py)
 MOST_STAGES = 60
+MOST_GROWTH = 2.0  # of one step over the one before
+SAFE = 1.1  # on the spectral radius, which power iteration approaches from below
 PROBE_EVERY = 4  # steps between two looks at the stiffest mode
 PROBE = 1e-6  # nm, length of the probe along the stiffest mode
 
@@ -30,6 +32,7 @@ class Flow:
         self.peak = self.speed
         self.step = 0.1
         self._steps = 0
+        self._last = self.step, 1.0  # the last step and its error, of what is allowed
         self._mode = np.random.default_rng(0).normal(size=u.shape)
         self.radius = 1.0
         for _ in range(6):
@@ -47,25 +50,34 @@ class Flow:
 
     def advance(self):
         """One accepted step; returns the speed max |u'| (nm per unit of time) after it."""
+        grow = MOST_GROWTH
         while True:
-            stages = max(2, ceil(sqrt(1.0 + 1.54 * self.step * 1.2 * self.radius)))
+            stages = max(2, ceil(sqrt(1.0 + 1.54 * self.step * SAFE * self.radius)))
             if stages > MOST_STAGES:
                 stages = MOST_STAGES
-                self.step = (stages**2 - 1) / (1.54 * 1.2 * self.radius)
+                self.step = (stages**2 - 1) / (1.54 * SAFE * self.radius)
             there, r = self._stages(stages)
             speed = self.contact.residual(there, self.active, self.load, r)
-            error = _step_error(self.u.ravel(), there.ravel(), self.r.ravel(), r.ravel(), self.step)
-            ratio = min(2.0, max(0.2, 0.8 * (self.error / max(error, 1e-300)) ** (1.0 / 3.0)))
-            self.step *= ratio
-            if error <= self.error:
+            share = _step_error(self.u.ravel(), there.ravel(), self.r.ravel(), r.ravel(), self.step) / self.error
+            step = self.step
+            self.step *= min(grow, max(0.2, self._next_step(share, step)))
+            if share <= 1.0:
                 break
+            grow = 1.0
+        self._last = step, max(share, 1e-6)
         self.u, self.r, self.speed = there, r, speed
         self.peak = max(self.peak, speed)
-        self.active = self.contact.within_window(there)
         self._steps += 1
         if self._steps % PROBE_EVERY == 0:
             self._probe()
+        self.active = self.contact.within_window(there)
         return speed
+
+    def _next_step(self, share, step):
+        """Factor on the step that should bring the error to what is allowed, if it goes on changing as it did."""
+        usual = 0.8 * max(share, 1e-6) ** (-1.0 / 3.0)
+        before, share_before = self._last
+        return min(usual, usual * step / before * (share_before / max(share, 1e-6)) ** (1.0 / 3.0))
 
     def _stages(self, stages):
         first, table = _chebyshev(stages)

@@ -143,8 +143,23 @@ def _fold_or_target(method, state, loading, target, points):
     _, load, u = max(bracket, key=lambda p: p[1])
     if load >= target:
         return _arrive(method, state, loading, target, [(load, u), *[p for p in points[1:] if p[0] < load]])
+    beyond = _farther(method, state, loading, chord, bracket, (load, u), beyond)
     method.contact.residual(u, state.active, loading.at(load), method._r)
     return Fold(load, u, method.contact.traction(), beyond)
+
+
+def _farther(method, state, loading, chord, bracket, fold, beyond):
+    """A state LONG beyond the fold, on the unstable branch, if `beyond` is nearer: the flow leaves it sooner."""
+    load, u = fold
+    distance = np.abs(beyond - u).max()
+    if distance > 0.8 * LONG * method.unit:
+        return beyond
+    start, end = dot(chord.ravel(), u.ravel()), dot(chord.ravel(), beyond.ravel())
+    arc = start + (end - start) * min(GROWTH, LONG * method.unit / max(distance, 1e-12))
+    found = _at_arc(method, state, loading, chord, arc, bracket)
+    if found is None or found[0] >= load or np.abs(found[1] - u).max() > 2.0 * LONG * method.unit:
+        return beyond
+    return found[1]
 
 
 def _narrowed(bracket, point):

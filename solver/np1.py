@@ -136,11 +136,13 @@ def tangents(u, profile, active, law, work, out):
 
 
 @njit(cache=True, nogil=True)
-def reflect(out, m, size):
-    """Complete tractions (2, size), known on the first m nodes, by mirroring: T_x is odd, T_z even."""
-    for i in range(m, size):
-        out[0, i] = -out[0, size - 1 - i]
-        out[1, i] = out[1, size - 1 - i]
+def reflect(field, size):
+    """Make the right half of field (2, >= size) the mirror image of the left one: row x is odd, row z even."""
+    for i in range(size - size // 2, size):
+        field[0, i] = -field[0, size - 1 - i]
+        field[1, i] = field[1, size - 1 - i]
+    if size % 2:
+        field[0, size // 2] = 0.0
 
 
 def traction(scene, ux, gap):
