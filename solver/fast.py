@@ -12,6 +12,7 @@ import numpy as np
 from .contact import Contact
 from .flow import STEP_ERROR, Flow
 from .fold import Fold, follow
+from .interpolation import combine, lagrange
 from .layer import Convolution, Modes
 from .left_out import ALL, mirrored
 from .record import SAME, Record
@@ -77,8 +78,8 @@ class Fast:
         while True:
             found = self._on_branch(state, loading, target) or follow(self, state, loading, target)
             if isinstance(found, Fold):
-                slips.append(Slip(found.load, found.u, found.traction))
-                state = self._through(state, found, loading, limit)
+                before, state = state, self._through(found, loading, limit)
+                slips += self._slips(before, found, state)
                 if found.load < target:
                     continue
                 found = state  # the flow was needed at the target itself
@@ -109,7 +110,8 @@ class Fast:
 
     def _on_branch(self, state, loading, target):
         """The state at `target` on the same branch by secant steps, or None if that is not to be had safely."""
-        u = extrapolate(state.past[: ORDER + 1], target)
+        past = state.past[: ORDER + 1]
+        u = combine(lagrange([load for load, _ in past], target), [u for _, u in past])
         if np.abs(u - state.u).max() > FARTHEST * self.unit:
             return None
         most = MOST_STEPS if len(state.past) > 1 else MOST_LANDING_STEPS
@@ -142,8 +144,22 @@ class Fast:
             steps += 1
         return True
 
-    def _through(self, state, fold, loading, limit):
-        """The state that the overdamped flow from the fold of the branch of `state` reaches, at the fold's load."""
+    def _slips(self, before, fold, landed):
+        """[the Slip] between the State before and the one landed in, or [] if it was none; hands on the record."""
+        moved = np.abs(landed.u - before.u).max()
+        if not fold.certain and moved < FARTHEST * self.unit + 2.0 * abs(fold.load - before.load):
+            landed.record, landed.sites = before.record, before.sites
+            return []
+        slip = Slip(fold.load, fold.u, fold.traction)
+        if before.record is not None:
+            if before.record.close(slip, landed, self.scene.spacing, self.unit):
+                landed.record, landed.sites = before.record, before.record.sites
+            else:
+                landed.record = Record([fold.load], [(landed.u, landed.active)])
+        return [slip]
+
+    def _through(self, fold, loading, limit):
+        """The state that the overdamped flow from the fold of a branch reaches, at the fold's load."""
         flow = Flow(self.contact, fold.beyond, loading.at(fold.load), STEP_ERROR * self.unit)
         landed, found = LANDED, None
         while found is None:
@@ -156,13 +172,6 @@ class Fast:
                     )
             found = self._land(flow, loading, fold.load)
             landed *= 0.2
-        if state.record is not None:
-            slip = Slip(fold.load, fold.u, fold.traction)
-            known = state.record.close(slip, found, self.scene.spacing, self.unit)
-            if known:
-                found.record, found.sites = state.record, state.record.sites
-            else:
-                found.record = Record([fold.load], [(found.u, found.active)])
         return found
 
     def _land(self, flow, loading, load):
@@ -173,15 +182,3 @@ class Fast:
         if active is None or np.abs(u - flow.u).max() > FARTHEST * self.unit:
             return None
         return State(load, u, active, [(load, u)], secants)
-
-
-def extrapolate(past, load):
-    """Lagrange extrapolation to `load` through past = [(load, u), ...], newest first; a new array (2, m)."""
-    u = np.zeros_like(past[0][1])
-    for i, (here, state) in enumerate(past):
-        weight = 1.0
-        for j, (other, _) in enumerate(past):
-            if i != j:
-                weight *= (load - other) / (here - other)
-        u += weight * state
-    return u

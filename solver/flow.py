@@ -13,7 +13,7 @@ from numba import njit
 from .secants import dot
 
 STEP_ERROR = 0.02  # of min(delta_n, delta_t), in one step; the branch reached does not depend on it (test_slip.py)
-MOST_STAGES = 60
+MOST_STAGES = 200
 MOST_GROWTH = 2.0  # of one step over the one before
 SAFE = 1.1  # on the spectral radius, which power iteration approaches from below
 PROBE_EVERY = 4  # steps between two looks at the stiffest mode
@@ -25,7 +25,7 @@ class Flow:
 
     def __init__(self, contact, u, load, error):
         self.contact, self.load, self.error = contact, load, error
-        self.u = np.ascontiguousarray(u)
+        self.u = np.array(u)
         self.active = contact.within_window(u)
         self.r = np.empty_like(u)
         self.speed = contact.residual(self.u, self.active, load, self.r)

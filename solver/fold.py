@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .interpolation import combine, lagrange
 from .secants import advance, dot
 
 SHORT, LONG = 0.1, 0.3  # of min(delta_n, delta_t): first and longest step of the fastest node
@@ -27,6 +28,9 @@ class Fold:
     u: np.ndarray
     traction: np.ndarray
     beyond: np.ndarray
+    certain: bool = (
+        True  # False: the branch could not be followed; whether it ends here is seen from where the flow leads
+    )
 
 
 def follow(method, state, loading, target):
@@ -59,10 +63,10 @@ def follow(method, state, loading, target):
 
 def _unstable_from(method, state, target):
     """No branch to follow: let the flow decide from the state at hand, at the load asked for."""
-    u = state.u
+    u = state.u.copy()
     load = max(target, state.load)
     method.contact.residual(u, state.active, (0.0, 0.0), method._r)
-    return Fold(load, u, method.contact.traction(), u)
+    return Fold(load, u, method.contact.traction(), u, certain=False)
 
 
 def _two_points(method, state, loading, target):
@@ -82,14 +86,9 @@ def _two_points(method, state, loading, target):
 
 def _at_arc(method, state, loading, chord, arc, here):
     """The point (load, u) of the branch with <chord, u> = arc, or None; predicted through here = [(arc, load, u)]."""
-    u, load = np.zeros_like(chord), 0.0
-    for i, (si, li, ui) in enumerate(here):
-        weight = 1.0
-        for j, (sj, _, _) in enumerate(here):
-            if i != j:
-                weight *= (arc - sj) / (si - sj)
-        u += weight * ui
-        load += weight * li
+    weights = lagrange([point[0] for point in here], arc)
+    load = sum(weight * point[1] for weight, point in zip(weights, here, strict=True))
+    u = combine(weights, [point[2] for point in here])
     direction = np.empty_like(u)
     direction[0], direction[1] = loading.direction
     contact, secants, r = method.contact, state.secants, method._r

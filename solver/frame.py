@@ -54,7 +54,17 @@ class Frame:
 def forces(scene, T):
     """(F_bar, L_bar): tangential and normal force over w E; attraction is negative."""
     scale = 1.0 / (scene.nodes * scene.E)
-    return -float(T[0].sum()) * scale, float(T[1].sum()) * scale
+    F, L = _sums(T)
+    return -F * scale, L * scale
+
+
+@njit(cache=True, nogil=True)
+def _sums(T):
+    x = z = 0.0
+    for i in range(T.shape[1]):
+        x += T[0, i]
+        z += T[1, i]
+    return x, z
 
 
 def contact_area(scene, T, first):

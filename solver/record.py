@@ -4,10 +4,13 @@ If u is an equilibrium at U_x, then u + (k a, 0) is one at U_x + k a. Once a sli
 was passed before, k sites back, every later state is a recorded one moved on; its residual is evaluated, to be sure.
 """
 
+from bisect import bisect_left
 from dataclasses import dataclass, field, replace
+from math import sqrt
 
 import numpy as np
 
+from .interpolation import combine, lagrange
 from .state import Slip
 
 SAME = 0.01  # of min(delta_n, delta_t): closer states at one load are one equilibrium; others lie part of a site off
@@ -34,7 +37,7 @@ class Record:
         """Insert a state that has moved on by that distance (nm) in order of its load, unless it is there already."""
         load = load - moved
         u = u - np.array([[moved], [0.0]])
-        i = int(np.searchsorted(self.loads, load))
+        i = bisect_left(self.loads, load)
         if any(abs(other - load) < 1e-9 for other in self.loads[max(i - 1, 0) : i + 1]):
             return
         self.loads.insert(i, load)
@@ -46,19 +49,12 @@ class Record:
         u is interpolated over the square root of the distance to the fold, as a function of which it is smooth.
         """
         load = load - moved
-        arcs = -np.sqrt(np.maximum(self.fold.load - np.array(self.loads), 0.0))
-        arc = -np.sqrt(max(0.0, self.fold.load - load))
-        i = int(np.searchsorted(self.loads, load))
-        low = min(max(i - STENCIL // 2, 0), max(len(arcs) - STENCIL, 0))
-        near = range(low, min(low + STENCIL, len(arcs)))
-        u = np.zeros_like(self.states[0][0])
-        for j in near:
-            weight = 1.0
-            for k in near:
-                if k != j:
-                    weight *= (arc - arcs[k]) / (arcs[j] - arcs[k])
-            u += weight * self.states[j][0]
-        u[0] += moved
+        i = bisect_left(self.loads, load)
+        low = min(max(i - STENCIL // 2, 0), max(len(self.loads) - STENCIL, 0))
+        near = slice(low, low + STENCIL)
+        arcs = [-sqrt(max(self.fold.load - other, 0.0)) for other in self.loads[near]]
+        weights = lagrange(arcs, -sqrt(max(self.fold.load - load, 0.0)))
+        u = np.array([[moved], [0.0]]) + combine(weights, [state for state, _ in self.states[near]])
         return u, self.states[max(i - 1, 0)][1]
 
     def close(self, fold, landed, spacing, unit):
@@ -72,6 +68,6 @@ class Record:
         u, _ = self.state_at(fold.load, sites * spacing)
         if np.abs(u - landed.u).max() > SAME * unit:
             return False
-        first = max(0, int(np.searchsorted(self.loads, home)) - STENCIL)
+        first = max(0, bisect_left(self.loads, home) - STENCIL)
         del self.loads[:first], self.states[:first]
         return True
