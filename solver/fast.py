@@ -27,7 +27,7 @@ FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is 
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
 MOST_LANDING_STEPS = 150
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
-BUDGET = 400_000  # force evaluations of one increment
+BUDGET, WORK = 400_000, 2e8  # force evaluations of one increment, and times nodes
 
 
 class Fast:
@@ -41,6 +41,7 @@ class Fast:
         self.tolerance = scene.tolerance
         self.smooth = None  # what secant steps do to the unknown part of the residual
         self.worst = np.inf  # nm, residual of the last evaluation
+        self.budget = int(min(BUDGET, WORK / size))
         self._r = np.empty((2, size))
         longest_wave = Modes.of(scene).compliance[1, max(1, round(scene.nodes / size))]
         self._stiff = STIFF / float(longest_wave)
@@ -74,7 +75,7 @@ class Fast:
         if repeated is not None:
             return repeated
         self._choose_smoother(state)
-        slips, limit = [], self.contact.evaluations + BUDGET
+        slips, limit = [], self.contact.evaluations + self.budget
         while True:
             found = self._on_branch(state, loading, target) or follow(self, state, loading, target)
             if isinstance(found, Fold):
@@ -168,7 +169,7 @@ class Fast:
                 if self.contact.evaluations > limit:
                     raise NotConverged(
                         f"Not converged at {loading.name} = {fold.load:.6g} nm: residual {flow.speed:.2g} nm after"
-                        f" {BUDGET} force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
+                        f" {self.budget} force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
                     )
             found = self._land(flow, loading, fold.load)
             landed *= 0.2

@@ -19,6 +19,7 @@ REACH = 1.5 / (1.0 - 2.0 * DAMPING / 15.0)  # stages^2 - 1 per step times stiffe
 MOST_STAGES = 200
 MOST_GROWTH = 2.0  # of one step over the one before
 SAFE = 1.1  # on the spectral radius, which power iteration approaches from below
+MOST_CHANGES = 10
 LOOK_BACK = 16  # steps
 TO_AND_FRO = 0.2  # of the way gone: a smaller displacement in LOOK_BACK steps is an oscillation
 PROBE_EVERY = 4  # steps between two looks at the stiffest mode
@@ -37,6 +38,7 @@ class Flow:
         self.peak = self.speed
         self.step = 0.1
         self._steps = 0
+        self._changes = np.zeros(contact.size, int)
         self._last = self.step, 1.0  # the last step and its error, of what is allowed
         self._milestone, self._path = self.u, 0.0  # state at the last look back, and the way gone since, nm
         self._mode = np.random.default_rng(0).normal(size=u.shape)
@@ -79,13 +81,21 @@ class Flow:
             self._probe()
         if self._steps % LOOK_BACK == 0:
             self._see_whether_it_gets_on()
-        self.active = self.contact.within_window(there)
+        self._choose_active()
         return speed
+
+    def _choose_active(self):
+        """Nodes within the window; those that came and went MOST_CHANGES times stay as they are, or it never ends."""
+        active = self.contact.within_window(self.u)
+        changed = active != self.active
+        if changed.any():
+            self._changes += changed
+            self.active = np.where(self._changes > MOST_CHANGES, self.active, active)
 
     def _see_whether_it_gets_on(self):
         """Allow less error where modes go to and fro within it and never die away."""
         if np.abs(self.u - self._milestone).max() < TO_AND_FRO * self._path:
-            self.error *= 0.25
+            self.error = max(0.25 * self.error, 1e-3 * self.contact.scene.tolerance)
         self._milestone, self._path = self.u, 0.0
 
     def _next_step(self, share, step):

@@ -27,6 +27,7 @@ LIMITS = {
     "u_x_max": (0.0, 1e4, "nm", "largest tangential displacement of the top"),
     "tolerance": (1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame"),
 }
+EPSILON = 2.2e-16  # round-off of double precision
 LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
 SPACING = (0.05, 20.0)  # a/delta_t: finer lattices carry no friction, coarser ones no lattice sum
 
@@ -70,6 +71,13 @@ class Scene:
             raise SceneError("surface", self.surface, f"allowed: {', '.join(SURFACES)}", "choose one of them")
         for name, (low, high, _, _) in LIMITS.items():
             object.__setattr__(self, name, _number(name, getattr(self, name), low, high))
+        if self.tolerance < self.attainable:
+            raise SceneError(
+                "tolerance",
+                self.tolerance,
+                f"allowed: {self.attainable:.1g} .. {LIMITS['tolerance'][1]:g} for so compliant a layer, by round-off",
+                "enlarge it, or E",
+            )
         ratio = self.spacing / self.delta_t
         if not SPACING[0] <= ratio <= SPACING[1]:
             raise SceneError(
@@ -87,6 +95,17 @@ class Scene:
                     f"the run would take {steps} increments, at most {LARGEST_RUN} are allowed",
                     f"enlarge {name} or shorten the run",
                 )
+
+    @property
+    def attainable(self):
+        """Smallest residual that double precision can tell from none, nm: round-off of u, seen through the interface.
+
+        A displacement u known to eps u makes a traction error of the interface's stiffness times that, and the layer as
+        a whole answers with h/G times the traction; a tenth of it, as never all of the surface is in contact.
+        """
+        stiffness = max(self.phi_n / self.delta_n**2, 2.0 * self.phi_t / self.delta_t**2)
+        largest = self.u_x_max + self.delta_0 + abs(self.delta)
+        return 0.1 * EPSILON * largest * stiffness * self.height * self.width / self.shear_modulus
 
     @property
     def spacing(self):
