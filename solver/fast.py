@@ -27,7 +27,7 @@ FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is 
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
 MOST_LANDING_STEPS = 150
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
-BUDGET, WORK = 400_000, 2e8  # force evaluations of one increment, and times nodes
+BUDGET, WORK = 1_500_000, 6e8  # force evaluations of one increment, and times nodes
 
 
 class Fast:
@@ -43,7 +43,7 @@ class Fast:
         self.worst = np.inf  # nm, residual of the last evaluation
         self.budget = int(min(BUDGET, WORK / size))
         self._r = np.empty((2, size))
-        longest_wave = Modes.of(scene).compliance[1, max(1, round(scene.nodes / size))]
+        longest_wave = Modes.of(scene).compliance[1, min(max(1, round(scene.nodes / size)), scene.nodes // 2)]
         self._stiff = STIFF / float(longest_wave)
         self._smoother = lru_cache(maxsize=8)(self._new_smoother)
 

@@ -82,7 +82,7 @@ class Flow:
         if self._steps % LOOK_BACK == 0:
             self._see_whether_it_gets_on()
         self._choose_active()
-        return speed
+        return self.speed
 
     def _choose_active(self):
         """Nodes within the window; those that came and went MOST_CHANGES times stay as they are, or it never ends."""
@@ -91,6 +91,7 @@ class Flow:
         if changed.any():
             self._changes += changed
             self.active = np.where(self._changes > MOST_CHANGES, self.active, active)
+            self.speed = self.contact.residual(self.u, self.active, self.load, self.r)
 
     def _see_whether_it_gets_on(self):
         """Allow less error where modes go to and fro within it and never die away."""

@@ -2,10 +2,11 @@
 
     python tests/bench/bench.py [--json FILE] [--quick]
 
-Columns: force evaluations, median seconds of five runs (compiled, warm) and microseconds per evaluation, with known
-states reused and with everything solved; the error of F_bar on the branch before the first slip, relative to its largest
-value, against a reference at tolerance 1e-12 and a tenth of the step; and how many times longer gfmd takes. gfmd runs
-once, at the same tolerance and with u_x_max cut to three slips, over which fast is timed for the ratio as well.
+Columns: force evaluations, median seconds of five runs (compiled, warm), microseconds per evaluation and median
+evaluations per increment on a branch, with known states reused and with everything solved; the error of F_bar on the
+branch before the first slip, relative to its largest value, against a reference at tolerance 1e-12 and a tenth of the
+step; and how many times longer gfmd takes. gfmd runs once, at the same tolerance and with u_x_max cut to three slips,
+over which fast is timed for the ratio "solved" as well; for "reused" gfmd's time goes on as in its last period.
 --quick leaves gfmd, the reference and the larger sizes out.
 """
 
@@ -17,9 +18,14 @@ import statistics
 import time
 
 import numpy as np
+
 from solver import Scene, load_path
+from solver.contact import Contact, patch
+from solver.fast import MEMORY
 from solver.layer import transforms
 from solver.left_out import ALL
+from solver.loadpath import BULGE
+from solver.secants import Secants
 
 PRESETS = {
     "Fig. 6": {},
@@ -132,6 +138,38 @@ def flat():
     return {"increments": len(frames), "seconds": seconds, "per_1000": 1e3 * seconds / len(frames)}
 
 
+def parts(row):
+    """Microseconds of the parts of a force evaluation and of a secant step, on the default patch."""
+    scene = Scene()
+    contact = Contact(scene, *patch(scene, BULGE))
+    u = np.random.default_rng(0).normal(size=(2, contact.size))
+    active, r, layer = contact.within_window(u), np.empty_like(u), contact.compliance
+    secants = Secants(MEMORY, u.size)
+    for _ in range(MEMORY):
+        secants.push(*np.random.default_rng(1).normal(size=(4, u.size)))
+    forward, backward = transforms(layer.length)[3:]
+    micro = {
+        "two transforms": lambda: (forward(), backward()),
+        "layer (transforms and product)": layer.apply,
+        "force evaluation": lambda: contact.residual(u, active, (0.0, 0.0), r),
+        "secant step without it": lambda: secants.push(*[secants.move(r.ravel())] * 4),
+    }
+    found = {}
+    for name, call in micro.items():
+        best = min(_clock(call) for _ in range(7))
+        found[name] = 1e6 * best
+    share = row["reused"]["evaluations"] * found["two transforms"] * 1e-6
+    found["run over its transforms"] = row["reused"]["seconds"] / share
+    return found
+
+
+def _clock(call, times=500):
+    start = time.perf_counter()
+    for _ in range(times):
+        call()
+    return (time.perf_counter() - start) / times
+
+
 def shown(row):
     """A row as text."""
     a, b = row["reused"], row["solved"]
@@ -169,20 +207,20 @@ def main():
     if not arguments.quick:
         ratios = [[row["ratio"][kind] for row in rows] for kind in ("reused", "solved")]
         report["median_ratio"] = {"reused": statistics.median(ratios[0]), "solved": statistics.median(ratios[1])}
-        print(
-            f"median: gfmd takes {report['median_ratio']['reused']:.0f} x (reused), {report['median_ratio']['solved']:.0f} x (solved)"
-        )
+        print("median: gfmd takes {reused:.0f} x (reused), {solved:.0f} x (solved)".format(**report["median_ratio"]))
+    report["parts"] = parts(rows[0])
+    for name, value in report["parts"].items():
+        print(f"{name}: {value:.1f}" + (" x" if " over " in name else " us"))
     default = rows[0]["reused"]["seconds"]
     for row in rows[4:6]:
         print(f"{row['preset']} against Fig. 6: {row['reused']['seconds'] / default:.2f} x")
     print(f"flat on flat: {1e3 * report['flat']['per_1000']:.1f} ms per 1000 increments")
     report["sizes"] = [size(nodes) for nodes in (SIZES[:3] if arguments.quick else SIZES)]
     for row in report["sizes"]:
-        print(
-            "nodes {nodes:6}  patch {patch:5}  {ms_per_increment:7.3f} ms and {evaluations_per_increment:5.1f} evaluations per increment".format(
-                **row
-            )
+        line = (
+            "nodes {nodes:6}  patch {patch:5}: {ms_per_increment:7.3f} ms, {evaluations_per_increment:5.1f} evaluations"
         )
+        print((line + " per increment").format(**row))
     first, last = report["sizes"][0], report["sizes"][-1]
     growth = np.log(last["ms_per_increment"] / first["ms_per_increment"]) / np.log(last["nodes"] / first["nodes"])
     report["growth"] = float(growth)
