@@ -12,6 +12,7 @@ import numpy as np
 from .contact import Contact
 from .flow import STEP_ERROR, Flow
 from .fold import Fold, follow
+from .growth import growth_rate
 from .interpolation import combine, lagrange
 from .layer import Convolution, Modes
 from .left_out import ALL, mirrored
@@ -24,8 +25,10 @@ ORDER = 3  # of the extrapolation in the load
 MOST_STEPS = 60  # of a load increment on a branch, before the branch is followed by arc length
 LONGEST_STEP = 0.15  # of min(delta_n, delta_t): bound of one secant step
 FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is followed by arc length
+NUDGE = 1e-3  # of min(delta_n, delta_t), off a saddle
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
 MOST_LANDING_STEPS = 150
+UNSTABLE = 1e-6  # growth rate, per unit of time, above which an equilibrium is a saddle
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
 BUDGET, WORK = 1_500_000, 6e8  # force evaluations of one increment, and times nodes
 
@@ -70,7 +73,7 @@ class Fast:
 
     def increment(self, state, loading, target):
         """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
-        self.contact.mirror = self._mirror and loading.name == "delta"
+        self.contact.mirror = self._mirror and loading.name == "delta" and mirrored(state.u[1])
         repeated = self._repeat(state, loading, target)
         if repeated is not None:
             return repeated
@@ -166,14 +169,21 @@ class Fast:
         while found is None:
             while flow.speed > max(landed * flow.peak, self.tolerance):
                 flow.advance()
-                if self.contact.evaluations > limit:
-                    raise NotConverged(
-                        f"Not converged at {loading.name} = {fold.load:.6g} nm: residual {flow.speed:.2g} nm after"
-                        f" {self.budget} force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
-                    )
+                self._check_budget(flow, loading, fold.load, limit)
             found = self._land(flow, loading, fold.load)
+            if found is None and flow.speed <= self.tolerance:  # at rest on a saddle, as symmetry can hold it
+                self.contact.mirror = False
+                flow.nudge(NUDGE * self.unit)
+                self._check_budget(flow, loading, fold.load, limit)
             landed *= 0.2
         return found
+
+    def _check_budget(self, flow, loading, load, limit):
+        if self.contact.evaluations > limit:
+            raise NotConverged(
+                f"Not converged at {loading.name} = {load:.6g} nm: residual {flow.speed:.2g} nm after {self.budget}"
+                " force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
+            )
 
     def _land(self, flow, loading, load):
         """Secant steps from where the flow has nearly come to rest; None if they fail or lead away."""
@@ -182,4 +192,7 @@ class Fast:
         active = self.settle(u, flow.active, loading.at(load), secants, MOST_LANDING_STEPS)
         if active is None or np.abs(u - flow.u).max() > FARTHEST * self.unit:
             return None
+        if growth_rate(self.contact, u, active) > UNSTABLE:  # secant steps are drawn to the saddle that the flow passes
+            return None
+        self.worst = self.contact.residual(u, active, loading.at(load), self._r)
         return State(load, u, active, [(load, u)], secants)

@@ -93,6 +93,12 @@ class Flow:
             self.active = np.where(self._changes > MOST_CHANGES, self.active, active)
             self.speed = self.contact.residual(self.u, self.active, self.load, self.r)
 
+    def nudge(self, distance):
+        """Move every node by a random distance of that order (nm): off a saddle the flow would stay on."""
+        self.u = self.u + distance * np.random.default_rng(self._steps).normal(size=self.u.shape)
+        self.speed = self.peak = self.contact.residual(self.u, self.active, self.load, self.r)
+        self.step, self._last = 0.1, (0.1, 1.0)
+
     def _see_whether_it_gets_on(self):
         """Allow less error where modes go to and fro within it and never die away."""
         if np.abs(self.u - self._milestone).max() < TO_AND_FRO * self._path:
