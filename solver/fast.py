@@ -17,7 +17,7 @@ from .interpolation import combine, lagrange
 from .layer import Convolution, Modes
 from .left_out import ALL, mirrored
 from .record import SAME, Record
-from .secants import Secants, advance
+from .secants import Secants, advance, dot
 from .state import Increment, NotConverged, Slip, State
 
 MEMORY = 40  # secant pairs
@@ -28,6 +28,7 @@ FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is 
 NUDGE = 1e-3  # of min(delta_n, delta_t), off a saddle
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
 MOST_LANDING_STEPS = 150
+SUSPECT, DOUBTFUL = 8, 18  # secant steps after which a state may, or may well, lie beyond the fold of its branch
 UNSTABLE = 1e-6  # growth rate, per unit of time, above which an equilibrium is a saddle
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
 BUDGET, WORK = 1_500_000, 6e8  # force evaluations of one increment, and times nodes
@@ -43,6 +44,7 @@ class Fast:
         self.unit = min(scene.delta_n, scene.delta_t)
         self.tolerance = scene.tolerance
         self.smooth = None  # what secant steps do to the unknown part of the residual
+        self.steps = 0  # secant steps of the last solution
         self.worst = np.inf  # nm, residual of the last evaluation
         self.budget = int(min(BUDGET, WORK / size))
         self._r = np.empty((2, size))
@@ -122,7 +124,29 @@ class Fast:
         active = self.settle(u, self.contact.admitted(u, state.active), loading.at(target), state.secants, most)
         if active is None or np.abs(u - state.u).max() > FARTHEST * self.unit:
             return None
+        if self.steps > SUSPECT and not self._still_forward(state, loading, u, active, target):
+            return None
         return self.reached(state, target, u, active)
+
+    def _still_forward(self, state, loading, u, active, target):
+        """Whether u, found with difficulty, is on the stable branch and not beyond its fold, where load turns back.
+
+        There du/dload points against the way that u went; where that is not plain, growth rates decide.
+        """
+        response = self._response(state, loading)
+        ahead = dot(response, (u - state.u).ravel()) > 0.0
+        return (ahead and self.steps <= DOUBTFUL) or self.stable(u, active, loading.at(target))
+
+    def _response(self, state, loading):
+        """du/dload as far as the secant pairs know it, flat, nm/nm."""
+        direction = np.repeat(np.array(loading.direction), self.contact.size)
+        return state.secants.move(direction, self.smooth)
+
+    def stable(self, u, active, load):
+        """Whether the equilibrium u is stable; leaves its residual and traction as the last evaluation."""
+        growth = growth_rate(self.contact, u, active)
+        self.worst = self.contact.residual(u, active, load, self._r)
+        return growth <= UNSTABLE
 
     def reached(self, state, load, u, active):
         """The state at `load` on the branch of `state`."""
@@ -146,6 +170,7 @@ class Fast:
             self.worst = worst = self.contact.residual(u, active, load, r)
             secants.push(u.ravel(), r.ravel(), u_before.ravel(), r_before.ravel())
             steps += 1
+        self.steps = steps
         return True
 
     def _slips(self, before, fold, landed):
@@ -192,7 +217,6 @@ class Fast:
         active = self.settle(u, flow.active, loading.at(load), secants, MOST_LANDING_STEPS)
         if active is None or np.abs(u - flow.u).max() > FARTHEST * self.unit:
             return None
-        if growth_rate(self.contact, u, active) > UNSTABLE:  # secant steps are drawn to the saddle that the flow passes
+        if not self.stable(u, active, loading.at(load)):  # secant steps are drawn to the saddle that the flow passes
             return None
-        self.worst = self.contact.residual(u, active, loading.at(load), self._r)
         return State(load, u, active, [(load, u)], secants)

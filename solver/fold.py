@@ -118,7 +118,7 @@ def _arrive(method, state, loading, target, points):
     (load1, u1), (load0, u0) = points[:2]
     u = u0 + (target - load0) / (load1 - load0) * (u1 - u0)
     active = method.settle(u, state.active, loading.at(target), state.secants, MOST_STEPS)
-    if active is None:
+    if active is None or not method.stable(u, active, loading.at(target)):
         return _unstable_from(method, state, target)
     found = method.reached(state, target, u, active)
     found.past = [(target, u), *[p for p in points if p[0] < target][:3]]

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from solver import Scene, advance, load_path
+from solver.contact import Contact
 from solver.fast import Fast
 from solver.flow import Flow
 from solver.fold import follow
+from solver.growth import growth_rate
 from solver.loadpath import next_frame
 from solver.state import shear
 
@@ -71,3 +73,14 @@ def test_surfaces_jump_into_contact_on_approach():
     assert [f.stage for f in snaps] == ["approach"]
     assert snaps[0].U_slip == pytest.approx(-4.15329, abs=1e-4)
     assert not any(f.slip for f in load_path(Scene(u_x_max=0.0, E=1000.0)))
+
+
+@pytest.mark.parametrize(
+    "values", [{}, {"tolerance": 1e-10}, {"tolerance": 1e-5}, {"delta_bar": -0.15}, {"du_x": 0.33}]
+)
+def test_every_frame_is_a_stable_equilibrium(values):
+    """Secant steps know no stability: close to the end of a branch they may converge beyond it, on the unstable side."""
+    scene = Scene(u_x_max=14.0, **values)
+    for frame in load_path(scene):
+        contact = Contact(scene, frame.first, frame.u.shape[1])
+        assert growth_rate(contact, frame.u, contact.within_window(frame.u)) < 1e-5
