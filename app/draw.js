@@ -4,7 +4,23 @@ const here = { sync: false }
 const figure = plain(figures), part = plain(parts)
 for (const name in part) part[name] = plain(part[name])
 const THOUSAND = 1000
+const canvases = Object.values(figure).map((model) => Bokeh.index.find_one(model)).filter(Boolean)
+for (const view of canvases) view.canvas_view.events_el.tabIndex = -1 // nothing to be done there with keys
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+
+// Make several changes, then paint each figure that has any: once, and before the next frame instead of after it.
+// Bokeh takes new data in through a short chain of promises, which must have come to its end.
+const CHAIN = 64
+async function painted(change) {
+  for (const view of canvases) view.pause()
+  try {
+    change()
+    for (let i = 0; i < CHAIN; i++) await null
+  } finally {
+    for (const view of canvases) view.unpause(true)
+    for (const view of canvases) view.repaint()
+  }
+}
 
 function fill(view, label, columns) {
   const source = part[view][label].data_source
@@ -83,11 +99,8 @@ function drawMap(run) {
   const { spacing, increment } = run.head
   fill("map", "map", { image: [new array(image, [rows, columns])], x: [-increment / 2], y: [low], dw: [columns * increment], dh: [rows * spacing] })
   shadeMap(run)
-  const half = Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
-  figure.map.y_range.setv({ start: -half, end: half }, here)
   const [U_x] = run.slips("F")
-  fill("map", "slips_map", { U_x, x: U_x.map(() => -0.94 * half) })
-  figure.punch.x_range.setv({ start: -half, end: half }, here)
+  fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figure.map.y_range.start) })
 }
 
 let shaded = "" // for which limits and theme the map has its shades
@@ -144,6 +157,9 @@ function drawSites({ spacing, middle }) {
 
 // What stays the same while a run is played: ranges that hold all of its frames
 function fitFrames(run) {
+  const half = Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
+  figure.map.y_range.setv({ start: -half, end: half }, here)
+  figure.punch.x_range.setv({ start: -half, end: half }, here)
   fit(figure.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)
 }
@@ -153,7 +169,8 @@ function stateStretch() {
   const { inner_width, inner_height, x_range, y_range } = figure.punch
   if (!inner_width || !inner_height) return
   const times = (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
-  document.getElementById("stretch").textContent = `vertical ×${times.toPrecision(2)}`
+  const said = document.getElementById("stretch"), text = `vertical ×${times.toPrecision(2)}`
+  if (said.textContent !== text) said.textContent = text
 }
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim()

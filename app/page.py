@@ -10,7 +10,7 @@ from bokeh.models import CustomJS
 
 from app.controls import CONTROLS, values_of
 from app.plots import views
-from app.session import Session
+from app.session import VISITORS, Session, visitors
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
@@ -27,6 +27,10 @@ def _file(name):
 def open_page():
     """Serve the experiment to the visitor of the current document."""
     doc = pn.state.curdoc
+    if len(visitors) >= VISITORS:
+        log.warning("class full: a visitor was turned away")
+        _say(doc, f"The class is full: {VISITORS} visitors are here. Reload the page when one has left.")
+        return
     try:
         session = Session(doc, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
@@ -35,8 +39,12 @@ def open_page():
     except Exception as error:  # otherwise the visitor would see a blank page
         log.exception("the page could not be built")
         why = html.escape(f"{type(error).__name__}: {error}")
-        text = f"The experiment could not be opened: {why}. Reload the page."
-        pn.pane.HTML(f'<p role="alert">{text}</p>').server_doc(doc)
+        _say(doc, f"The experiment could not be opened: {why}. Reload the page.")
+
+
+def _say(doc, text):
+    """A page with nothing but a message."""
+    pn.pane.HTML(f'<p role="alert" style="font: 18px system-ui; margin: 2em">{text}</p>').server_doc(doc)
 
 
 def _page(session):

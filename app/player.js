@@ -6,7 +6,7 @@ const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
 const QUIET = 150 // ms after a change in which the new run has the processor, and between two pictures of a growing one
 const me = { run: null, ghost: null, anchor: null, at: 0, preview: null, playing: !reduced, following: true, status: {}, speed: 4, dragging: false, fresh: false, orders: 0, drawn: -1, drawnAt: 0,
-  freshAt: 0, mappedAt: 0, begun: 0, quiet: 0 }
+  freshAt: 0, mapped: true, mappedAt: 0, bornAt: 0, clock: 0, begun: 0, quiet: 0 }
 window.punch = me // for the console, and for tests
 
 function order(what, values) {
@@ -17,23 +17,22 @@ function order(what, values) {
 
 function receive() {
   const chunk = unpack(wire.chunk)
-  if (!me.run || chunk.head.run !== me.run.number) begin(new Run(chunk.head))
+  if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head))
   me.run.add(chunk)
   if (me.following) me.at = me.run.length - 1
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
+  const now = performance.now()
+  if (me.run.sheared >= 0 && me.begun !== me.run.number && now - me.freshAt > QUIET) painted(() => drawFresh(now))
 }
 
 function drawFresh(now) {
   me.fresh = false
   me.freshAt = now
   if (me.run.sheared >= 0) {
-    drawCurves(me.run, me.ghost)
-    if (me.run.whole || (me.begun === me.run.number && now - me.mappedAt > QUIET)) {
-      drawMap(me.run) // the dearest of the views
-      me.mappedAt = now
-    }
-    me.begun = me.run.number
     fitFrames(me.run)
+    drawCurves(me.run, me.ghost)
+    me.begun = me.run.number
+    me.mapped = false
   }
   by("scrub").max = Math.max(me.run.length - 1, Number(by("scrub").max) || 0)
   if (me.run.sheared >= 0 || me.following) show()
@@ -44,6 +43,7 @@ function begin(run) {
   if (me.anchor !== null) me.ghost = me.anchor.sheared >= 0 ? me.anchor : me.ghost
   me.anchor = me.dragging ? me.anchor : null
   me.run = run
+  me.bornAt = performance.now()
   me.preview = null
 }
 
@@ -55,11 +55,10 @@ function heard() {
     by("scrub").max = me.run.length - 1
     if (me.following && me.playing) me.at = me.run.sheared
     me.following = false
-    me.fresh = true
   }
   if (me.status.heard === me.orders - 1 && !waiting) { // not the echo of a position the slider has left
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
-    writeAddress(values)
+    if (frames > 0 && !me.dragging) writeAddress(values)
   }
   by("notes").hidden = notes.length === 0
   by("notes").textContent = notes.join(" ")
@@ -89,7 +88,7 @@ function writeAddress(values) {
 }
 
 function tellState() {
-  const { state, frames, total, evaluations, seconds, residual, tolerance, why } = me.status
+  const { state, frames, total, evaluations, seconds, tolerance, why, known } = me.status
   if (!state) return
   const shown = state === "finished" && !me.playing ? "paused" : state
   const text = {
@@ -98,7 +97,7 @@ function tellState() {
     paused: `after ${frames} of ${total} increments`,
     failed: why,
   }
-  const done = `${frames} increments, ${evaluations} evaluations, ${seconds} s · all increments converged, residual ${residual.toExponential(0)} ≤ ${tolerance.toExponential(0)} nm`
+  const done = `${frames} increments, ${evaluations} evaluations, ${known ? "computed before" : `${seconds} s`} · all increments converged to ${tolerance.toExponential(0)} nm`
   by("status").dataset.state = shown
   by("status").firstElementChild.textContent = shown === "warming" ? "warming up" : shown
   by("status").lastElementChild.textContent = state === "finished" ? done : text[state]
@@ -106,7 +105,18 @@ function tellState() {
 
 // showing and playing
 
+// The dearest of the views, in a picture of the screen of its own
+function drawLate(now) {
+  drawMap(me.run)
+  me.mapped = true
+  me.mappedAt = now
+}
+
 function show() {
+  painted(showFrame)
+}
+
+function showFrame() {
   const run = me.run
   if (!run?.length) return
   const k = Math.min(Math.floor(me.preview ?? me.at), run.length - 1)
@@ -116,9 +126,13 @@ function show() {
   if (me.preview === null) by("scrub").value = k
   const v = run.values(k), fixed = (x, d) => x.toFixed(d).replace("-", "−")
   by("scrub").setAttribute("aria-valuetext", `${v.stage ? "shear" : "approach"} increment ${v.index}`)
-  by("readout").textContent = `${v.stage ? "shear" : "approach"} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm, δ = ${fixed(v.delta, 1)} nm, `
-    + `F̄ = ${fixed(v.F * 1000, 3)}·10⁻³, L̄ = ${fixed(v.L * 1000, 3)}·10⁻³, Ā = ${fixed(v.A * 1000, 1)}·10⁻³, `
-    + `residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations${v.slip ? ", SLIP" : ""}`
+  const said = [
+    `${v.stage ? "shear" : "approach"} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
+    `F̄ = ${fixed(v.F * 1000, 3)}·10⁻³,`, `L̄ = ${fixed(v.L * 1000, 3)}·10⁻³,`,
+    `Ā = ${fixed(v.A * 1000, 1)}·10⁻³${v.slip ? ", SLIP" : ""}`,
+    `residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations`,
+  ]
+  said.forEach((text, i) => { by("readout").children[i].textContent = text })
   stateStretch()
 }
 
@@ -126,8 +140,10 @@ let before = 0
 function tick(now) {
   const passed = Math.min((now - before) / 1000, 0.1)
   before = now
-  if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) drawFresh(now)
+  if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) painted(() => drawFresh(now))
+  else if (!me.mapped && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
   if (me.playing && !me.following && me.run?.sheared >= 0 && me.preview === null) {
+    me.clock += passed
     me.at += (passed * me.speed) / me.run.head.increment
     const last = me.run.length - 1
     if (me.at > last + me.speed / me.run.head.increment && me.status.state === "finished") me.at = me.run.sheared // after a second at the end
@@ -190,6 +206,11 @@ function send() {
   waiting = null
 }
 
+function letGo() {
+  me.dragging = false
+  if (me.status.values) writeAddress(me.status.values)
+}
+
 for (const name in positions) {
   const slider = by(name), entry = by(`${name}-entry`)
   slider.addEventListener("input", () => {
@@ -198,7 +219,7 @@ for (const name in positions) {
     slider.setAttribute("aria-valuetext", entry.value)
     enter(name, entry.value)
   })
-  for (const end of ["pointerup", "keyup", "blur"]) slider.addEventListener(end, () => { me.dragging = false })
+  for (const end of ["pointerup", "keyup", "blur"]) slider.addEventListener(end, letGo)
   entry.addEventListener("change", () => enter(name, entry.value))
   slider.closest("form").addEventListener("keydown", (event) => { if (event.key === "Escape") document.activeElement.blur() })
 }
@@ -209,6 +230,8 @@ by("play").addEventListener("click", () => play(!me.playing))
 by("step").addEventListener("click", () => { play(false); move(1) })
 by("back").addEventListener("click", () => move(-1))
 by("reset").addEventListener("click", reset)
+by("help").addEventListener("click", () => by("keys").showModal())
+by("keys").addEventListener("click", (event) => { if (event.target === by("keys")) by("keys").close() }) // beside it
 by("scrub").addEventListener("input", (event) => goto(Number(event.target.value)))
 by("speed").addEventListener("change", (event) => { me.speed = Number(event.target.value) })
 by("theme").addEventListener("click", () => {
@@ -224,11 +247,11 @@ by("theme").addEventListener("click", () => {
 document.addEventListener("keydown", (event) => {
   const on = (what) => event.target.matches?.(what)
   const taken = on("input[type=text], select") || (on("input") && !" rR".includes(event.key)) || (on("button") && event.key === " ")
-  if (event.ctrlKey || event.metaKey || event.altKey || taken) return
+  if (event.ctrlKey || event.metaKey || event.altKey || taken || by("keys").open) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
-    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset,
+    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "?": () => by("keys").showModal(),
   }
   if (!keys[event.key]) return
   event.preventDefault()

@@ -58,6 +58,8 @@ def _rendered(name, elements, colours, **ranges):
         handles = subplot.handles
         part = view.parts[element.label] = handles.get("glyph_renderer", handles["glyph"])
         part.name = f"{name}.{element.label}"
+        if element.label == "cursor":
+            part.level = "overlay"  # a canvas of its own: moving it paints nothing else
     _dress(view.figure, name)
     x, y = next(element for element in elements if isinstance(element, hv.Curve | hv.Image)).dimensions()[:2]
     view.figure.xaxis.axis_label, view.figure.yaxis.axis_label = x.pprint_label, y.pprint_label

@@ -2,23 +2,28 @@
 
 import json
 import logging
+import os
 import time
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from bokeh.core.properties import Bytes, Nullable, String
 from bokeh.model import DataModel
 
 from app import worker
 from app.controls import changed_scene, scene_from_address, values_of
+from app.finished import Finished
+from app.finished import shelf as shared_shelf
 from app.pool import pool as shared_pool
 from solver import Scene
 
 log = logging.getLogger("app")
-BUDGET = 0.05  # s of work in a slice: short enough to cancel, long enough to hold most of the approach
-SPARE = 0.09  # s: a superseded run may reach this age, and go on if it needs less than this: whole curves in a drag
+FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
+BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
+SPARE = 0.09  # s for which a superseded run may go on if that is enough to finish it: whole curves in a drag
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
 
 
@@ -46,16 +51,18 @@ class Run:
     seconds: float = 0.0
     lost: int = 0
     why: str = ""
+    blocks: list = field(default_factory=list)  # packed frames so far
 
 
 class Session:
     """The state machine of one visitor; every method but `_arrived` runs under the lock of the visitor's document.
 
-    Of the frames it keeps nothing: they live in the visitor's browser. At most one slice is in flight.
+    Frames live in the visitor's browser; here they are kept while a run lasts, and then on the shelf for all.
+    At most one slice is in flight that the visitor waits for.
     """
 
-    def __init__(self, doc, arguments=None, pool=shared_pool):
-        self.doc, self.pool = doc, pool
+    def __init__(self, doc, arguments=None, pool=shared_pool, shelf=shared_shelf):
+        self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
         self.scene, self.notes = scene_from_address(arguments or {})
         self.errors = {}
@@ -63,6 +70,7 @@ class Session:
         self.run = None
         self.wanted = None  # a newer scene, while a slice of the old one is still in flight
         self.flight = None
+        self.last = None  # the slice before: the worker that did it is the best for the next
         self.closed = False
         self.wire.on_change("order", self._on_order)
         visitors.add(self)
@@ -72,8 +80,7 @@ class Session:
         """Free everything: called when the visitor has left."""
         if not self.closed:
             self.closed = True
-            if self.flight is not None:
-                self.flight.cancel()
+            self._abandon()
             self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -133,34 +140,54 @@ class Session:
     # the run
 
     def _want(self, scene):
-        """The latest wish wins: start at once, or as soon as the slice in flight is back and has no right to go on."""
-        if self.flight is None or self.flight.cancel():
-            self.flight = None
+        """The latest wish wins: at once, or after a run that seems to end soon, whether it does or not."""
+        if self.flight is None or self.flight.cancel() or self._far_from_done():
             self._begin(scene)
             return
+        if self.wanted is None:
+            number = self.run.number
+            self.doc.add_timeout_callback(lambda: self._lose_patience(number), round(1000 * SPARE))
         self.wanted = scene
 
+    def _lose_patience(self, number):
+        """The run had its time and is still not done: its slice may end unseen."""
+        if not self.closed and self.wanted is not None and self.run.number == number:
+            self._begin(self.wanted)
+
+    def _far_from_done(self):
+        """Whether at its pace until now the run would need much longer than SPARE; False before its first slice."""
+        run = self.run
+        return run.seconds * (run.total - run.frames) > 2 * SPARE * run.frames
+
     def _gives_way(self):
-        """Whether the run ends for a newer scene: not while young or nearly done, or a drag would show nothing."""
-        run, age = self.run, time.monotonic() - self.run.started
-        if self.wanted is None or run.state != "running":
-            return self.wanted is not None
-        left = age * (run.total - run.frames) / max(run.frames, 1)
-        return age > SPARE and left > SPARE
+        """Whether the run ends here for a newer scene."""
+        return self.wanted is not None and (self.run.state != "running" or self._far_from_done())
+
+    def _abandon(self):
+        """Wait no longer for the slice in flight: another worker takes what comes next."""
+        if self.flight is not None:
+            self.pool.abandon(self.flight)
+            self.flight = None
 
     def _begin(self, scene):
+        self._abandon()
         number = self.run.number + 1 if self.run else 1
         total = scene.approach_increments + scene.shear_increments + 2
         state = "warming" if self.pool.status != "ready" else "running"
         self.run = Run(number, scene, total, state, time.monotonic())
         self.wanted = None
-        self._submit(BUDGET)
+        known = self.shelf.get(scene)
+        if known is not None:
+            self._show_known(known)
+        else:
+            self._submit(FIRST)
         self.tell()
 
     def _submit(self, budget):
         if self.flight is None:
             run = self.run
-            self.flight = self.pool.submit(worker.compute, run.scene, run.checkpoint, budget, run.number)
+            self.flight = self.pool.submit(worker.compute, run.scene, run.checkpoint, budget, near=self.last)
+            self.last = self.flight
             self.flight.add_done_callback(self._arrived)
 
     def _arrived(self, future):
@@ -176,7 +203,7 @@ class Session:
         try:
             self._show(future.result())
         except (BrokenProcessPool, CancelledError):
-            self._compute_again(future)
+            self._compute_again()
         except Exception as error:
             self._fail_unexpectedly(error)
         try:
@@ -197,6 +224,7 @@ class Session:
         run.frames += piece.frames
         run.evaluations += piece.evaluations
         run.residual = max(run.residual, piece.residual)
+        run.blocks += piece.blocks
         run.seconds = time.monotonic() - run.started
         if run.state == "warming":
             run.state, run.started = "running", time.monotonic()
@@ -204,13 +232,29 @@ class Session:
             run.state, run.why = ("failed", piece.failure) if piece.failure else ("finished", "")
             run.total = run.frames if run.state == "finished" else run.total
             run.checkpoint = None
+            self._keep()
         if piece.done or not self._gives_way():
-            for block in piece.blocks:
-                self.wire.chunk = block
+            self._send(piece.blocks)
 
-    def _compute_again(self, future):
-        """A worker died: the slice is pure, so it is computed again by another."""
-        self.pool.recover(future)
+    def _keep(self):
+        """A finished run goes on the shelf."""
+        run = self.run
+        if run.state == "finished":
+            self.shelf.put(run.scene, Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual))
+        run.blocks = []
+
+    def _show_known(self, known):
+        run = self.run
+        run.state, run.frames, run.total = "finished", known.frames, known.frames
+        run.evaluations, run.residual = known.evaluations, known.residual
+        self._send(known.blocks)
+
+    def _send(self, blocks):
+        for block in blocks:
+            self.wire.chunk = worker.numbered(self.run.number, block)
+
+    def _compute_again(self):
+        """A worker died and is being replaced: the slice is pure, so it is computed again by another."""
         self.run.lost += 1
         self.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
         if self.run.lost >= LIVES:
@@ -239,6 +283,7 @@ class Session:
                 "residual": run.residual,
                 "tolerance": run.scene.tolerance,
                 "why": run.why,
+                "known": run.state == "finished" and run.seconds == 0.0,
                 "values": values_of(self.scene),
                 "heard": self.heard,
                 "notes": self.notes,

@@ -5,8 +5,8 @@ const WEAK = 0.1 // of the peak attraction: the views reach as far as anything s
 const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 
 class Run {
-  constructor(head) {
-    this.number = head.run
+  constructor(number, head) {
+    this.number = number
     this.head = head
     this.places = [] // frame k -> [block, row]
     this.curves = Object.fromEntries(COLUMNS.map((name) => [name, []]))
@@ -129,13 +129,14 @@ class Run {
   }
 }
 
-// One packed chunk (ArrayBuffer) as {head, columns, fields}; nothing is copied
+// One packed chunk (ArrayBuffer) as {run, head, columns, fields}; nothing is copied
 function unpack(buffer) {
-  const length = new DataView(buffer).getUint32(0, true)
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)))
-  const columns = new Float32Array(buffer, 4 + length, COLUMNS.length * head.frames)
+  const view = new DataView(buffer)
+  const run = view.getUint32(0, true), length = view.getUint32(4, true)
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)))
+  const columns = new Float32Array(buffer, 8 + length, COLUMNS.length * head.frames)
   const size = head.frames * head.nodes
-  const start = 4 + length + columns.byteLength
+  const start = 8 + length + columns.byteLength
   const fields = [0, 1, 2, 3].map((f) => new Int16Array(buffer, start + 2 * f * size, size))
-  return { head, columns, fields }
+  return { run, head, columns, fields }
 }

@@ -10,17 +10,22 @@ import os
 import signal
 import struct
 import threading
+import time
 from dataclasses import dataclass
 from math import e
 from typing import Any
 
 import numpy as np
+import pyfftw
 
 from solver import Scene, advance
+from solver.layer import transforms
 
 NICENESS = 10  # the event loop must win against the physics
 CURVES = ("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip", "U_slip")
 FIELDS = ("gap", "u_x", "T_z", "T_x")
+LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
+APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction counts as free
 
 
@@ -37,12 +42,13 @@ class Slice:
     failure: str | None
 
 
-def start():
+def start(wisdom=None):
     """Prepare a new worker: low priority, deaf to Ctrl-C, gone when the server is gone, kernels loaded."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     threading.Thread(target=_leave_with_server, daemon=True).start()
+    learn(wisdom)
     try:
         warm_up()
     except Exception:  # the first real slice will say what is wrong, to the visitor
@@ -65,15 +71,32 @@ def warm_up():
 
 def ready():
     """A task that does nothing: once it has come back, a worker is warm."""
-    return os.getpid()
 
 
-def compute(scene, checkpoint, budget, run):
-    """Advance `scene` for about `budget` seconds and pack the frames under the number `run`."""
+def measure():
+    """Let FFTW try out its ways for the usual lengths; returns what it found, for `learn` in other workers."""
+    for length in LENGTHS:
+        for normal_only in (False, True):
+            transforms(length, normal_only, measure=True)
+    return pyfftw.export_wisdom()
+
+
+def learn(wisdom):
+    """Use in this process what `measure` found in another."""
+    if wisdom is not None:
+        pyfftw.import_wisdom(wisdom)
+
+
+def compute(scene, checkpoint, budget):
+    """Advance `scene` for about `budget` seconds, somewhat longer if that ends in the approach, and pack the frames."""
+    latest = time.perf_counter() + APPROACH * budget
     frames, checkpoint = advance(scene, checkpoint, budget)
+    while checkpoint.stage == "approach" and not checkpoint.done and time.perf_counter() < latest:
+        more, checkpoint = advance(scene, checkpoint, budget / APPROACH)
+        frames += more
     blocks = list(_same_patch(frames))
     return Slice(
-        blocks=tuple(pack(scene, block, run, checkpoint.done and block[-1] is frames[-1]) for block in blocks),
+        blocks=tuple(pack(scene, block, checkpoint.done and block[-1] is frames[-1]) for block in blocks),
         frames=len(frames),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
@@ -95,8 +118,10 @@ def _same_patch(frames):
         yield block
 
 
-def pack(scene, frames, run, last):
+def pack(scene, frames, last):
     """Bytes of frames of one patch: uint32 length, JSON header, float32 curves (columns, n), int16 fields (4, n, m).
+
+    What goes to a browser has the number of its run in front (uint32, `numbered`).
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
     at half the bytes of float32. A default run takes 1.3 MB.
@@ -109,7 +134,6 @@ def pack(scene, frames, run, last):
     scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
     curves = np.array([_numbers(frame) for frame in frames], dtype=np.float32).T
     header = {
-        "run": run,
         "last": last,
         "frames": len(frames),
         "nodes": nodes,
@@ -126,6 +150,11 @@ def pack(scene, frames, run, last):
     head += b" " * (-len(head) % 4)
     body = b"".join(np.rint(f / s).astype("<i2").tobytes() for f, s in zip(fields, scales, strict=True))
     return struct.pack("<I", len(head)) + head + np.ascontiguousarray(curves, "<f4").tobytes() + body
+
+
+def numbered(run, block):
+    """A packed block as one of the visitor's run of that number: what is kept for all visitors knows no number."""
+    return struct.pack("<I", run) + block
 
 
 def _numbers(frame):

@@ -45,6 +45,7 @@ class Contact:
         self.evaluations += 1
         known = self.size
         if self.mirror:  # round-off breaks the symmetry of u, and the residual must be that of the u that is kept
+            u = u if u.flags.writeable else u.copy()  # a frame's u has been mirrored already
             np1.reflect(u, self.size)
             known -= self.size // 2
         np1.tractions(u, self.profile, active, self.law, self.work, self.compliance.field, known)

@@ -17,7 +17,7 @@ from .interpolation import combine, lagrange
 from .layer import Convolution, Modes
 from .left_out import ALL, mirrored
 from .record import SAME, Record
-from .secants import Secants, advance, dot
+from .secants import Secants, advance
 from .state import Increment, NotConverged, Slip, State
 
 MEMORY = 40  # secant pairs
@@ -28,7 +28,7 @@ FARTHEST = 0.5  # of min(delta_n, delta_t): a larger change in one increment is 
 NUDGE = 1e-3  # of min(delta_n, delta_t), off a saddle
 LANDED = 0.02  # of the slip's peak speed: below it the flow has entered a new basin, and secant steps may finish
 MOST_LANDING_STEPS = 150
-SUSPECT, DOUBTFUL = 8, 18  # secant steps after which a state may, or may well, lie beyond the fold of its branch
+SUSPECT = 11  # secant steps after which a state may lie beyond the fold of its branch
 UNSTABLE = 1e-6  # growth rate, per unit of time, above which an equilibrium is a saddle
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
 BUDGET, WORK = 1_500_000, 6e8  # force evaluations of one increment, and times nodes
@@ -124,23 +124,21 @@ class Fast:
         active = self.settle(u, self.contact.admitted(u, state.active), loading.at(target), state.secants, most)
         if active is None or np.abs(u - state.u).max() > FARTHEST * self.unit:
             return None
-        if self.steps > SUSPECT and not self._still_forward(state, loading, u, active, target):
-            return None
+        if (
+            self.steps > SUSPECT
+            and self._speeds_up(state, target, u)
+            and not self.stable(u, active, loading.at(target))
+        ):
+            return None  # beyond the fold of its branch, on the unstable side
         return self.reached(state, target, u, active)
 
-    def _still_forward(self, state, loading, u, active, target):
-        """Whether u, found with difficulty, is on the stable branch and not beyond its fold, where load turns back.
-
-        There du/dload points against the way that u went; where that is not plain, growth rates decide.
-        """
-        response = self._response(state, loading)
-        ahead = dot(response, (u - state.u).ravel()) > 0.0
-        return (ahead and self.steps <= DOUBTFUL) or self.stable(u, active, loading.at(target))
-
-    def _response(self, state, loading):
-        """du/dload as far as the secant pairs know it, flat, nm/nm."""
-        direction = np.repeat(np.array(loading.direction), self.contact.size)
-        return state.secants.move(direction, self.smooth)
+    def _speeds_up(self, state, target, u):
+        """Whether u moved farther per unit of load than in the increment before, as towards the end of a branch."""
+        if len(state.past) < 2:
+            return True
+        (load1, u1), (load0, u0) = state.past[:2]
+        before = np.abs(u1 - u0).max() / (load1 - load0)
+        return np.abs(u - state.u).max() > 1.05 * before * (target - state.load)
 
     def stable(self, u, active, load):
         """Whether the equilibrium u is stable; leaves its residual and traction as the last evaluation."""

@@ -1,7 +1,8 @@
-"""Damped Green's function molecular dynamics (paper section 2.1): the reference method.
+"""Damped Green's function molecular dynamics (paper section 2.1): the reference method, and its mass-weighted variant.
 
-Surface modes of unit mass move in Fourier space under T - K (u - U) - gamma du/dt, by the Verlet scheme with gamma
-critical for the slowest mode, until max |U + C T(u) - u| is below the tolerance, at every increment.
+Surface modes move in Fourier space under T - K (u - U), less friction, by the Verlet scheme, until
+max |U + C T(u) - u| is below the tolerance, at every increment. `Gfmd` gives all modes one mass and a damping critical
+for the slowest; `MassWeighted` gives each mode a mass in proportion to its stiffness, so that all move equally fast.
 """
 
 import numpy as np
@@ -14,6 +15,8 @@ from .state import Increment, NotConverged, Slip, State
 
 CHECK_EVERY = 20  # steps between two looks at the residual
 SAFETY = 0.5  # of the largest stable time step
+PROBE = 1e-6  # nm, length of the probe along the stiffest direction
+FIRST_PROBES = 6  # power iterations from a random direction, before the first step; later ones go on from the last
 BUDGET = 1_000_000  # force evaluations of one increment
 SLIPPED = 0.5  # of min(delta_n, delta_t), beyond twice the increment of the load: a larger move of a node is a slip
 
@@ -31,6 +34,7 @@ class Gfmd:
         slowest = float(min(self._modes.k_xx.min(), self._modes.k_zz.min()))
         self._gamma = 2.0 * damping * np.sqrt(slowest)
         self._r = np.empty((2, size))
+        self._motion = self._step = None
 
     def undeformed(self, loading, load):
         """The State of a layer that nothing acts on."""
@@ -65,14 +69,13 @@ class Gfmd:
         traction, shape = self._traction[:, self._part], self._u[:, self._part]
         top = np.array(loading.at(target)) * nodes
         modes = self._equilibrium(u, active, loading.at(load), traction)
-        motion = np.zeros_like(modes)
-        step = self._time_step(u, active)
+        self._begin(modes, self._time_step(u, active, loading.at(target)))
         while True:
             for _ in range(CHECK_EVERY):
                 self._shape(modes)
                 np1.tractions(shape, contact.profile, active, contact.law, contact.work, traction, contact.size)
                 self._forward()
-                _verlet(modes, motion, self._spectrum, self._modes.stiffness, top, step, self._gamma)
+                self._move(modes, top)
                 contact.evaluations += 1
             self._shape(modes)
             u[:] = shape
@@ -84,9 +87,21 @@ class Gfmd:
                     f"Not converged at {loading.name} = {target:.6g} nm: residual {residual:.2g} nm after {BUDGET}"
                     " force evaluations of gfmd; try a larger tolerance, a smaller du_x or du_z, or method fast"
                 )
-            smaller = self._time_step(u, active)
-            motion *= smaller / step
-            step = smaller
+            self._limit(self._time_step(u, active, loading.at(target)))
+
+    def _begin(self, modes, limit):
+        """At rest, with steps of the length `limit`."""
+        self._motion, self._step = np.zeros_like(modes), limit
+
+    def _limit(self, limit):
+        """Go on at the same velocity with steps of the length `limit`."""
+        self._motion *= limit / self._step
+        self._step = limit
+
+    def _move(self, modes, top):
+        """One step of all modes, in place, from the traction in self._spectrum."""
+        k = self._modes.stiffness
+        _verlet(modes, self._motion, self._spectrum, k, top, self._step, self._gamma)
 
     def _shape(self, modes):
         """Displacement of the surface from its modes."""
@@ -102,12 +117,80 @@ class Gfmd:
         modes[:, 0] += np.array(load) * self.scene.nodes
         return modes
 
-    def _time_step(self, u, active):
+    def _time_step(self, u, active, load):
+        """A stable step: bounded by the stiffest mode, plus the stiffest node of the interface."""
         tangents = np.empty((4, self.contact.size))
         np1.tangents(u, self.contact.profile, active, self.contact.law, self.contact.work, tangents)
         tangents = np.abs(tangents)
         interface = max((tangents[0] + tangents[1]).max(), (tangents[2] + tangents[3]).max())
         return SAFETY * 2.0 / np.sqrt(self._stiffest + interface)
+
+
+class MassWeighted(Gfmd):
+    """The same motion with mass K and friction gamma K: u'' = r - gamma u', r = U + C T(u) - u, for every mode.
+
+    All modes of the free layer have the period 2 pi, and gamma = 2 damping is critical for all of them at once; only
+    the interface makes some faster. Masses as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRevB.99.144103.
+    """
+
+    def __init__(self, scene, first, size, leave_out=frozenset(), damping=1.0):
+        """damping: in units of the critical damping of a free layer's mode."""
+        super().__init__(scene, first, size, leave_out)
+        self._gamma = 2.0 * damping
+        self._direction = None
+
+    def _move(self, modes, top):
+        c = self._modes.compliance
+        _verlet_weighted(modes, self._motion, self._spectrum, c, top, self._step, self._gamma)
+
+    def _time_step(self, u, active, load):
+        """A stable step, from the spectral radius of dr/du by nonlinear power iteration on the patch."""
+        contact, probes = self.contact, 1
+        if self._direction is None or self._direction.shape != u.shape:
+            self._direction, probes = np.random.default_rng(0).normal(size=u.shape), FIRST_PROBES
+        here, there = np.empty_like(u), np.empty_like(u)
+        contact.residual(u, active, load, here)
+        for _ in range(probes):
+            self._direction *= PROBE / max(np.linalg.norm(self._direction), 1e-300)
+            contact.residual(u + self._direction, active, load, there)
+            self._direction = there - here
+        radius = max(1.0, np.linalg.norm(self._direction) / PROBE)
+        return SAFETY * 2.0 / np.sqrt(radius)
+
+
+@njit(cache=True, nogil=True)
+def product_at(c, x, z, q):
+    """The matrix of mode q, c: (3, modes) rows xx, zz, c with xz = i c, zx = -i c, times (x, z)."""
+    cx, cz, cc = c[0, q], c[1, q], c[2, q]
+    return (
+        complex(cx * x.real - cc * z.imag, cx * x.imag + cc * z.real),
+        complex(cz * z.real + cc * x.imag, cz * z.imag - cc * x.real),
+    )
+
+
+@njit(cache=True, nogil=True)
+def residual_at(u, traction, c, top, q):
+    """(r_x, r_z) = U + C T - u of mode q."""
+    r_x, r_z = product_at(c, traction[0, q], traction[1, q], q)
+    r_x -= u[0, q]
+    r_z -= u[1, q]
+    if q == 0:
+        r_x += top[0]
+        r_z += top[1]
+    return r_x, r_z
+
+
+@njit(cache=True, nogil=True)
+def _verlet_weighted(u, motion, traction, c, top, step, gamma):
+    """One step of all modes with mass K; motion is the last change of u; c: the compliance, as in `product_at`."""
+    keep = (1.0 - 0.5 * gamma * step) / (1.0 + 0.5 * gamma * step)
+    push = step * step / (1.0 + 0.5 * gamma * step)
+    for q in range(u.shape[1]):
+        r_x, r_z = residual_at(u, traction, c, top, q)
+        motion[0, q] = keep * motion[0, q] + push * r_x
+        motion[1, q] = keep * motion[1, q] + push * r_z
+        u[0, q] += motion[0, q]
+        u[1, q] += motion[1, q]
 
 
 @njit(cache=True, nogil=True)

@@ -10,9 +10,9 @@ PERIOD = 0.1  # s between two pictures of it
 class Progress:
     """Draws `done` of `total` on a terminal and wipes itself when left; silent in files and pipes."""
 
-    def __init__(self, total, stream=None):
+    def __init__(self, total, stream=None, unit="increments"):
         self.total = max(total, 1)
-        self.stream = stream or sys.stderr
+        self.stream, self.unit = stream or sys.stderr, unit
         self.visible = self.stream.isatty()
         self.due = 0.0
 
@@ -23,7 +23,7 @@ class Progress:
         if self.visible and monotonic() >= self.due:
             self.due = monotonic() + PERIOD
             full = min(WIDTH, WIDTH * done // self.total)
-            self._write(f"\r[{'#' * full}{'.' * (WIDTH - full)}] {done} of {self.total} increments")
+            self._write(f"\r[{'#' * full}{'.' * (WIDTH - full)}] {done} of {self.total} {self.unit}")
 
     def __exit__(self, *_):
         if self.visible:

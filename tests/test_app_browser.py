@@ -1,103 +1,12 @@
-"""The app as a visitor meets it: the README's command, a real Chromium, keys and mouse; no error, nothing fetched."""
+"""The app as a visitor meets it, in a real Chromium: keys and mouse; no error, nothing fetched from elsewhere."""
 
-import os
 import re
-import signal
-import socket
-import subprocess
-import sys
-import threading
-import time
-import urllib.request
-from pathlib import Path
 
 import pytest
+from test_app_serving import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-ROOT = Path(__file__).parent.parent
-PATIENCE = 120_000  # ms; a limit against hanging, not a claim about speed
-TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
-FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"
-
-
-class Server:
-    """`panel serve app` on a free port, with what it logs."""
-
-    def __init__(self):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
-        command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
-        quick = [
-            "--unused-session-lifetime",
-            "1000",
-            "--check-unused-sessions",
-            "500",
-        ]  # ms, closed tabs
-        self.process = subprocess.Popen(
-            [*command, *quick], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        )
-        self.lines, self.news = [], threading.Condition()
-        threading.Thread(target=self._listen, daemon=True).start()
-        self.address = f"http://localhost:{self.port}/app"
-
-    def _listen(self):
-        for line in self.process.stdout:
-            with self.news:
-                self.lines.append(line)
-                self.news.notify_all()
-
-    def wait_for(self, pattern, since=0):
-        """The first logged line from number `since` on that matches."""
-        with self.news:
-            found = self.news.wait_for(
-                lambda: next(filter(re.compile(pattern).search, self.lines[since:]), None), PATIENCE / 1000
-            )
-        assert found, f"the server never logged {pattern!r}:\n{''.join(self.lines)}"
-        return found
-
-    def stop(self):
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(30)
-
-
-@pytest.fixture(scope="module")
-def server(chromium):
-    running = Server()
-    running.wait_for("workers are warm")
-    yield running
-    running.stop()
-    trouble = [line for line in running.lines if TROUBLE.search(line)]
-    assert not trouble, "".join(running.lines)
-
-
-@pytest.fixture
-def visit(server, browser):
-    """Open the app in a tab of its own; at the end nothing may have gone wrong or been asked from elsewhere."""
-    contexts, problems, asked = [], [], []
-
-    def opened(query="", **options):
-        context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
-        contexts.append(context)
-        page = context.new_page()
-        page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda error: problems.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(server.address + query)
-        return page
-
-    yield opened
-    for context in contexts:
-        context.close()
-    assert not problems
-    outside = [url for url in asked if not re.match(rf"(http|ws)://localhost:{server.port}/|data:|blob:", url)]
-    assert not outside
-
-
-def finished(page, run=1):
-    page.wait_for_function(FINISHED, timeout=PATIENCE)
-    page.wait_for_function(f"punch.status.run >= {run}", timeout=PATIENCE)
-    page.wait_for_function(FINISHED, timeout=PATIENCE)
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 def drawn(page, view, part):
@@ -182,6 +91,61 @@ def test_play_pause_step_and_reset(visit):
     assert drawn(page, "forces", "ghost_F") == 0
 
 
+def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(visit):
+    page = visit()
+    finished(page)
+    help_ = page.get_by_role("dialog", name="Keys")
+    page.get_by_role("button", name="Keys and other help").click()
+    for key in ("Space", "Shift", "Home", "End", "R", "←", "→"):
+        assert help_.locator("kbd", has_text=re.compile(rf"^{key}$")).count() >= 1
+    at = page.evaluate("punch.status.run")
+    page.keyboard.press("r")  # behind an open help nothing happens
+    page.keyboard.press("Escape")
+    help_.wait_for(state="hidden")
+    assert page.evaluate("punch.status.run") == at
+    page.locator("body").press("?")
+    help_.wait_for(state="visible")
+    help_.get_by_role("button", name="Close").click()
+    help_.wait_for(state="hidden")
+
+
+def test_every_tab_stop_is_a_control(visit):
+    page = visit()
+    finished(page)
+    stops = []
+    while "speed" not in stops:
+        page.keyboard.press("Tab")
+        stops.append(page.evaluate("document.activeElement.id || document.activeElement.className"))
+        assert len(stops) < 40
+    entered = [stop for name in ("delta_bar", "phi_ratio", "E") for stop in ("hint", f"{name}-entry", name)]
+    assert stops == ["help", "theme", *entered, "reset", "back", "play", "step", "scrub", "speed"]
+
+
+def test_the_speed_chosen_is_that_of_the_top(visit):
+    page = visit()
+    finished(page)
+    page.select_option("#speed", "20")
+    assert page.evaluate("punch.speed") == 20
+    # frames passed while the clock of the page ran on, whatever its pace
+    at, now = page.evaluate("[punch.at, punch.clock]")
+    page.wait_for_function(f"punch.clock > {now} + 0.2 || punch.at < {at}")
+    passed, frames = page.evaluate(f"[punch.clock - {now}, punch.at - {at}]")
+    assert frames < 0 or frames * 0.1 == pytest.approx(20 * passed)
+
+
+def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
+    page = visit("?E=10&delta_bar=1")
+    page.wait_for_function(
+        "() => window.punch?.run?.sheared >= 0 && punch.status.state === 'running'", timeout=PATIENCE
+    )
+    assert re.search(r"running \d+ of \d+ increments", page.inner_text("#status"))
+    page.fill("#E-entry", "500")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.E") == 500
+    assert 0 < page.evaluate("punch.ghost.shear('F').length") < 401  # what was there of the slow one
+
+
 def test_hovering_and_clicking_a_curve_moves_every_view(visit):
     page = visit()
     finished(page)
@@ -238,37 +202,3 @@ def test_nothing_is_cut_off_sideways_and_what_matters_is_above_the_fold(visit, s
     for part in ("#status", "#delta_bar", "#phi_ratio", "#E", "#play", "figure >> nth=0"):
         box = page.locator(part).bounding_box()
         assert box["y"] >= 0 and box["y"] + min(box["height"], 100) <= size[1], part
-
-
-def test_closing_the_tab_frees_what_it_held(server, browser):
-    seen = len(server.lines)
-    page = browser.new_page()
-    page.goto(server.address)
-    finished(page)
-    page.close()
-    assert "now 0, slices in flight 0" in server.wait_for("visitor left, now 0", since=seen)
-
-
-def test_stopping_the_server_ends_its_workers(chromium):
-    running = Server()
-    running.wait_for("workers are warm")
-    urllib.request.urlopen(running.address).read()
-    children = Path(f"/proc/{running.process.pid}/task/{running.process.pid}/children")
-    if not children.exists():
-        running.stop()
-        pytest.skip("this system does not list the children of a process in /proc")
-    workers = children.read_text().split()
-    assert workers
-    running.stop()
-    deadline = time.monotonic() + PATIENCE / 1000
-    while any(map(alive, workers)):
-        assert time.monotonic() < deadline, "workers outlived their server"
-        os.sched_yield()
-
-
-def alive(pid):
-    """Whether a process still runs; one that only waits to be collected does not."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False

@@ -79,7 +79,7 @@ def test_surfaces_jump_into_contact_on_approach():
     "values", [{}, {"tolerance": 1e-10}, {"tolerance": 1e-5}, {"delta_bar": -0.15}, {"du_x": 0.33}]
 )
 def test_every_frame_is_a_stable_equilibrium(values):
-    """Secant steps know no stability: close to the end of a branch they may converge beyond it, on the unstable side."""
+    """Secant steps know no stability: close to the end of a branch they may converge beyond it."""
     scene = Scene(u_x_max=14.0, **values)
     for frame in load_path(scene):
         contact = Contact(scene, frame.first, frame.u.shape[1])

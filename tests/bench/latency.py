@@ -1,12 +1,15 @@
 """How soon a moved slider shows: the first changed frame and the whole new curve, in a real browser, p50 and p95.
 
-Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag]`. Times are
-taken in the page, from the slider's input event to the animation frame that has drawn the new run; one visitor, warm.
+Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--known]`. Times are
+taken in the page, from the slider's input event to the animation frame after that in which the new run was painted;
+one visitor, warm.
+The scenes are new to the server (its stiffness is a little different each time) unless asked otherwise.
 """
 
 import argparse
 import os
 import shutil
+import time
 
 from playwright.sync_api import sync_playwright
 
@@ -42,8 +45,8 @@ def measure(page, moves, drag):
     page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
     page.evaluate(WATCH)
     page.focus("#delta_bar")
-    for move in range(moves):
-        page.keyboard.press("ArrowRight" if move % 40 < 20 else "ArrowLeft")
+    for _ in range(moves):
+        page.keyboard.press("ArrowRight")
         if drag:
             page.wait_for_timeout(30)  # the rhythm of a hand, not a wait for a state
         else:
@@ -55,18 +58,21 @@ def measure(page, moves, drag):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--url", default="http://localhost:5006/app")
-    parser.add_argument("--moves", type=int, default=60)
+    parser.add_argument("--moves", type=int, default=60, help="at most 130: from delta_bar = -0.3 on, 0.01 at a time")
+    parser.add_argument("--known", action="store_true", help="the same scenes every time: found on the server's shelf")
     parser.add_argument("--drag", action="store_true", help="move on every 30 ms without waiting, as a hand does")
     options = parser.parse_args()
     chromium = os.environ.get("CHROMIUM") or shutil.which("chromium")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=BROWSER)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
-        page.goto(options.url)
+        stiffness = 70.0 if options.known else 70.0 + time.time() % 1.0
+        page.goto(f"{options.url}?delta_bar=-0.3&E={stiffness:.6f}")
         marks = measure(page, options.moves, options.drag)
         runs = page.evaluate("punch.run.number") - 1
         browser.close()
-    print(f"{len(marks)} moves, {runs} new runs")
+    load = " ".join(f"{part:.1f}" for part in os.getloadavg())
+    print(f"{len(marks)} moves, {runs} runs; load of this machine {load}, {os.cpu_count()} cores")
     for what, name in (("first", "first changed frame"), ("whole", "whole new curve")):
         times = [mark[what] for mark in marks]
         print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")

@@ -1,0 +1,220 @@
+"""Work against precision: errors that mean something, branches counted, a report that stands alone."""
+
+import json
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from functools import partial
+from html.parser import HTMLParser
+from itertools import islice
+
+import numpy as np
+import pytest
+
+import solver.__main__ as cli
+from solver import Scene
+from solver.accuracy import SWEEPS, measure
+from solver.gfmd import Gfmd, MassWeighted
+from solver.plotpage import write_page
+from solver.variants import SERIES, VARIANTS, frames
+from solver.verdict import branches, choice, data, sentence, table
+from solver.workprecision import Run, compare, perform, ratio, reference, refined
+
+SMALL = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.2, u_x_max=25.0)
+SETTINGS = ["nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=25"]
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """Every (progress, report) of a quick measurement."""
+    return list(measure(SMALL, quick=True))
+
+
+@pytest.fixture(scope="module")
+def report(measured):
+    return measured[-1][1]
+
+
+def finish(generator):
+    """What a generator returns."""
+    while True:
+        try:
+            next(generator)
+        except StopIteration as end:
+            return end.value
+
+
+def shear_frames(scene, series):
+    return [f for f in frames(scene, series) if f.stage == "shear"]
+
+
+def test_error_falls_in_step_with_the_tolerance(report):
+    points = report.of("tolerance", "fast")
+    assert [p.value for p in points] == sorted(SWEEPS["tolerance"], reverse=True)
+    for p in points:
+        # A feels the tolerance most: contact ends where T_z falls below tolerance x phi_n / delta_n^2
+        assert p.branch_error < 100 * p.value
+    assert points[-1].branch_error < 1e-4 * points[0].branch_error
+    assert points[-1].worst("position") < 1e-7 and points[-1].evaluations > points[0].evaluations > 0
+
+
+def test_every_method_follows_the_same_branches_at_the_same_loads():
+    scene = SMALL.changed(u_x_max=8.0, tolerance=1e-9)
+    runs = {series: shear_frames(scene, series) for series in SERIES}
+    for series, run in runs.items():
+        assert [f.slip for f in run] == [f.slip for f in runs["gfmd"]], series
+        assert sum(f.slip for f in run) >= 2
+        # the residual is a displacement; near the end of a branch the contact magnifies it some thousand times
+        assert max(np.abs(f.u - g.u).max() for f, g in zip(run, runs["gfmd"], strict=True)) < 1e-5, series
+        assert all(f.residual <= scene.tolerance for f in run)
+
+
+def test_the_reference_is_confirmed_by_gfmd():
+    """By damped dynamics at nearly its tolerance: F before the first slip, to a billionth of the largest."""
+    scene = SMALL.changed(u_x_max=8.0, tolerance=1e-11)
+    known = finish(reference(scene, [10]))
+    run = Run("tolerance", "gfmd", 1e-11, scene)
+    point = compare(run, finish(perform(run, known, 60.0)), known)
+    assert known.scene.tolerance == 1e-12 and ratio(scene, known.scene) == 10
+    assert max(point.F, point.L, point.A) < 1e-9
+    assert point.branches[0] == point.branches[1] >= 2
+
+
+@pytest.mark.parametrize("variant", [MassWeighted, partial(MassWeighted, damping=4.0), partial(Gfmd, damping=4.0)])
+def test_damping_above_critical_does_not_change_the_branch(variant):
+    scene = SMALL.changed(u_x_max=5.0, tolerance=1e-7)
+    slow, plain = shear_frames(scene, variant), shear_frames(scene, "gfmd")
+    assert np.abs(slow[-1].u - plain[-1].u).max() < 1e-4 and any(f.slip for f in plain)
+
+
+def test_a_wrong_branch_is_counted_and_named(report, monkeypatch):
+    """With a quarter of critical damping, inertia carries the first slip of this scene two sites instead of one."""
+    monkeypatch.setitem(VARIANTS, "underdamped", partial(MassWeighted, damping=0.25))
+    scene = SMALL.changed(u_x_max=7.0, tolerance=1e-6)
+    known = finish(reference(scene, [10]))
+    run = Run("tolerance", "underdamped", 1e-6, scene)
+    point = compare(run, finish(perform(run, known, 60.0)), known)
+    first, second = [slip for slip in point.slips if slip.stage == "shear"]
+    assert first.same_branch is False
+    # the second slip of the others carries them one more site: to where this one has been since the first
+    assert second.same_branch is True
+    assert point.branches == (sum(s.same_branch for s in point.slips), len(point.slips))
+    assert point.branch_error < 1e-3 and point.worst("position") == first.position
+    astray = replace(report, points=(*report.points, point))
+    assert "another one by underdamped after 1 of" in branches(astray)
+    assert "underdamped" in sentence(astray) and table(astray, "tolerance")[-1][-1] == "{} of {}".format(
+        *point.branches
+    )
+
+
+def test_a_tighter_tolerance_that_is_worse_is_named(report):
+    last = report.of("tolerance", "fast")[-1]
+    points = [p if p is not last else replace(p, F=0.01) for p in report.points]
+    assert "yet tighter is not always better: 1e-10 leaves 1e-02" in choice(replace(report, points=points), "tolerance")
+
+
+def test_a_run_that_takes_too_long_is_stopped_and_says_so():
+    known = finish(reference(SMALL.changed(u_x_max=1.0), [10]))
+    run = Run("tolerance", "gfmd", 1e-8, SMALL.changed(u_x_max=1.0))
+    curves = finish(perform(run, known, 0.0))
+    point = compare(run, curves, known)
+    assert curves.stopped and "stopped after 0 s at approach increment 0" in point.failure
+    assert point.F is None and point.branch_error is None
+
+
+def test_steps_of_the_reference_divide_those_compared_with_it():
+    fine = refined(SMALL)
+    assert (fine.du_x, fine.du_z) == (0.02, 0.05)
+    assert ratio(SMALL, fine) == 10 and ratio(SMALL.changed(du_x=0.03), fine) is None
+    assert refined(SMALL.changed(du_x=0.002)).du_x == 0.001  # a tenth would be below what is allowed
+
+
+def test_measuring_can_be_watched_and_stopped(measured):
+    done = [progress for progress, _ in measured]
+    assert done[0] == 0.0 and done[-1] == pytest.approx(1.0)
+    assert np.diff(done).min() > -1e-12  # sums of parts: round-off
+    assert pickle.loads(pickle.dumps(measured[-1])) == measured[-1]
+    assert len(list(islice(measure(SMALL, quick=True), 3))) == 3
+
+
+def test_a_scene_that_sticks_is_measured_without_slips():
+    scene = SMALL.changed(u_x_max=0.4, tolerance=1e-6)
+    _, report = list(measure(scene, quick=True))[-1]
+    assert not [slip for slip in report.known_slips if slip[0] == "shear"]
+    assert report.horizon == 0.4 and "gives F to" in sentence(report)
+
+
+def test_the_report_in_plain_data_has_every_number(report):
+    plain = json.loads(json.dumps(data(report), allow_nan=False))
+    keys = {
+        "command",
+        "scene",
+        "quick",
+        "U_x_end",
+        "reference",
+        "points",
+        "sentence",
+        "sentences",
+        "same_branch_within",
+    }
+    assert keys <= set(plain)
+    assert {p["series"] for p in plain["points"]} == set(SERIES)
+    assert {p["sweep"] for p in plain["points"]} == set(SWEEPS) == set(plain["sentences"])
+    point = plain["points"][0]
+    assert {"value", "seconds", "evaluations", "F", "L", "A", "slips", "failure", "branches_right"} <= set(point)
+    assert {"stage", "load", "position", "force", "same_branch"} == set(point["slips"][0])
+
+
+class Tags(HTMLParser):
+    """The tags of a page with their attributes; scripts and styles are skipped by the parser itself."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+
+
+def test_the_command_writes_a_page_and_numbers(tmp_path, capsys):
+    page, numbers = tmp_path / "a.html", tmp_path / "a.json"
+    files = ["--html", str(page), "--json", str(numbers)]
+    assert cli.main(["accuracy", "--quick", *files, "--set", *SETTINGS]) == 0
+    shown = capsys.readouterr().out
+    assert "same branch" in shown and "FIRE" in shown and shown.splitlines()[-1].startswith("tolerance ")
+    written = json.loads(numbers.read_text())
+    assert written["scene"]["nodes"] == 64 and written["version"] and written["sentence"] in shown
+    tags = Tags(page.read_text(encoding="utf-8")).found
+    assert not [attributes for _, attributes in tags if attributes.keys() & {"src", "href"}]
+    assert "python -m solver accuracy --quick --set" in page.read_text(encoding="utf-8")
+
+
+def test_bad_input_is_refused_in_one_line(capsys):
+    assert cli.main(["accuracy", "--slips", "0"]) == 2
+    assert capsys.readouterr().err == "--slips 0: allowed: 1 or more\n"
+    assert cli.main(["accuracy", "--html", "/nowhere/a.html"]) == 2
+    assert "--html '/nowhere/a.html'" in capsys.readouterr().err
+
+
+def test_nothing_to_draw_with_is_imported_before_it_is_needed():
+    code = (
+        "import sys, solver.plotpage, solver.accuracy, solver.verdict\n"
+        "print([m for m in ('holoviews', 'bokeh', 'panel') if m in sys.modules])"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "[]\n"
+
+
+@pytest.mark.browser
+def test_the_page_opens_offline(report, browser, tmp_path):
+    write_page(tmp_path / "a.html", report)
+    context = browser.new_context(offline=True)
+    page, asked, wrong = context.new_page(), [], []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.goto((tmp_path / "a.html").as_uri())
+    page.wait_for_function("Bokeh.documents.length == 1 && Bokeh.documents[0].is_idle")
+    assert len(asked) == 1 and not wrong
+    assert page.evaluate("Bokeh.documents[0].roots().length") == 1
+    context.close()
