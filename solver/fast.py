@@ -20,7 +20,7 @@ from .record import SAME, Record
 from .secants import Secants, advance
 from .state import Increment, NotConverged, Slip, State
 
-MEMORY = 40  # secant pairs
+MEMORY = 30  # secant pairs
 ORDER = 3  # of the extrapolation in the load
 MOST_STEPS = 60  # of a load increment on a branch, before the branch is followed by arc length
 LONGEST_STEP = 0.15  # of min(delta_n, delta_t): bound of one secant step
