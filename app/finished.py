@@ -15,6 +15,7 @@ class Finished:
     frames: int
     evaluations: int
     residual: float  # nm, the largest of the run
+    widest: float = 0.0  # part of w over which anything acted, at most
 
     @property
     def size(self):

@@ -14,7 +14,7 @@ from app.session import VISITORS, Session, visitors
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
-SCRIPTS = ("store.js", "draw.js", "player.js")  # read as one function, in this order
+SCRIPTS = ("store.js", "draw.js", "accuracy.js", "player.js")  # read as one function, in this order
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
 

@@ -231,7 +231,8 @@ by("step").addEventListener("click", () => { play(false); move(1) })
 by("back").addEventListener("click", () => move(-1))
 by("reset").addEventListener("click", reset)
 by("help").addEventListener("click", () => by("keys").showModal())
-by("keys").addEventListener("click", (event) => { if (event.target === by("keys")) by("keys").close() }) // beside it
+by("accuracy").addEventListener("click", openBench)
+for (const box of [by("keys"), by("bench")]) box.addEventListener("click", (event) => { if (event.target === box) box.close() }) // beside it
 by("scrub").addEventListener("input", (event) => goto(Number(event.target.value)))
 by("speed").addEventListener("change", (event) => { me.speed = Number(event.target.value) })
 by("theme").addEventListener("click", () => {
@@ -247,7 +248,7 @@ by("theme").addEventListener("click", () => {
 document.addEventListener("keydown", (event) => {
   const on = (what) => event.target.matches?.(what)
   const taken = on("input[type=text], select") || (on("input") && !" rR".includes(event.key)) || (on("button") && event.key === " ")
-  if (event.ctrlKey || event.metaKey || event.altKey || taken || by("keys").open) return
+  if (event.ctrlKey || event.metaKey || event.altKey || taken || document.querySelector("dialog[open]")) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
@@ -269,6 +270,7 @@ new ResizeObserver(stateStretch).observe(document.querySelector("figure"))
 
 wire.properties.chunk.change.connect(receive)
 wire.properties.status.change.connect(heard)
+wire.properties.accuracy.change.connect(measured)
 me.speed = Number(by("speed").value)
 paint()
 for (const name in positions) place(name, Number(by(`${name}-entry`).value))

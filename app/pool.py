@@ -16,6 +16,7 @@ from app import worker
 log = logging.getLogger("app")
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 STARTS = 3  # how often in a row a worker may end while it gets ready
+spawning = threading.RLock()
 GRACE = 2.0  # s: an increment takes up to one; an abandoned task in the way of others for longer ends with its worker
 
 
@@ -26,15 +27,16 @@ def default_size():
 
 
 @contextlib.contextmanager
-def _bare_main():
+def bare_main():
     """Hide `__main__`'s file while a worker is spawned: it would import the server's start script, and so Panel."""
     main = sys.modules["__main__"]
-    file = main.__dict__.pop("__file__", None)
-    try:
-        yield
-    finally:
-        if file is not None:
-            main.__file__ = file
+    with spawning:
+        file = main.__dict__.pop("__file__", None)
+        try:
+            yield
+        finally:
+            if file is not None:
+                main.__file__ = file
 
 
 class Task(Future):
@@ -60,7 +62,7 @@ class Seat:
         self.run(probe).add_done_callback(lambda future: warmed(self, future))
 
     def run(self, call, *arguments):
-        with _bare_main():
+        with bare_main():
             return self.executor.submit(call, *arguments)
 
     @property

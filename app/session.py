@@ -6,16 +6,18 @@ import os
 import time
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
 
 from bokeh.core.properties import Bytes, Nullable, String
 from bokeh.model import DataModel
 
 from app import worker
+from app.bench import Bench
+from app.cautions import cautions
 from app.controls import changed_scene, scene_from_address, values_of
 from app.finished import Finished
 from app.finished import shelf as shared_shelf
 from app.pool import pool as shared_pool
+from app.run import Run
 from solver import Scene
 
 log = logging.getLogger("app")
@@ -32,26 +34,8 @@ class Wire(DataModel):
 
     chunk = Nullable(Bytes)
     status = String(default="{}")
+    accuracy = String(default="")  # JSON, only when a measurement was asked for
     order = String(default="")
-
-
-@dataclass
-class Run:
-    """One computation of one scene; `state` is warming, running, paused, finished or failed."""
-
-    number: int
-    scene: Scene
-    total: int
-    state: str
-    started: float  # s, monotonic
-    checkpoint: object = None
-    frames: int = 0
-    evaluations: int = 0
-    residual: float = 0.0
-    seconds: float = 0.0
-    lost: int = 0
-    why: str = ""
-    blocks: list = field(default_factory=list)  # packed frames so far
 
 
 class Session:
@@ -65,7 +49,8 @@ class Session:
         self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
         self.scene, self.notes = scene_from_address(arguments or {})
-        self.errors = {}
+        self.errors, self.cautions = {}, []  # cautions: of the last finished run
+        self.bench = Bench(doc, self.wire)
         self.heard = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
         self.wanted = None  # a newer scene, while a slice of the old one is still in flight
@@ -81,6 +66,7 @@ class Session:
         if not self.closed:
             self.closed = True
             self._abandon()
+            self.bench.close()
             self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -95,6 +81,9 @@ class Session:
                 self.change(dict(order["values"]))
             elif name in ("hello", "pause", "go", "one", "reset"):
                 getattr(self, name)()
+            elif name in ("measure", "cancel"):
+                self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
+                self.tell()
         except (ValueError, KeyError, TypeError, AttributeError):
             log.info("unreadable order from a browser: %.80s", new)
         except Exception as error:
@@ -141,6 +130,7 @@ class Session:
 
     def _want(self, scene):
         """The latest wish wins: at once, or after a run that seems to end soon, whether it does or not."""
+        self.bench.cancel("the scene has changed")
         if self.flight is None or self.flight.cancel() or self._far_from_done():
             self._begin(scene)
             return
@@ -224,6 +214,7 @@ class Session:
         run.frames += piece.frames
         run.evaluations += piece.evaluations
         run.residual = max(run.residual, piece.residual)
+        run.widest = max(run.widest, piece.widest)
         run.blocks += piece.blocks
         run.seconds = time.monotonic() - run.started
         if run.state == "warming":
@@ -239,14 +230,17 @@ class Session:
     def _keep(self):
         """A finished run goes on the shelf."""
         run = self.run
+        self.cautions = cautions(run.scene, run.widest)
         if run.state == "finished":
-            self.shelf.put(run.scene, Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual))
+            whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
+            self.shelf.put(run.scene, whole)
         run.blocks = []
 
     def _show_known(self, known):
         run = self.run
         run.state, run.frames, run.total = "finished", known.frames, known.frames
-        run.evaluations, run.residual = known.evaluations, known.residual
+        run.evaluations, run.residual, run.widest = known.evaluations, known.residual, known.widest
+        self.cautions = cautions(run.scene, run.widest)
         self._send(known.blocks)
 
     def _send(self, blocks):
@@ -272,21 +266,5 @@ class Session:
         run = self.run
         if run is None:
             return
-        self.wire.status = json.dumps(
-            {
-                "state": run.state,
-                "run": run.number,
-                "frames": run.frames,
-                "total": run.total,
-                "evaluations": run.evaluations,
-                "seconds": round(run.seconds, 3),
-                "residual": run.residual,
-                "tolerance": run.scene.tolerance,
-                "why": run.why,
-                "known": run.state == "finished" and run.seconds == 0.0,
-                "values": values_of(self.scene),
-                "heard": self.heard,
-                "notes": self.notes,
-                "errors": self.errors,
-            }
-        )
+        own = {"values": values_of(self.scene), "heard": self.heard, "errors": self.errors}
+        self.wire.status = json.dumps(run.told() | own | {"notes": self.notes + self.cautions})

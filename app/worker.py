@@ -37,6 +37,7 @@ class Slice:
     frames: int
     evaluations: int
     residual: float  # nm, the largest of the slice
+    widest: float  # part of w over which anything acts, the largest of the slice
     checkpoint: Any
     done: bool
     failure: str | None
@@ -100,10 +101,18 @@ def compute(scene, checkpoint, budget):
         frames=len(frames),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
+        widest=max((_width(scene, frame) for frame in frames), default=0.0),
         checkpoint=checkpoint,
         done=checkpoint.done,
         failure=checkpoint.failure,
     )
+
+
+def _width(scene, frame):
+    """Part of w between the outermost nodes that repel or adhere, as they are drawn."""
+    normal = frame.T[1]
+    acting = np.flatnonzero((normal > 0) | (normal < -REACH * scene.phi_n / (e * scene.delta_n)))
+    return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0
 
 
 def _same_patch(frames):

@@ -44,7 +44,7 @@ def main(argv=None):
     parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for add in (add_run,):
+    for add in (add_run, add_accuracy, add_stability):
         add(commands)
     arguments = parser.parse_args(argv)
     try:
@@ -71,6 +71,87 @@ def add_run(commands):
     parser.add_argument("--npz", metavar="FILE", help="write the curves and the fields of every shear increment")
     parser.add_argument("--json", metavar="FILE", help="write scene, version, method and summary")
     parser.set_defaults(command=run)
+
+
+def add_accuracy(commands):
+    """Adds `accuracy` to the subcommands."""
+    parser = commands.add_parser(
+        "accuracy",
+        help="error against run time",
+        description="Error against run time of one experiment, by every method, swept over tolerance, steps, windows.",
+        epilog=parameter_table(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="as in run")
+    parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
+    parser.add_argument("--slips", type=int, metavar="N", help="end beyond slip N in shear, default 2 (quick 1)")
+    parser.add_argument("--json", metavar="FILE", help="write every number")
+    parser.add_argument("--html", metavar="FILE", help="write the diagram as a page that opens offline")
+    parser.set_defaults(command=accuracy)
+
+
+def accuracy(arguments):
+    """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
+    from . import plotpage, verdict  # what `run` does not need
+    from .accuracy import measure
+
+    scene = scene_from_text(settings(arguments.set))
+    if arguments.slips is not None and arguments.slips < 1:
+        raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
+    for option in ("json", "html"):
+        check_writable(option, getattr(arguments, option))
+    try:
+        with Progress(100, unit="per cent") as progress:
+            for done, so_far in measure(scene, arguments.quick, arguments.slips):
+                progress(int(100 * done))
+                report = so_far
+    except (NotConverged, KeyboardInterrupt) as error:
+        print(str(error) or "Interrupted; run again to finish", file=sys.stderr)
+        return NOT_CONVERGED if isinstance(error, NotConverged) else INTERRUPTED
+    print(verdict.text(report))
+    try:
+        if arguments.json is not None:
+            write_json(arguments.json, {"version": __version__} | verdict.data(report))
+        if arguments.html is not None:
+            plotpage.write_page(arguments.html, report)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    return 0
+
+
+def add_stability(commands):
+    """Adds `stability` to the subcommands."""
+    text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
+    parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
+    parser.add_argument("--quick", action="store_true", help="some 200 scenes, about a minute")
+    parser.add_argument("--json", metavar="FILE", help="write every number")
+    parser.add_argument("--html", metavar="FILE", help="write the report as a page that opens offline")
+    parser.set_defaults(command=stability)
+
+
+def stability(arguments):
+    """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
+    from . import atlas_report, closed_forms, conditioning  # what `run` does not need
+    from .stability import atlas
+
+    for option in ("json", "html"):
+        check_writable(option, getattr(arguments, option))
+    try:
+        with Progress(100, unit="per cent") as progress:
+            results = atlas(arguments.quick, progress=lambda part: progress(int(100 * part)))
+        report = results, closed_forms.closed_forms(), conditioning.conditioning()
+    except KeyboardInterrupt:
+        print("Interrupted; run again to finish", file=sys.stderr)
+        return INTERRUPTED
+    print(atlas_report.text(*report))
+    try:
+        if arguments.json is not None:
+            write_json(arguments.json, {"version": __version__} | atlas_report.data(*report))
+        if arguments.html is not None:
+            atlas_report.write_page(arguments.html, *report)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    return NOT_CONVERGED if atlas_report.failed(*report) else 0
 
 
 def parameter_table():

@@ -118,7 +118,7 @@ def test_every_tab_stop_is_a_control(visit):
         stops.append(page.evaluate("document.activeElement.id || document.activeElement.className"))
         assert len(stops) < 40
     entered = [stop for name in ("delta_bar", "phi_ratio", "E") for stop in ("hint", f"{name}-entry", name)]
-    assert stops == ["help", "theme", *entered, "reset", "back", "play", "step", "scrub", "speed"]
+    assert stops == ["accuracy", "help", "theme", *entered, "reset", "back", "play", "step", "scrub", "speed"]
 
 
 def test_the_speed_chosen_is_that_of_the_top(visit):

@@ -1,0 +1,102 @@
+"""A visitor's measurement of accuracy, in a process of its own that lives no longer than it: the workers stay free."""
+
+import json
+import logging
+import multiprocessing
+import threading
+
+from app.controls import values_of
+from app.measuring import work
+from app.pool import bare_main
+
+log = logging.getLogger("app")
+turn = threading.Lock()  # one measurement at a time: side by side they would measure each other
+LOOK = 0.1  # s between two looks whether the measurement is still wanted
+FINAL = ("done", "failed")
+
+
+class Job(threading.Thread):
+    """One measurement: waits for its turn, then listens to its process; `tell(job, news)` is called in this thread."""
+
+    def __init__(self, scene, wisdom, tell):
+        super().__init__(name="measurement", daemon=True)
+        self.scene, self.wisdom, self.tell = scene, wisdom, tell
+        self.stopped = threading.Event()
+        self.process = None
+
+    def run(self):
+        """Until the process has said its last word, or nobody wants to hear it."""
+        while not turn.acquire(timeout=LOOK):
+            if self.stopped.is_set():
+                return
+        try:
+            self._listen()
+        except Exception as error:  # no process could be started, or it was killed
+            why = (
+                "its process ended unexpectedly" if isinstance(error, EOFError) else f"{type(error).__name__}: {error}"
+            )
+            self.tell(self, {"state": "failed", "why": f"{why}. Measure again"})
+        finally:
+            turn.release()
+
+    def _listen(self):
+        context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe(duplex=False)
+        self.process = context.Process(target=work, args=(theirs, self.scene, self.wisdom), daemon=True)
+        with ours:
+            try:
+                with theirs, bare_main():
+                    self.process.start()
+                news = {}
+                while not self.stopped.is_set() and news.get("state") not in FINAL:
+                    if ours.poll(LOOK):
+                        news = ours.recv()
+                        self.tell(self, news)
+            finally:
+                if self.process.pid is not None:
+                    self.process.kill()
+                    self.process.join()
+
+
+class Bench:
+    """What one visitor measures; all but `_heard` runs under the lock of the visitor's document."""
+
+    def __init__(self, doc, wire):
+        self.doc, self.wire, self.job, self.told = doc, wire, None, {}
+
+    def begin(self, scene, wisdom=None):
+        """Measure a scene, instead of what is being measured."""
+        self.close()
+        self.job = Job(scene, wisdom, self._heard)
+        self._tell({"state": "waiting", "progress": 0.0, "points": [], "values": values_of(scene)})
+        log.info("a measurement begins")
+        self.job.start()
+
+    def cancel(self, why=""):
+        """End a measurement, if one goes on; what it has found so far stays."""
+        if self.job is not None:
+            self.close()
+            self._tell(self.told | {"state": "cancelled", "why": why})
+
+    def close(self):
+        """End a measurement without a word."""
+        if self.job is not None:
+            self.job.stopped.set()
+            self.job = None
+            log.info("a measurement ends early")
+
+    def _heard(self, job, news):
+        """Called in the thread of the job: hand over to the thread of the document."""
+        if not job.stopped.is_set():
+            self.doc.add_next_tick_callback(lambda: self._take(job, news))
+
+    def _take(self, job, news):
+        if job is self.job:
+            if news["state"] in FINAL:
+                self.job = None
+                log.info("a measurement is %s", news["state"])
+            self._tell(self.told | news)
+
+    def _tell(self, news):
+        self.told = news
+        self.wire.accuracy = json.dumps(news)

@@ -1,0 +1,39 @@
+"""When a result depends on a choice: what the visitor is told beside the curves once a run has ended."""
+
+COARSE = 1.25  # a / delta_t: below, the springs of neighbouring nodes overlap so far that they feel no lattice
+WIDE = 0.6  # of w between the outermost nodes that act: the gap to the next punch is the smaller part
+STRAIN = 0.1  # (|delta| + u_x_max) / h, a bound of the layer's mean strain
+SLOPE = 0.1  # half that width over R, the slope of the punch where the contact ends
+
+
+def cautions(scene, widest):
+    """One sentence for every choice that shows in the result; `widest`: the largest width that acted, over w."""
+    found = []
+    ratio = scene.spacing / scene.delta_t
+    if ratio < COARSE:
+        found.append(
+            f"Node spacing a = {ratio:.2g} δₜ is below {COARSE:g} δₜ:"
+            " the corrugation, hence the friction, is smoothed away."
+        )
+    strain = (abs(scene.delta) + scene.u_x_max) / (scene.height * scene.width)
+    if strain > STRAIN:
+        found.append(
+            f"The layer is strained by up to {100 * strain:.0f} %: beyond {100 * STRAIN:.0f} % it is no longer linear."
+        )
+    return found if scene.surface == "flat" else found + _of_the_punch(scene, widest)
+
+
+def _of_the_punch(scene, widest):
+    """What a flat surface, in contact all over, does not know."""
+    found = []
+    if widest > WIDE:
+        found.append(
+            f"The contact takes up to {100 * widest:.0f} % of the width w, more than {100 * WIDE:.0f} %:"
+            " the punch feels its periodic neighbours."
+        )
+    slope = 0.5 * widest / scene.radius
+    if slope > SLOPE:
+        found.append(
+            f"The punch is as steep as {slope:.2g} where the contact ends: beyond {SLOPE:g} slopes are not small."
+        )
+    return found

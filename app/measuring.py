@@ -1,0 +1,71 @@
+"""What runs inside the process that measures accuracy: `solver.accuracy`, told in plain data while it goes on.
+
+The server imports this module for the name of `work` only: all that costs something is imported there.
+"""
+
+import time
+
+from app import worker
+from solver import Scene, SceneError
+
+PAUSE = 0.2  # s between two messages that bring nothing but progress
+LEAST = {"seconds": 1e-4, "error": 1e-13}  # a logarithmic axis has no zero; smaller is round-off or nothing
+
+
+def work(pipe, scene, wisdom):
+    """Measure `scene`, and send {'state', 'progress', 'points', ...} through `pipe` as it goes; the last is final."""
+    from solver.state import NotConverged
+
+    worker.start(wisdom)
+    try:
+        _warm_up()
+        for news in _news(scene):
+            pipe.send(news)
+    except (NotConverged, SceneError) as error:
+        pipe.send({"state": "failed", "why": f"The reference did not converge: {error}"})
+    except Exception as error:
+        pipe.send({"state": "failed", "why": f"{type(error).__name__}: {error}"})
+
+
+def _warm_up():
+    """Every method once on a small scene: loading its kernels must not count as its time."""
+    from solver.variants import SERIES, frames
+
+    small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
+    for series in SERIES:
+        for _ in frames(small, series):
+            pass
+
+
+def _news(scene):
+    from solver.accuracy import SWEEPS, measure
+    from solver.verdict import choice, command, failures, sentence
+
+    sent, count, report = 0.0, 0, None
+    for progress, report in measure(scene, quick=True):
+        done, now = len(report.points) if report else 0, time.monotonic()
+        if done > count or now - sent > PAUSE:
+            sent, count = now, done
+            yield {"state": "measuring", "progress": progress, "points": points(report)}
+    others = [choice(report, sweep) for sweep in SWEEPS if sweep != "tolerance" and report.of(sweep, "fast")]
+    others += [f"Not finished: {line}." for line in failures(report)]
+    others.append(f"All numbers in tables: {command(report)}")
+    told = {"sentence": sentence(report), "others": others, "reference": report.tolerance, "end": report.horizon}
+    yield {"state": "done", "progress": 1.0, "points": points(report), **told}
+
+
+def points(report):
+    """The sweep of the tolerance as plain data, without runs that did not finish."""
+    swept = report.of("tolerance") if report else []
+    return [
+        {
+            "series": p.series,
+            "tolerance": p.value,
+            "seconds": max(p.seconds, LEAST["seconds"]),
+            "evaluations": max(p.evaluations, 1),
+            "error": max(p.branch_error, LEAST["error"]),
+            "astray": p.branches[0] < p.branches[1],
+        }
+        for p in swept
+        if not p.failure and p.branch_error is not None
+    ]

@@ -1,0 +1,197 @@
+"""The scenes of the stability atlas: stiff and extreme values one at a time, in pairs, and in random corners.
+
+A scene is given in coordinates that say what is extreme: those of AXES, with delta_t = 1 nm and coarse steps of the
+load, so that a short run sees approach, first slips and some sliding.
+"""
+
+from dataclasses import dataclass, fields
+from itertools import combinations
+
+import numpy as np
+
+from .scene import LIMITS, Scene
+
+# name: values tried one at a time; the first and the last are the extremes. `spacing` is a/delta_t, `normal` is
+# delta_n/delta_t, `step` is du over 0.1 (its default), for both du_z and du_x.
+AXES = {
+    "E": (1e-2, 0.1, 1.0, 10.0, 1e3, 1e4, 1e5, 1e6),
+    "phi_ratio": (0.0, 0.01, 0.1, 10.0, 100.0),
+    "delta_bar": (-1.0, -0.5, -0.15, 0.3, 1.0, 2.0, 3.0),
+    "nu": (0.0, 0.25, 0.49, 0.499, 0.4999),
+    "height": (0.01, 0.03, 0.1, 10.0, 100.0),
+    "radius": (0.1, 0.3, 1.0, 25.0, 1000.0),
+    "nodes": (8, 9, 13, 61, 127, 255, 509, 1024, 1021, 4099, 8192, 16381, 16384),
+    "spacing": (0.3, 0.7, 1.0, 1.5, 5.0, 10.0),
+    "normal": (0.1, 0.3, 3.0, 10.0),
+    "step": (0.01, 0.1, 1.0, 10.0),
+}
+CENTRE = {
+    "E": 70.0,
+    "phi_ratio": 1.0,
+    "delta_bar": 0.0,
+    "nu": 0.45,
+    "height": 1.0,
+    "radius": 2.5,
+    "nodes": 256,
+    "spacing": 2.44,
+    "normal": 1.0,
+    "step": 5.0,
+}
+BASES = ({}, {"surface": "flat"}, {"nodes": 1024}, {"delta_bar": 0.3, "nodes": 255})
+PAIR_BASES = ({}, {"delta_bar": 0.5, "nodes": 97}, {"surface": "flat"})
+RANDOM = 950
+QUICK = {"single": 60, "pair": 80, "random": 40}
+COARSEST = LIMITS["tolerance"][1]
+SEED = 20190610
+SHEAR = 40  # increments of the shear; at coarse steps some 8 lattice periods of the default
+# Parameters outside their range, or impossible together: each must be refused.
+REFUSED = (
+    {"nu": 0.5},
+    {"nu": 0.49999},
+    {"nu": -0.1},
+    {"E": 0.0},
+    {"E": 1e7},
+    {"E": float("nan")},
+    {"E": float("inf")},
+    {"phi_ratio": -1.0},
+    {"phi_ratio": 101.0},
+    {"delta_bar": 3.5},
+    {"delta_bar": -1.5},
+    {"height": 0.0},
+    {"radius": 0.0},
+    {"radius": float("inf")},
+    {"nodes": 3},
+    {"nodes": 32768},
+    {"nodes": 12.5},
+    {"spacing": 0.01},
+    {"spacing": 50.0},
+    {"normal": 1e-3},
+    {"step": 0.0},
+    {"step": 100.0},
+    {"tolerance": 0.0},
+    {"tolerance": 1e-15},
+    {"window_n": 1.0},
+    {"du_x": 1e-3, "u_x_max": 1e4},
+    {"surface": "bumpy"},
+)
+# Ranges of the Scene that are not axes: each of them once, alone and on a stiff and a soft layer.
+OTHERS = (
+    {"tolerance": 1e-12},
+    {"tolerance": 1e-3},
+    {"window_n": 4.0},
+    {"window_n": 40.0},
+    {"window_t": 4.0},
+    {"window_t": 20.0},
+    {"phi_n": 1e-3},
+    {"phi_n": 1e3},
+    {"scale": 1e-2},
+    {"scale": 1e2},
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One entry: its number, kind (a key of `cases`, or 'remedied') and Scene fields as a dict."""
+
+    number: int
+    kind: str
+    probed: tuple  # names of what is extreme
+    values: dict
+
+    def scene(self):
+        """The Scene; raises SceneError where it is refused."""
+        return Scene(**self.values)
+
+    @property
+    def line(self):
+        """What `python -m solver run` needs to compute it."""
+        defaults = {f.name: f.default for f in fields(Scene)}
+        changed = (f"{name}={value}" for name, value in self.values.items() if value != defaults[name])
+        return "--set " + " ".join(changed)
+
+
+def scene_fields(surface="circular", scale=1.0, **point):
+    """Scene fields of a point: coordinates of AXES (CENTRE where not given), `scale` = delta_t in nm, Scene fields."""
+    at = CENTRE | {name: point.pop(name) for name in list(point) if name in CENTRE}
+    du = 0.1 * at["step"]
+    values = {
+        "surface": surface,
+        "delta_t": scale,
+        "delta_n": at["normal"] * scale,
+        "width": at["nodes"] * at["spacing"] * scale,
+        "du_z": du,
+        "du_x": du,
+        "u_x_max": SHEAR * du * scale,
+    }
+    plain = {name: at[name] for name in ("E", "phi_ratio", "delta_bar", "nu", "height", "radius", "nodes")}
+    return plain | values | point
+
+
+def cases(quick=False):
+    """Every Case of the atlas, about 2,300, or a tenth of them, spread evenly, the same ones each time."""
+    chosen = {"single": _singles(), "pair": _pairs(), "random": _corners(), "other": _others(), "refused": _refused()}
+    if quick:
+        chosen = {kind: _thinned(list(points), QUICK.get(kind, 20)) for kind, points in chosen.items()}
+    points = [(kind, probed, scene_fields(**point)) for kind, group in chosen.items() for probed, point in group]
+    points += list(_remedied(points))
+    return [Case(k, *point) for k, point in enumerate(points)]
+
+
+def _remedied(points):
+    """Again, with the tolerance they ask for, the scenes whose own is below the round-off of so soft a layer."""
+    for kind, probed, values in points:
+        if kind != "refused" and (least := Scene(**values | {"tolerance": COARSEST}).attainable) > values.get(
+            "tolerance", Scene.tolerance
+        ):
+            yield "remedied", (*probed, "tolerance"), values | {"tolerance": min(float(f"{1.1 * least:.2g}"), COARSEST)}
+
+
+def _thinned(points, most):
+    return [points[k] for k in np.unique(np.linspace(0, len(points) - 1, most).round().astype(int))]
+
+
+def _singles():
+    for base in BASES:
+        for name, values in AXES.items():
+            yield from (((name,), base | {name: value}) for value in values)
+
+
+def _pairs():
+    """Both extremes and one value between for every two axes; 16384 nodes on the first base only, for they are dear."""
+    for base in PAIR_BASES:
+        few = {name: (v[0], v[len(v) // 3], v[-1]) for name, v in AXES.items()}
+        if base:
+            few = {name: (v[0], v[-1]) for name, v in AXES.items()} | {"nodes": (8, 509)}
+        for one, two in combinations(AXES, 2):
+            yield from (((one, two), base | {one: a, two: b}) for a in few[one] for b in few[two])
+
+
+def _corners():
+    """Every coordinate at its centre, at an extreme or anywhere between (on a log scale), one in three each."""
+    random = np.random.default_rng(SEED)
+    for _ in range(RANDOM):
+        point = {name: _drawn(random, name, values) for name, values in AXES.items()}
+        point["surface"] = "flat" if random.random() < 0.1 else "circular"
+        yield tuple(name for name in AXES if point[name] != CENTRE[name]), point
+
+
+def _drawn(random, name, values):
+    kind, low, high = random.integers(3), values[0], values[-1]
+    if kind == 0:
+        return CENTRE[name]
+    if kind == 1:
+        value = (low, high)[random.integers(2)]
+    elif low > 0:
+        value = float(np.exp(random.uniform(np.log(low), np.log(high))))
+    else:
+        value = float(random.uniform(low, high))
+    return round(value) if name == "nodes" else float(f"{value:.4g}")
+
+
+def _others():
+    for base in ({}, {"E": 1e6}, {"E": 1e-2}, {"surface": "flat"}, {"delta_bar": 1.0, "nodes": 61}):
+        yield from ((tuple(other), base | other) for other in OTHERS)
+
+
+def _refused():
+    yield from ((tuple(point), point) for point in REFUSED)

@@ -1,0 +1,147 @@
+"""The stability report as text, as plain data, and as a page that opens offline."""
+
+from dataclasses import asdict
+from html import escape
+
+from .stability import BAD, GOOD, by_region, counts
+
+COLOURS = ("#0072B2", "#BBBBBB", "#E69F00", *["#D55E00"] * len(BAD))  # Okabe & Ito; what must not be is red
+CSS = """
+body { font: 15px/1.45 system-ui, sans-serif; color: #222; background: #fff; max-width: 1120px; margin: 24px auto }
+h1 { font-size: 21px } h2 { font-size: 16px; margin: 22px 0 2px }
+code { background: #f2f2f2; padding: 2px 5px }
+td, th { padding: 2px 12px 2px 0; text-align: right; vertical-align: top }
+td:first-child, th:first-child, td.text { text-align: left }
+"""
+
+
+def failed(results, forms, limits):
+    """Whether anything came out as it must not."""
+    return (
+        any(r["verdict"] in BAD for r in results)
+        or not all(form.held for form in forms)
+        or any(limit.attained > limit.allowed for limit in limits)
+    )
+
+
+def data(results, forms, limits):
+    """Everything as plain types."""
+    return {
+        "counts": counts(results),
+        "converged_of_valid": share(results),
+        "regions": {name: found for name, found in by_region(results)},
+        "closed_forms": [asdict(row) | {"held": row.held} for row in forms],
+        "conditioning": [asdict(limit) for limit in limits],
+        "scenes": results,
+    }
+
+
+def share(results):
+    """Converged scenes over valid ones."""
+    valid = [r for r in results if r["verdict"] != "refused"]
+    return sum(r["verdict"] == "converged" for r in valid) / max(1, len(valid))
+
+
+def tables(results, forms, limits):
+    """[(title, header, rows of text)] of the whole report."""
+    unfinished = [r for r in results if r["verdict"] not in ("converged", "refused")]
+    return [
+        (
+            f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones",
+            ("probed", *GOOD, *BAD),
+            [("all", *map(str, counts(results).values()))]
+            + [(name, *map(str, found.values())) for name, found in by_region(results)],
+        ),
+        (
+            "Closed forms",
+            ("form", "error", "allowed", "held", "reason for what is allowed", "source"),
+            [(f.name, f"{f.error:.1e}", f"{f.tolerance:.0e}", "yes" if f.held else "NO", f.reason, f.source)
+             for f in forms],
+        ),
+        (
+            "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)",
+            ("where", "attained", "as printed", "remedy"),
+            [(c.name, f"{c.attained:.1e}", _number(c.textbook), c.remedy) for c in limits],
+        ),
+        (
+            "Scenes that gave up, or worse",
+            ("verdict", "python -m solver run", "reason"),
+            [(r["verdict"], r["set"], r["reason"]) for r in unfinished] or [("none", "", "")],
+        ),
+        (
+            "Scenes within every range, refused for their combination",
+            ("verdict", "python -m solver run", "reason"),
+            [("refused", r["set"], r["reason"]) for r in results if r["verdict"] == "refused" != r["kind"]],
+        ),
+    ]  # fmt: skip
+
+
+def _number(value):
+    return "" if value is None else f"{value:.1e}"
+
+
+def text(results, forms, limits):
+    """The tables for a terminal."""
+    lines = []
+    for title, header, rows in tables(results, forms, limits):
+        widths = [max(len(row[k]) for row in (header, *rows)) for k in range(len(header))]
+        lines += [title, *("  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)).rstrip()
+                           for r in (header, *rows)), ""]  # fmt: skip
+    return "\n".join(lines)
+
+
+def write_page(file, results, forms, limits):
+    """Write the tables and two diagrams as one HTML file; raises OSError."""
+    from bokeh.embed import file_html
+    from bokeh.layouts import column
+    from bokeh.models import Div
+    from bokeh.resources import INLINE
+
+    note = (
+        "Every scene is an approach and a short shear. A sample of its frames is judged by sums written out spring by"
+        " spring and mode by mode in long double, which share no code with the solver."
+    )
+    parts = [Div(text=f"<style>{CSS}</style><h1>Stability on stiff and extreme scenes</h1><p>{note}</p>", width=1100)]
+    parts += [_bars(results), _residuals(results)]
+    parts += [Div(text=_table(*table), width=1100) for table in tables(results, forms, limits)]
+    with open(file, "w", encoding="utf-8") as out:
+        out.write(file_html(column(*parts), INLINE, "Stability of the contact solver"))
+
+
+def _table(title, header, rows):
+    head = "".join(f"<th>{escape(name)}</th>" for name in header)
+    body = "".join("<tr>" + "".join(_cell(cell) for cell in row) + "</tr>" for row in rows)
+    return f"<h2>{escape(title)}</h2><table><tr>{head}</tr>{body}</table>"
+
+
+def _cell(cell):
+    shown = f"<code>{escape(cell)}</code>" if cell.startswith("--set") else escape(cell)
+    return f'<td class="text">{shown}</td>' if len(cell) > 12 else f"<td>{shown}</td>"
+
+
+def _bars(results):
+    """Scenes by what was probed, stacked by verdict."""
+    from bokeh.plotting import figure
+
+    regions = by_region(results)
+    names = [name for name, _ in regions][::-1]
+    source = {verdict: [found[verdict] for _, found in regions][::-1] for verdict in (*GOOD, *BAD)} | {"name": names}
+    shown = figure(
+        y_range=names, height=120 + 18 * len(names), width=1000, x_axis_label="scenes", toolbar_location=None
+    )
+    verdicts = [v for v in (*GOOD, *BAD) if any(source[v])]
+    colours = [dict(zip((*GOOD, *BAD), COLOURS, strict=True))[v] for v in verdicts]
+    shown.hbar_stack(verdicts, y="name", height=0.8, color=colours, source=source, legend_label=verdicts)
+    shown.add_layout(shown.legend[0], "right")
+    return shown
+
+
+def _residuals(results):
+    """The recomputed residual over the tolerance, against the force evaluations spent."""
+    from bokeh.plotting import figure
+
+    some = [r for r in results if r.get("residual") and r.get("evaluations")]
+    axes = {"x_axis_label": "force evaluations of the scene", "y_axis_label": "recomputed residual / tolerance"}
+    shown = figure(height=320, width=1000, x_axis_type="log", y_axis_type="log", toolbar_location=None, **axes)
+    shown.scatter([r["evaluations"] for r in some], [r["residual"] for r in some], size=4, color=COLOURS[0], alpha=0.5)
+    return shown

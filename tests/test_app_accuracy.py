@@ -1,0 +1,155 @@
+"""What is said beside the curves when a choice shows in them, and the measurement of accuracy in the app."""
+
+import multiprocessing
+import queue
+import time
+
+import pytest
+from test_app import Page
+from test_app_serving import PATIENCE, finished
+
+from app import measuring
+from app.bench import Bench
+from app.cautions import cautions
+from solver import Scene
+
+pytest_plugins = ["test_app_serving", "test_app"]  # their fixtures: server, visit; pool
+WAIT = PATIENCE / 1000  # s
+
+
+def test_the_default_scene_needs_no_caution():
+    assert cautions(Scene(), 0.3) == []
+
+
+@pytest.mark.parametrize(
+    ("scene", "widest", "said"),
+    [
+        (Scene(nodes=4096), 0.3, "smoothed away"),
+        (Scene(radius=10.0), 0.61, "periodic neighbours"),
+        (Scene(radius=1.0), 0.3, "slopes are not small"),
+        (Scene(u_x_max=400.0), 0.3, "strained by up to 16 %"),
+        (Scene(height=0.1), 0.3, "strained by up to 16 %"),
+    ],
+)
+def test_each_choice_that_shows_gives_one_sentence(scene, widest, said):
+    (sentence,) = cautions(scene, widest)
+    assert said in sentence
+
+
+def test_cautions_begin_at_the_limits_and_add_up():
+    assert cautions(Scene(nodes=1600, delta_t=1.25), 0.2) == []  # a / delta_t = 1.25
+    assert cautions(Scene(radius=10.0), 0.6) == []
+    assert len(cautions(Scene(nodes=4096, u_x_max=400.0, radius=1.0), 0.9)) == 4
+
+
+def test_a_flat_surface_has_no_neighbours_and_no_slope():
+    assert cautions(Scene(surface="flat", radius=1.0), 1.0) == []
+
+
+def test_a_session_says_its_cautions_once_a_run_has_ended_and_again_for_a_known_one(pool):
+    page = Page(pool, Scene(nodes=4096, u_x_max=1.0, E=1000.0))
+    page.order("hello")
+    assert page.status()["notes"] == []
+    page.until("finished")
+    assert "smoothed away" in page.status()["notes"][0]
+    other = Page(pool, page.session.scene, shelf=page.session.shelf)
+    other.order("hello")
+    assert other.status()["notes"] == page.status()["notes"]
+    assert page.session.run.widest == other.session.run.widest > 0.0
+    page.session.close()
+    other.session.close()
+
+
+class Visitor:
+    """A stand-in for a document and its wire: runs what is scheduled, remembers what was told."""
+
+    accuracy = ""
+
+    def __init__(self):
+        self.calls = queue.Queue()
+
+    def add_next_tick_callback(self, call):
+        self.calls.put(call)
+
+
+def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
+    visitor = Visitor()
+    bench = Bench(visitor, visitor)
+    bench.begin(Scene())
+    job = bench.job
+    visitor.calls.get(timeout=WAIT)()
+    assert '"measuring"' in visitor.accuracy and job.process.is_alive()
+    bench.cancel("enough")
+    assert '"cancelled"' in visitor.accuracy and "enough" in visitor.accuracy
+    job.join(WAIT)
+    assert not job.process.is_alive() and job.process not in multiprocessing.active_children()
+    while not visitor.calls.empty():
+        visitor.calls.get()()
+    assert '"cancelled"' in visitor.accuracy
+
+
+def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_so():
+    first, second = Visitor(), Visitor()
+    one, other = Bench(first, first), Bench(second, second)
+    one.begin(Scene())
+    first.calls.get(timeout=WAIT)()
+    other.begin(Scene())
+    waiting = other.job
+    time.sleep(0.3)
+    assert waiting.process is None and '"waiting"' in second.accuracy
+    one.job.process.kill()
+    while '"failed"' not in first.accuracy:
+        first.calls.get(timeout=WAIT)()
+    assert "Measure again" in first.accuracy
+    second.calls.get(timeout=WAIT)()
+    assert '"measuring"' in second.accuracy
+    other.close()
+    waiting.join(WAIT)
+    assert not waiting.is_alive()
+
+
+def test_points_of_an_empty_report_are_none():
+    assert measuring.points(None) == []
+
+
+@pytest.mark.browser
+def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
+    page = visit()
+    finished(page)
+    assert page.evaluate("document.querySelectorAll('.point').length") == 0
+    page.get_by_role("button", name="Accuracy").click()
+    dialog = page.get_by_role("dialog", name="Accuracy")
+    dialog.get_by_role("button", name="Measure now").click()
+    page.wait_for_function("0 < document.querySelector('progress').value", timeout=PATIENCE)
+    page.keyboard.press("r")  # behind the dialog nothing happens
+    dialog.locator("#sentence").wait_for(timeout=PATIENCE)
+    assert "tolerance" in dialog.locator("#sentence").text_content()
+    assert "python -m solver accuracy --quick" in dialog.locator("#others").text_content()
+    assert "done" in dialog.locator("#bench-state").inner_text()
+    for series in ("fast", "gfmd", "weighted", "fire"):
+        for plot in ("seconds", "evaluations"):
+            assert page.locator(f"#error-{plot} .{series} .point").count() >= 1
+    page.keyboard.press("Escape")
+    dialog.wait_for(state="hidden")
+    assert page.evaluate("punch.status.run") == 1
+
+
+@pytest.mark.browser
+def test_a_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
+    page = visit()
+    finished(page)
+    state = page.locator("#bench-state")
+    for run, end in ((1, "Cancel"), (2, "Close")):
+        page.get_by_role("button", name="Accuracy").click()
+        page.get_by_role("button", name="Measure now").click()
+        page.wait_for_function("0 < document.querySelector('progress').value", timeout=PATIENCE)
+        page.get_by_role("dialog").get_by_role("button", name=end).click()
+        if end == "Cancel":
+            page.wait_for_function("document.getElementById('bench-state').textContent === 'cancelled'")
+            page.keyboard.press("Escape")
+        else:
+            page.focus("#delta_bar")
+            page.keyboard.press("ArrowRight")
+            page.wait_for_function("document.getElementById('bench-state').textContent.includes('scene has changed')")
+        finished(page, run=run)
+    assert "cancelled" in state.text_content()

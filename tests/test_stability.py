@@ -1,0 +1,153 @@
+"""The stability atlas: its judgement can fail, and its quick form passes."""
+
+import json
+import os
+import signal
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solver import Scene, SceneError, load_path, stability
+from solver.__main__ import main
+from solver.atlas import AXES, REFUSED, Case, cases, scene_fields
+from solver.extended import opinion
+from solver.farm import Lost, outcomes
+from solver.np1 import traction
+from solver.rest import growth
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=8.0)
+
+
+@pytest.fixture(scope="module")
+def frame():
+    *_, last = load_path(SMALL)
+    return last
+
+
+def test_atlas_is_large_and_repeats():
+    full, quick = cases(), cases(quick=True)
+    assert len(full) >= 2000 and 180 <= len(quick) <= 260
+    assert [c.values for c in cases() if c.kind == "random"] == [c.values for c in full if c.kind == "random"]
+    probed = {name for case in full for name in case.probed}
+    assert probed >= set(AXES)
+    for name, values in AXES.items():
+        assert {case.probed for case in full if case.kind == "single"} >= {(name,)}
+        assert len(values) >= 4
+
+
+def test_a_line_of_the_atlas_gives_its_scene_back():
+    from solver import scene_from_text
+
+    for case in cases(quick=True):
+        if case.kind != "refused":
+            pairs = dict(pair.split("=") for pair in case.line.split()[1:])
+            try:
+                scene = case.scene()
+            except SceneError:
+                continue
+            assert scene_from_text(pairs) == scene
+
+
+@pytest.mark.parametrize("point", REFUSED, ids=str)
+def test_values_out_of_range_are_refused(point):
+    with pytest.raises(SceneError):
+        Case(0, "refused", tuple(point), scene_fields(**point)).scene()
+
+
+def test_second_opinion_agrees_with_a_good_frame(frame):
+    second = opinion(SMALL, frame)
+    assert second.residual == pytest.approx(frame.residual, abs=second.floor)
+    assert second.floor < 0.01 * SMALL.tolerance
+    assert second.traction < 1e-13 and second.forces < 1e-13 and second.window == 0.0
+
+
+def test_second_opinion_sees_what_is_wrong(frame):
+    """A nudged node, a scaled traction, a wrong force, a node left out: each must show."""
+    u = frame.u.copy()
+    u[0, u.shape[1] // 2] += 1e-6
+    assert opinion(SMALL, replace(frame, u=u)).residual > 5e-7
+    assert opinion(SMALL, replace(frame, T=frame.T * 1.001)).traction > 1e-5
+    assert opinion(SMALL, replace(frame, F_bar=frame.F_bar * 1.01)).forces > 1e-5
+    middle = frame.u.shape[1] // 2
+    half = replace(frame, first=frame.first + middle, u=frame.u[:, middle:], T=frame.T[:, middle:])
+    seen = opinion(SMALL, half)
+    assert seen.window > 1.0 or seen.residual > 1e-3
+
+
+def test_a_saddle_is_told_from_a_rest(frame):
+    """Flat on flat, every node halfway between two sites: T = 0, an equilibrium at U_x = a/2, and unstable."""
+    assert growth(SMALL, frame) < 0.0
+    scene = Scene(surface="flat", nodes=16, width=40.0, height=20.0)
+    u = np.array([np.full(16, 0.5 * scene.spacing), np.zeros(16)])
+    top = replace(frame, first=0, u=u, T=np.ones((2, 16)), U_x=0.5 * scene.spacing, delta=0.0)
+    # the uniform mode grows by (h/G) dT/du - 1
+    h = 1e-4
+    rise = (traction(scene, u[0, 0] + h, 0.0)[0] - traction(scene, u[0, 0] - h, 0.0)[0]) / (2 * h)
+    expected = rise * scene.height * scene.width / scene.shear_modulus - 1.0
+    assert expected > 1.0
+    assert growth(scene, top) == pytest.approx(expected, rel=1e-6)
+
+
+def judged(monkeypatch, frames):
+    """The verdict on a run that yields these frames, or raises them."""
+
+    def run(scene):
+        for item in frames:
+            if isinstance(item, Exception):
+                raise item
+            yield item
+
+    monkeypatch.setattr(stability, "load_path", run)
+    values = {name: getattr(SMALL, name) for name in ("nodes", "width", "radius", "du_z", "du_x", "u_x_max")}
+    return stability.judge(Case(0, "single", ("nodes",), values))
+
+
+def test_every_verdict_can_be_reached(monkeypatch, frame):
+    u = frame.u.copy()
+    u[1, 3] = np.nan
+    shifted = replace(frame, u=frame.u + 1e-5)
+    assert judged(monkeypatch, [frame])["verdict"] == "converged"
+    assert judged(monkeypatch, [frame, stability.NotConverged("try")])["verdict"] == "gave up"
+    assert judged(monkeypatch, [replace(frame, u=u)])["verdict"] == "non-finite"
+    assert judged(monkeypatch, [replace(frame, residual=1e-3)])["verdict"] == "wrong"
+    assert judged(monkeypatch, [shifted])["verdict"] == "wrong"
+    assert judged(monkeypatch, [frame, ZeroDivisionError("x")])["verdict"] == "error"
+    assert judged(monkeypatch, [frame, RuntimeWarning("overflow")])["verdict"] == "warning"
+    assert stability.judge(Case(0, "refused", ("nu",), {"nu": 0.5}))["verdict"] == "refused"
+    assert stability.judge(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
+
+
+def peculiar(item):
+    """Returns, raises, dies or hangs, as told."""
+    if item == "raise":
+        raise ValueError(item)
+    if item == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if item == "hang":
+        time.sleep(600.0)
+    return item
+
+
+def test_a_call_that_crashes_or_hangs_costs_its_process_only():
+    items = ["a", "die", "raise", "b", "hang", "c"]
+    found = dict(outcomes(peculiar, items, 2, limit=20.0))
+    assert [found[k] for k in (0, 3, 5)] == ["a", "b", "c"]
+    assert [found[k].kind for k in (1, 2, 4)] == ["crash", "error", "hang"]
+    assert all(isinstance(found[k], Lost) for k in (1, 2, 4))
+
+
+@pytest.mark.slow
+def test_quick_atlas_finds_nothing_wrong_and_writes_its_report(tmp_path, capsys):
+    code = main(["stability", "--quick", "--json", str(tmp_path / "a.json"), "--html", str(tmp_path / "a.html")])
+    report = json.loads((tmp_path / "a.json").read_text())
+    bad = [(s["set"], s["verdict"], s["reason"]) for s in report["scenes"] if s["verdict"] in stability.BAD]
+    assert bad == [] and code == 0
+    assert report["converged_of_valid"] >= 0.99
+    for scene in report["scenes"]:
+        if scene["verdict"] == "gave up":
+            assert "Not converged at" in scene["reason"] and "try" in scene["reason"]
+    page = (tmp_path / "a.html").read_text()
+    assert "Closed forms" in page and 'src="http' not in page and "<link" not in page
+    assert "Scenes" in capsys.readouterr().out
