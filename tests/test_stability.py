@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import time
 from dataclasses import replace
@@ -149,5 +150,6 @@ def test_quick_atlas_finds_nothing_wrong_and_writes_its_report(tmp_path, capsys)
         if scene["verdict"] == "gave up":
             assert "Not converged at" in scene["reason"] and "try" in scene["reason"]
     page = (tmp_path / "a.html").read_text()
-    assert "Closed forms" in page and 'src="http' not in page and "<link" not in page
+    # Bokeh's own scripts, written out in the page, name addresses that they would load for formulas: not elements
+    assert "Closed forms" in page and not re.search(r'<(script|link|img)[^>]*(src|href)="http', page)
     assert "Scenes" in capsys.readouterr().out
