@@ -13,6 +13,7 @@ LONG = np.longdouble  # 64 bits of mantissa on x86; elsewhere perhaps 53: then t
 HALF_PLANE = 40.0  # q h from which on exp(-2 q h) (q h)^2 < 1e-31: the layer is a half-plane
 EPS = float(np.finfo(float).eps)
 ROUNDING = 64.0  # roundings of one evaluation that may add up: some ten per exponential, log2(nodes) per transform
+SHIFTS = 8.0  # roundings, of half a unit in the last place, on the way to a traction
 DROPPED = 0.1  # of delta_n, by which a node may stand on the wrong side of the window's edge (see `window_error`)
 
 
@@ -38,6 +39,7 @@ def opinion(scene, frame):
     T, gross = np.zeros((2, scene.nodes), LONG), np.zeros(scene.nodes, LONG)
     T[:, part], gross[part] = springs(scene, frame.u[0], scene.profile[part] + frame.u[1].astype(LONG), active)
     u, largest = displacement(scene, T)
+    rounded = _rounding(scene, frame, active, T[:, part], gross[part])
     top = np.array([[frame.U_x], [-frame.delta]], LONG)
     u += top
     dn = (scene.profile + u[1]) / scene.delta_n
@@ -48,7 +50,7 @@ def opinion(scene, frame):
     forces = np.array([-T[0].sum(), T[1].sum()]) / (scene.nodes * LONG(scene.E)) - (frame.F_bar, frame.L_bar)
     return Opinion(
         residual=float(np.abs(u[:, part] - frame.u).max()),
-        floor=_floor(scene, frame, largest, float(np.abs(top).max())),
+        floor=_floor(frame, largest + float(np.abs(top).max())) + rounded,
         traction=float(np.abs(T[:, part] - frame.T).max()) / (float(gross.max()) or 1.0),
         forces=float(np.abs(forces).max()) * scene.nodes * scene.E / (float(gross.sum()) or 1.0),
         window=max(0.0, float(wrong.max())),
@@ -62,11 +64,24 @@ def _active(scene, frame):
     return (frame.T != 0.0).any(axis=0) | near
 
 
-def _floor(scene, frame, largest, top):
-    """nm: round-off of u itself, of the sum over modes, and of gap and shift through the exponentials."""
-    reach = scene.profile[frame.first : frame.first + frame.u.shape[1]].max() + np.abs(frame.u).max()
-    steepness = 1.0 + reach / min(scene.delta_n, scene.delta_t)
-    return ROUNDING * EPS * (largest * steepness + top + float(np.abs(frame.u).max()))
+def _floor(frame, terms):
+    """nm: round-off of u itself and of the sum of `terms`."""
+    return ROUNDING * EPS * (terms + float(np.abs(frame.u).max()))
+
+
+def _rounding(scene, frame, active, T, gross):
+    """nm: how far C T moves by the roundings of shift, gap and the sum over springs (whose terms cancel) in float64.
+
+    SHIFTS of them, of half a unit in the last place, at random for each node; all nodes alike where they move alike.
+    """
+    part = slice(frame.first, frame.first + frame.u.shape[1])
+    profile, shape = scene.profile[part], (4, 1 if scene.surface == "flat" else active.size)
+    sign = np.random.default_rng(0).uniform(-1.0, 1.0, shape) if shape[1] > 1 else np.ones(shape)
+    share = SHIFTS * 0.5 * EPS * sign.astype(LONG)
+    u = frame.u + share[:2] * np.array([np.abs(frame.u[0]), np.abs(frame.u[1]) + profile])
+    change = np.zeros((2, scene.nodes), LONG)
+    change[:, part] = springs(scene, u[0], profile + u[1], active)[0] - T + share[2:] * gross
+    return float(np.abs(displacement(scene, change)[0][:, part]).max())
 
 
 def springs(scene, ux, gap, active):
