@@ -158,7 +158,8 @@ class Scene:
         """Undeformed gap at delta = 0, nm, shape (nodes,)."""
         if self.surface == "flat":
             return np.zeros(self.nodes)
-        return (self.x - self.width / 2) ** 2 / (2.0 * self.radius * self.width)
+        from_middle = (np.arange(self.nodes) - self.nodes / 2) * self.spacing  # even to the last bit
+        return from_middle**2 / (2.0 * self.radius * self.width)
 
     def changed(self, **values):
         """The same scene with other values."""
