@@ -1,10 +1,17 @@
-"""The three parameters a visitor may change: meaning, ranges, slider positions, and the reading of what was entered."""
+"""The parameters a visitor may change: three sliders and the drawer of all others; the reading of what was entered."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from solver import Scene, SceneError
+from solver import LIMITS, SURFACES, Scene, SceneError
+from solver.presets import presets
+
+INCREMENTS, NUMBERS = (
+    5000,
+    2_000_000,
+)  # of one run, and nodes times increments: what a browser holds and draws with ease
+MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,7 @@ CONTROLS = (
         "φₜ/φₙ",
         "ratio",
         "Tangential over normal work of separation: how strongly the interface resists sliding compared with opening.",
-        _logarithmic(0.05, 2.0, 101, 1.0),
+        _logarithmic(0.002, 2.0, 151, 1.0),
     ),
     Control(
         "E",
@@ -66,10 +73,22 @@ CONTROLS = (
         "Ē",
         "GPa",
         "Young's modulus of the punch. Soft punches stick and stretch, stiff ones hardly deform.",
-        _logarithmic(10.0, 1000.0, 101, 70.0),
+        _logarithmic(10.0, 3000.0, 121, 70.0),
     ),
 )
 NAMES = tuple(control.name for control in CONTROLS)
+ENTERED = tuple(f.name for f in fields(Scene) if f.name in LIMITS or f.name == "surface")  # what can be typed
+GROUPS = {
+    "Interface": ("phi_n", "delta_n", "delta_t", "window_n", "window_t"),
+    "Layer": ("nu", "height", "width", "nodes"),
+    "Load path": ("u_x_max", "du_x", "du_z", "tolerance"),
+}
+
+
+def drawer():
+    """{group: names} of the parameters without a slider; those named nowhere else belong to the surface."""
+    named = {name for group in GROUPS.values() for name in group} | set(NAMES) | {"surface"}
+    return GROUPS | {"Surface": ("surface", *(name for name in ENTERED if name not in named))}
 
 
 class EntryError(ValueError):
@@ -77,49 +96,105 @@ class EntryError(ValueError):
 
     def __init__(self, name, message):
         self.name = name
-        super().__init__(message)
+        super().__init__(f"{message}. The run on screen stays.")
+
+
+def limits(name):
+    """(lowest, highest) value of parameter `name` in the app."""
+    control = next((control for control in CONTROLS if control.name == name), None)
+    if control:
+        return control.low, control.high
+    low, high = LIMITS[name][:2]
+    return low, MOST.get(name, high)
 
 
 def read(name, text):
-    """The number entered for parameter `name`, checked against the range of its slider; raises EntryError."""
-    control = next(control for control in CONTROLS if control.name == name)
-    allowed = f"allowed: {control.low:g} to {control.high:g}"
+    """What was entered for parameter `name`, checked against its range; raises EntryError."""
+    if name == "surface":
+        if text not in SURFACES:
+            raise EntryError(name, f"surface = “{str(text)[:40]}”; allowed: {', '.join(SURFACES)}")
+        return text
+    low, high = limits(name)
+    allowed = f"allowed: {low:g} to {high:g}"
     try:
         number = float(text)
     except (TypeError, ValueError):
-        shown = str(text)[:40]
-        raise EntryError(name, f"{name} = “{shown}” is not a number; {allowed}. The run on screen stays.") from None
-    if not control.low <= number <= control.high:  # false for NaN as well
-        raise EntryError(name, f"{name} = {number:g} is out of range; {allowed}. The run on screen stays.")
+        raise EntryError(name, f"{name} = “{str(text)[:40]}” is not a number; {allowed}") from None
+    if not low <= number <= high:  # false for NaN as well
+        raise EntryError(name, f"{name} = {number:g} is out of range; {allowed}")
     return number
 
 
 def changed_scene(scene, entries):
     """`scene` with every usable value of `entries` {name: text}, and {name: message} of the others."""
     values, errors = {}, {}
-    for name in NAMES:
+    for name in ENTERED:
         if name in entries:
             try:
                 values[name] = read(name, entries[name])
             except EntryError as error:
                 errors[name] = str(error)
     try:
-        return scene.changed(**values), errors
+        changed = scene.changed(**values)
+        _of_a_size(changed, values)
+        return changed, errors
     except SceneError as error:
-        return scene, errors | {error.name if error.name in NAMES else NAMES[0]: str(error)}
+        where = error.name if error.name in ENTERED else next(iter(values), NAMES[0])
+        return scene, errors | {where: f"{error}. The run on screen stays."}
+    except EntryError as error:
+        return scene, errors | {error.name: str(error)}
+
+
+def _of_a_size(scene, values):
+    """Raise EntryError for a run that is more than a browser should have to hold."""
+    increments = scene.approach_increments + scene.shear_increments
+    nodes = 1 if scene.surface == "flat" else scene.nodes
+    if increments > INCREMENTS or increments * nodes > NUMBERS:
+        most = min(INCREMENTS, NUMBERS // nodes)
+        raise EntryError(
+            next((name for name in ("nodes", "du_x", "du_z", "u_x_max") if name in values), "u_x_max"),
+            f"The run would take {increments} increments of {nodes} nodes; allowed here: {most} increments; shorten it,"
+            " enlarge du_x or du_z, or use python -m solver run",
+        )
+
+
+DEFAULT = next(iter(presets()))
 
 
 def scene_from_address(arguments):
-    """The scene asked for in the page's address {name: [bytes]}, and one note per value that could not be used."""
+    """(scene, preset, notes) asked for in the page's address {name: [bytes]}; a note per value that is of no use."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
-    scene, errors = changed_scene(Scene(), entries)
-    notes = [
-        f"{message.removesuffix(' The run on screen stays.')} The default {getattr(scene, name):g} is used."
-        for name, message in errors.items()
+    known, notes = presets(), []
+    name = entries.get("preset", DEFAULT)
+    if name not in known:
+        notes.append(f"preset = “{name[:40]}” is unknown; allowed: {', '.join(known)}. The default is shown.")
+        name = DEFAULT
+    base = known[name].scene
+    scene, errors = changed_scene(base, entries)
+    if errors:
+        scene, errors = base, {}
+        for entry, text in entries.items():  # each is judged alone
+            scene, found = changed_scene(scene, {entry: text})
+            errors |= found
+    notes += [
+        f"{message.removesuffix(' The run on screen stays.')} The default {shown(getattr(base, entry))} is used."
+        for entry, message in errors.items()
     ]
-    return scene, notes
+    return scene, name, notes
+
+
+def shown(value):
+    """A value as it is written in an entry."""
+    return value if isinstance(value, str) else f"{value:.12g}"
 
 
 def values_of(scene):
-    """{name: value} of the three parameters."""
-    return {name: getattr(scene, name) for name in NAMES}
+    """{name: value} of everything that can be entered."""
+    return {name: getattr(scene, name) for name in ENTERED}
+
+
+def address_of(scene, preset):
+    """{name: text} of the page's address that brings this scene back: the preset, and what differs from it."""
+    base = presets()[preset].scene
+    values = {name: shown(value) for name, value in values_of(scene).items() if value != getattr(base, name)}
+    return ({} if preset == DEFAULT else {"preset": preset}) | values

@@ -4,21 +4,36 @@ const here = { sync: false }
 const figure = plain(figures), part = plain(parts)
 for (const name in part) part[name] = plain(part[name])
 const THOUSAND = 1000
-const canvases = Object.values(figure).map((model) => Bokeh.index.find_one(model)).filter(Boolean)
-for (const view of canvases) view.canvas_view.events_el.tabIndex = -1 // nothing to be done there with keys
+const tints = plain(colours)
+for (const name in tints) tints[name] = plain(tints[name])
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+
+// The views of all figures, those of a page as soon as they are made
+const found = new Map()
+function canvases() {
+  for (const name in figure) {
+    if (found.get(name)?.model === figure[name]) continue
+    const view = Bokeh.index.find_one(figure[name])
+    if (view?.canvas_view) {
+      view.canvas_view.events_el.tabIndex = -1 // nothing to be done there with keys
+      found.set(name, view)
+    } else found.delete(name)
+  }
+  return [...found].filter(([name]) => name in figure).map(([, view]) => view)
+}
 
 // Make several changes, then paint each figure that has any: once, and before the next frame instead of after it.
 // Bokeh takes new data in through a short chain of promises, which must have come to its end.
 const CHAIN = 64
 async function painted(change) {
-  for (const view of canvases) view.pause()
+  const views = canvases()
+  for (const view of views) view.pause()
   try {
     change()
     for (let i = 0; i < CHAIN; i++) await null
   } finally {
-    for (const view of canvases) view.unpause(true)
-    for (const view of canvases) view.repaint()
+    for (const view of views) view.unpause(true)
+    for (const view of views) view.repaint()
   }
 }
 
@@ -186,8 +201,7 @@ function paint() {
         axis_label_text_font_size: "14px", major_label_text_font_size: "13px" }, here)
     }
     for (const line of plot.center) if ("grid_line_color" in line) line.setv({ grid_line_color: grid, grid_line_alpha: 0.5 }, here)
-    const named = plain(plain(colours)[name])
-    for (const label in named) tint(part[name][label], colour(named[label]))
+    for (const label in tints[name]) tint(part[name][label], colour(tints[name][label]))
   }
 }
 

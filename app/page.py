@@ -8,13 +8,23 @@ from pathlib import Path
 import panel as pn
 from bokeh.models import CustomJS
 
-from app.controls import CONTROLS, values_of
+from app.controls import CONTROLS, drawer, limits, values_of
+from app.pages import TITLES
 from app.plots import views
 from app.session import VISITORS, Session, visitors
+from solver import LIMITS, SURFACES
+from solver.presets import presets
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
-SCRIPTS = ("store.js", "draw.js", "accuracy.js", "player.js")  # read as one function, in this order
+SCRIPTS = (
+    "store.js",
+    "draw.js",
+    "accuracy.js",
+    "pages.js",
+    "law.js",
+    "player.js",
+)  # read as one function, in this order
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
 
@@ -51,16 +61,31 @@ def _page(session):
     """The template with the five figures, and the player that connects them with the session's wire."""
     made = views()
     made["punch"].figure.tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
-    template = pn.Template(_file("page.html"))
-    for name, view in made.items():
-        template.add_panel(name, pn.pane.Bokeh(view.figure, sizing_mode="stretch_both"))
+    template = pn.Template(_file("page.html").replace("<!-- pages -->", _file("pages.html")))
+    roots = {name: view.figure for name, view in made.items()} | session.pages.slots
+    for name, model in roots.items():
+        template.add_panel(name, pn.pane.Bokeh(model, sizing_mode="stretch_both"))
     template.add_variable("style", _file("style.css"))
     template.add_variable("controls", CONTROLS)
     template.add_variable("values", values_of(session.scene))
+    template.add_variable("drawer", drawer())
+    template.add_variable("meaning", _meaning)
+    template.add_variable("unit", lambda name: LIMITS[name][2] if name in LIMITS else "")
+    template.add_variable("surfaces", SURFACES)
+    template.add_variable("presets", presets().values())
+    template.add_variable("pages", TITLES.items())
     template.add_variable("speeds", SPEEDS)
     template.add_variable("plain_speed", PLAIN_SPEED)
     pn.state.curdoc.js_on_event("document_ready", _player(session, made))
     return template
+
+
+def _meaning(name):
+    """What a parameter of the drawer is, with its range."""
+    if name not in LIMITS:
+        return "undeformed profile of the surface"
+    low, high = limits(name)
+    return f"{LIMITS[name][3]}; {low:g} to {high:g}"
 
 
 def _player(session, made):
@@ -71,6 +96,7 @@ def _player(session, made):
             "figures": {name: view.figure for name, view in made.items()},
             "parts": {name: view.parts for name, view in made.items()},
             "colours": {name: view.colours for name, view in made.items()},
+            "looks": {preset.name: preset.look for preset in presets().values()},
             "controls": {control.name: list(control.positions) for control in CONTROLS},
         },
         code="\n".join(_file(name) for name in SCRIPTS),

@@ -58,7 +58,9 @@ function heard() {
   }
   if (me.status.heard === me.orders - 1 && !waiting) { // not the echo of a position the slider has left
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
-    if (frames > 0 && !me.dragging) writeAddress(values)
+    if (frames > 0 && !me.dragging) writeAddress()
+    by("preset").value = me.status.preset
+    by("look").textContent = plain(looks)[me.status.preset]
   }
   by("notes").hidden = notes.length === 0
   by("notes").textContent = notes.join(" ")
@@ -71,7 +73,7 @@ function describe(name, value, error, before) {
   entry.setAttribute("aria-invalid", Boolean(error))
   message.hidden = !error
   message.textContent = error ?? ""
-  if (!me.dragging) place(name, value)
+  if (!me.dragging && positions[name]) place(name, value)
 }
 
 function place(name, value) {
@@ -81,9 +83,11 @@ function place(name, value) {
   slider.setAttribute("aria-valuetext", `${value}`)
 }
 
-function writeAddress(values) {
+// What brings this scene back: what differs from the preset
+function writeAddress() {
   const address = new URL(location.href)
-  for (const name in values) address.searchParams.set(name, values[name])
+  for (const name of ["preset", ...Object.keys(me.status.values)]) address.searchParams.delete(name)
+  for (const name in me.status.address) address.searchParams.set(name, me.status.address[name])
   if (address.href !== location.href) history.replaceState(null, "", address)
 }
 
@@ -122,6 +126,7 @@ function showFrame() {
   const k = Math.min(Math.floor(me.preview ?? me.at), run.length - 1)
   drawFrame(run, k)
   me.drawn = k
+  framePage()
   me.drawnAt = performance.now()
   if (me.preview === null) by("scrub").value = k
   const v = run.values(k), fixed = (x, d) => x.toFixed(d).replace("-", "−")
@@ -208,7 +213,7 @@ function send() {
 
 function letGo() {
   me.dragging = false
-  if (me.status.values) writeAddress(me.status.values)
+  if (me.status.values) writeAddress()
 }
 
 for (const name in positions) {
@@ -220,9 +225,18 @@ for (const name in positions) {
     enter(name, entry.value)
   })
   for (const end of ["pointerup", "keyup", "blur"]) slider.addEventListener(end, letGo)
-  entry.addEventListener("change", () => enter(name, entry.value))
   slider.closest("form").addEventListener("keydown", (event) => { if (event.key === "Escape") document.activeElement.blur() })
 }
+
+for (const entry of document.querySelectorAll("[id$=-entry]")) {
+  entry.addEventListener("change", () => enter(entry.id.replace("-entry", ""), entry.value))
+}
+by("preset").addEventListener("change", (event) => {
+  if (me.anchor === null) me.anchor = me.run
+  order("preset", { preset: event.target.value })
+})
+by("more").addEventListener("click", () => (by("drawer").open ? by("drawer").close() : by("drawer").show()))
+for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
 
 // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
 document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint)")?.blur() })
@@ -242,13 +256,14 @@ by("theme").addEventListener("click", () => {
   address.searchParams.set("theme", root.dataset.theme)
   history.replaceState(null, "", address)
   paint()
+  paintPage()
   if (me.run?.sheared >= 0) shadeMap(me.run)
 })
 
 document.addEventListener("keydown", (event) => {
   const on = (what) => event.target.matches?.(what)
   const taken = on("input[type=text], select") || (on("input") && !" rR".includes(event.key)) || (on("button") && event.key === " ")
-  if (event.ctrlKey || event.metaKey || event.altKey || taken || document.querySelector("dialog[open]")) return
+  if (event.ctrlKey || event.metaKey || event.altKey || taken || document.querySelector("dialog[open]:not(#drawer)")) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
@@ -271,9 +286,12 @@ new ResizeObserver(stateStretch).observe(document.querySelector("figure"))
 wire.properties.chunk.change.connect(receive)
 wire.properties.status.change.connect(heard)
 wire.properties.accuracy.change.connect(measured)
+wire.properties.page.change.connect(toldOfPage)
 me.speed = Number(by("speed").value)
 paint()
 for (const name in positions) place(name, Number(by(`${name}-entry`).value))
 play(me.playing)
 requestAnimationFrame(tick)
 order("hello")
+const asked = new URLSearchParams(location.search).get("page")
+if (asked && by(asked)?.classList.contains("sheet")) openPage(asked)

@@ -37,19 +37,19 @@ class View:
     colours: dict = field(default_factory=dict)
 
 
-def _curve(label, x, y, **options):
+def curve(label, x, y, **options):
     return hv.Curve(EMPTY, x, y, label=label).opts(default_tools=[], **options)
 
 
-def _dots(label, x, y, **options):
+def dots(label, x, y, **options):
     return hv.Scatter(EMPTY, x, y, label=label).opts(default_tools=[], **options)
 
 
-def _cursor():
+def cursor():
     return hv.VLine(0.0, label="cursor").opts(line_width=1.5, color="#888888")
 
 
-def _rendered(name, elements, colours, **ranges):
+def rendered(name, elements, colours, **ranges):
     """Render an overlay and find in it, by label, what will be updated."""
     overlay = hv.Overlay(elements).opts(show_legend=False, responsive=True, toolbar=None, default_tools=[], title="")
     plot = hv.renderer("bokeh").get_plot(overlay)
@@ -87,18 +87,20 @@ def punch():
     elements = [
         hv.HSpan(-100.0, 0.0, label="substrate").opts(alpha=0.12, line_alpha=0),
         body.opts(default_tools=[], alpha=0.25, line_alpha=0),
-        _curve("surface", POSITION, gap, line_width=1),
-        _dots("sites", POSITION, gap, marker="square", size=2),
+        curve("surface", POSITION, gap, line_width=1),
+        dots("sites", POSITION, gap, marker="square", size=2),
     ]
     hover = [("x", "@x{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
     for label, (marker, size, _) in NODES.items():
-        dots = hv.Scatter(([], [], [], []), POSITION, [gap, "T_n", "T_t"], label=label)
+        nodes = hv.Scatter(([], [], [], []), POSITION, [gap, "T_n", "T_t"], label=label)
         elements.append(
-            dots.opts(default_tools=[], marker=marker, size=size, tools=["hover"], hover_tooltips=[(label, ""), *hover])
+            nodes.opts(
+                default_tools=[], marker=marker, size=size, tools=["hover"], hover_tooltips=[(label, ""), *hover]
+            )
         )
     colours = {"substrate": "--text", "body": "--body", "surface": "--body", "sites": "--text"}
     colours |= {label: colour for label, (_, _, colour) in NODES.items()}
-    return _rendered("punch", elements, colours, x=(-250, 250), y=(-1.2, 7))
+    return rendered("punch", elements, colours, x=(-250, 250), y=(-1.2, 7))
 
 
 def traction():
@@ -107,15 +109,15 @@ def traction():
     hover = {"tools": ["hover"], "hover_mode": "vline"}
     elements = [
         hv.HLine(0.0, label="zero").opts(line_width=1),
-        _curve("T_n", POSITION, value, line_width=2, hover_tooltips=_tip("Tₙ", "x", "T", "GPa"), **hover),
-        _curve("T_t", POSITION, value, line_width=2, line_dash="dashed", **hover).opts(
-            hover_tooltips=_tip("Tₜ", "x", "T", "GPa")
+        curve("T_n", POSITION, value, line_width=2, hover_tooltips=tip("Tₙ", "x", "T", "GPa"), **hover),
+        curve("T_t", POSITION, value, line_width=2, line_dash="dashed", **hover).opts(
+            hover_tooltips=tip("Tₜ", "x", "T", "GPa")
         ),
     ]
-    return _rendered("traction", elements, {"zero": "--grid", "T_n": "--normal", "T_t": "--shear"}, y=(-1, 2))
+    return rendered("traction", elements, {"zero": "--grid", "T_n": "--normal", "T_t": "--shear"}, y=(-1, 2))
 
 
-def _tip(symbol, x, y, unit):
+def tip(symbol, x, y, unit):
     return [(f"{'Uₓ' if x == 'U_x' else x}", f"@{x}{{0.0}} nm"), (symbol, f"@{y}{{0.000}} {unit}")]
 
 
@@ -125,45 +127,45 @@ def forces():
     hover = {"tools": ["hover"], "hover_mode": "vline"}
     elements = [
         hv.HLine(0.0, label="zero").opts(line_width=1),
-        _curve("ghost_F", SHEAR, value, line_width=3),
-        _curve("ghost_L", SHEAR, value, line_width=3, line_dash="dashed"),
-        _curve("F", SHEAR, value, line_width=2, hover_tooltips=_tip("F̄", "U_x", "value", "·10⁻³"), **hover),
-        _curve("L", SHEAR, value, line_width=2, line_dash="dashed", **hover).opts(
-            hover_tooltips=_tip("L̄", "U_x", "value", "·10⁻³")
+        curve("ghost_F", SHEAR, value, line_width=3),
+        curve("ghost_L", SHEAR, value, line_width=3, line_dash="dashed"),
+        curve("F", SHEAR, value, line_width=2, hover_tooltips=tip("F̄", "U_x", "value", "·10⁻³"), **hover),
+        curve("L", SHEAR, value, line_width=2, line_dash="dashed", **hover).opts(
+            hover_tooltips=tip("L̄", "U_x", "value", "·10⁻³")
         ),
-        _dots("slips_F", SHEAR, value, marker="diamond", size=8),
-        _cursor(),
+        dots("slips_F", SHEAR, value, marker="diamond", size=8),
+        cursor(),
     ]
     colours = {"zero": "--grid", "ghost_F": "--ghost", "ghost_L": "--ghost", "F": "--shear", "L": "--normal"}
-    return _rendered("forces", elements, colours | {"slips_F": "--slip", "cursor": "--cursor"}, x=(0, 40), y=(-1, 2))
+    return rendered("forces", elements, colours | {"slips_F": "--slip", "cursor": "--cursor"}, x=(0, 40), y=(-1, 2))
 
 
 def area():
     """Contact area against the displacement of the top."""
     value = hv.Dimension("value", label="Ā", unit="10⁻³")
     elements = [
-        _curve("ghost_A", SHEAR, value, line_width=3),
-        _curve("A", SHEAR, value, line_width=2).opts(
-            tools=["hover"], hover_mode="vline", hover_tooltips=_tip("Ā", "U_x", "value", "·10⁻³")
+        curve("ghost_A", SHEAR, value, line_width=3),
+        curve("A", SHEAR, value, line_width=2).opts(
+            tools=["hover"], hover_mode="vline", hover_tooltips=tip("Ā", "U_x", "value", "·10⁻³")
         ),
-        _dots("slips_A", SHEAR, value, marker="diamond", size=8),
-        _cursor(),
+        dots("slips_A", SHEAR, value, marker="diamond", size=8),
+        cursor(),
     ]
     colours = {"ghost_A": "--ghost", "A": "--area", "slips_A": "--slip", "cursor": "--cursor"}
-    return _rendered("area", elements, colours, y=(0, 100))
+    return rendered("area", elements, colours, y=(0, 100))
 
 
 def contact_map():
     """Normal traction over displacement and place: where the contact repels, adheres or is open, at every moment."""
     blank = np.zeros((2, 2), dtype=np.float32)
     image = hv.Image(blank, [SHEAR, hv.Dimension("x", label="x", unit="nm")], "T_n", bounds=(0, -1, 1, 1), label="map")
-    tip = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
+    hover = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
     elements = [
-        image.opts(default_tools=[], tools=["hover"], hover_tooltips=tip, clipping_colors={"NaN": "transparent"}),
-        _dots("slips_map", SHEAR, hv.Dimension("x"), marker="diamond", size=8),
-        _cursor(),
+        image.opts(default_tools=[], tools=["hover"], hover_tooltips=hover, clipping_colors={"NaN": "transparent"}),
+        dots("slips_map", SHEAR, hv.Dimension("x"), marker="diamond", size=8),
+        cursor(),
     ]
-    return _rendered("map", elements, {"slips_map": "--slip", "cursor": "--cursor"}, y=(-250, 250))
+    return rendered("map", elements, {"slips_map": "--slip", "cursor": "--cursor"}, y=(-250, 250))
 
 
 def _compose():
@@ -176,15 +178,15 @@ def _compose():
 
 
 @cache
-def _composed():
-    """The views as HoloViews made them, and as text from which a visitor's own are read in a third of the time."""
-    made = _compose()
+def _composed(compose):
+    """{name: View} as HoloViews made them, and as text from which a visitor's own are read in a third of the time."""
+    made = compose()
     return made, json.dumps(Serializer(deferred=False).encode([view.figure for view in made.values()]))
 
 
-def views():
-    """The five views {name: View} for one visitor: Bokeh models of their own, under ids of their own."""
-    made, text = _composed()
+def views(compose=_compose):
+    """The views {name: View} of `compose` for one visitor: Bokeh models of their own, under ids of their own."""
+    made, text = _composed(compose)
     ids = {}
     text = re.sub(r'"id": "(p\d+)"', lambda found: f'"id": "{ids.setdefault(found[1], make_id())}"', text)
     figures = Deserializer().decode(json.loads(text))

@@ -71,13 +71,17 @@ class Seat:
 
 
 class Pool:
-    """Tasks in order of arrival for a few workers that may die; `status` is 'closed', 'warming' or 'ready'."""
+    """Tasks in order of arrival for a few workers that may die; `status` is 'closed', 'warming' or 'ready'.
+
+    What runs on somebody's screen goes first; sweeps, which fill a page in the background, take the workers between.
+    """
 
     def __init__(self, size=None):
         self.size = size or default_size()
         self.replaced = 0  # workers lost
         self.wisdom = None  # FFTW's, measured by one worker for all
         self._seats, self._queue = [], deque()
+        self._later = deque()  # tasks in the background
         self._lock = threading.RLock()
 
     @property
@@ -88,7 +92,7 @@ class Pool:
     def in_flight(self):
         """How many tasks wait or run for somebody."""
         with self._lock:
-            tasks = [*self._queue, *(seat.task for seat in self._seats)]
+            tasks = [*self._queue, *self._later, *(seat.task for seat in self._seats)]
             return sum(task is not None and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
@@ -125,8 +129,8 @@ class Pool:
         if seat.failures < STARTS:
             return self._replace(seat)
         seat.executor = None
-        while self._queue and all(other.executor is None for other in self._seats):
-            task = self._queue.popleft()
+        while (self._queue or self._later) and all(other.executor is None for other in self._seats):
+            task = (self._queue or self._later).popleft()
             if task.set_running_or_notify_cancel():
                 task.set_exception(BrokenProcessPool("no worker can be started"))
 
@@ -139,24 +143,26 @@ class Pool:
                     with contextlib.suppress(BrokenProcessPool):
                         seat.run(worker.learn, wisdom)
 
-    def submit(self, call, *arguments, near=None):
+    def submit(self, call, *arguments, near=None, background=False):
         """A Task, done by the worker that did the task `near` if that is idle: it still has the plans.
 
-        It raises BrokenProcessPool if its worker died: submit again. Cancel it while it waits, `abandon` it when not.
+        background: only when no other task waits. It raises BrokenProcessPool if its worker died: submit again. Cancel it while it waits, `abandon` it when not.
         """
         self.start()
         task = Task((call, *arguments))
         task.seat = near and near.seat
         with self._lock:
-            self._queue.append(task)
+            (self._later if background else self._queue).append(task)
         self._dispatch()
         return task
 
     def _dispatch(self):
         """Give waiting tasks to idle workers."""
         with self._lock:
-            while self._queue and (idle := [seat for seat in self._seats if seat.ready and seat.task is None]):
-                task = self._queue.popleft()
+            while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
+                if not (self._queue or self._later):
+                    break
+                task = (self._queue or self._later).popleft()
                 if task.set_running_or_notify_cancel():
                     self._place(task, task.seat if task.seat in idle else idle[0])
 
@@ -214,7 +220,7 @@ class Pool:
         """End every worker at once, even in the middle of a slice."""
         with self._lock:
             seats, self._seats = self._seats, []
-            waiting, self._queue = self._queue, deque()
+            waiting, self._queue, self._later = [*self._queue, *self._later], deque(), deque()
         for task in waiting:
             task.cancel()
         workers = [process for seat in seats for process in seat.processes]

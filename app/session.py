@@ -13,12 +13,13 @@ from bokeh.model import DataModel
 from app import worker
 from app.bench import Bench
 from app.cautions import cautions
-from app.controls import changed_scene, scene_from_address, values_of
+from app.controls import DEFAULT, address_of, changed_scene, scene_from_address, values_of
 from app.finished import Finished
 from app.finished import shelf as shared_shelf
+from app.pages import Pages
 from app.pool import pool as shared_pool
 from app.run import Run
-from solver import Scene
+from solver.presets import presets
 
 log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
@@ -35,6 +36,8 @@ class Wire(DataModel):
     chunk = Nullable(Bytes)
     status = String(default="{}")
     accuracy = String(default="")  # JSON, only when a measurement was asked for
+    page = String(default="{}")  # JSON, about the page beside the experiment that is open
+    picture = Nullable(Bytes)
     order = String(default="")
 
 
@@ -48,9 +51,10 @@ class Session:
     def __init__(self, doc, arguments=None, pool=shared_pool, shelf=shared_shelf):
         self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
-        self.scene, self.notes = scene_from_address(arguments or {})
+        self.scene, self.preset, self.notes = scene_from_address(arguments or {})
         self.errors, self.cautions = {}, []  # cautions: of the last finished run
         self.bench = Bench(doc, self.wire)
+        self.pages = Pages(self)
         self.heard = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
         self.wanted = None  # a newer scene, while a slice of the old one is still in flight
@@ -67,6 +71,7 @@ class Session:
             self.closed = True
             self._abandon()
             self.bench.close()
+            self.pages.close()
             self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -81,6 +86,11 @@ class Session:
                 self.change(dict(order["values"]))
             elif name in ("hello", "pause", "go", "one", "reset"):
                 getattr(self, name)()
+            elif name == "preset":
+                self.choose(order["values"]["preset"])
+            elif name in ("page", "ask"):
+                self.pages.open(order["values"]["page"]) if name == "page" else self.pages.order(dict(order["values"]))
+                self.tell()
             elif name in ("measure", "cancel"):
                 self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
                 self.tell()
@@ -103,10 +113,14 @@ class Session:
             self.scene = scene
             self._want(scene)
 
-    def reset(self):
-        """Everything as in the paper."""
-        self.scene, self.errors, self.notes = Scene(), {}, []
+    def choose(self, preset):
+        """Everything as in a preset."""
+        self.scene, self.preset, self.errors, self.notes = presets()[preset].scene, preset, {}, []
         self._want(self.scene)
+
+    def reset(self):
+        """Everything as in the paper's Fig. 6."""
+        self.choose(DEFAULT)
 
     def pause(self):
         """Submit no further slice until `go`."""
@@ -131,6 +145,7 @@ class Session:
     def _want(self, scene):
         """The latest wish wins: at once, or after a run that seems to end soon, whether it does or not."""
         self.bench.cancel("the scene has changed")
+        self.pages.scene_changed()
         if self.flight is None or self.flight.cancel() or self._far_from_done():
             self._begin(scene)
             return
@@ -267,4 +282,5 @@ class Session:
         if run is None:
             return
         own = {"values": values_of(self.scene), "heard": self.heard, "errors": self.errors}
+        own |= {"preset": self.preset, "address": address_of(self.scene, self.preset)}
         self.wire.status = json.dumps(run.told() | own | {"notes": self.notes + self.cautions})

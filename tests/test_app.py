@@ -15,11 +15,12 @@ from panel.io.state import set_curdoc
 from app import page as page_module
 from app import session as session_module
 from app import worker
-from app.controls import CONTROLS, NAMES, changed_scene, scene_from_address
+from app.controls import CONTROLS, ENTERED, NAMES, address_of, changed_scene, drawer, scene_from_address
 from app.finished import Shelf
 from app.pool import Pool
 from app.session import Session
 from solver import LIMITS, Scene, advance
+from solver.presets import presets
 
 SHORT = Scene(u_x_max=6.0)
 PATIENCE = 60  # s; a limit against hanging, not a claim about speed
@@ -119,9 +120,54 @@ def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, te
 
 
 def test_each_value_of_the_address_is_judged_alone():
-    scene, notes = scene_from_address({"delta_bar": [b"0.4"], "phi_ratio": [b"x"], "E": [b"\xff"], "theme": [b"dark"]})
-    assert scene == Scene(delta_bar=0.4)
+    arguments = {"delta_bar": [b"0.4"], "phi_ratio": [b"x"], "E": [b"\xff"], "theme": [b"dark"]}
+    scene, preset, notes = scene_from_address(arguments)
+    assert scene == Scene(delta_bar=0.4) and preset == "fig6"
     assert len(notes) == 2 and "phi_ratio" in notes[0] and "default 1" in notes[0] and "default 70" in notes[1]
+
+
+def test_an_address_names_a_preset_and_what_differs_from_it():
+    scene, preset, notes = scene_from_address(
+        {"preset": [b"fig4a-blue"], "E": [b"90"], "width": [b"50"], "nodes": [b"20"]}
+    )
+    assert preset == "fig4a-blue" and not notes
+    assert scene == presets()["fig4a-blue"].scene.changed(E=90.0, width=50.0, nodes=20)  # width alone would be refused
+    again = {name: [text.encode()] for name, text in address_of(scene, preset).items()}
+    assert again.keys() == {"preset", "E", "width", "nodes"} and scene_from_address(again)[:2] == (scene, preset)
+
+
+def test_an_unknown_preset_in_the_address_is_named_and_the_default_shown():
+    scene, preset, notes = scene_from_address({"preset": [b"fig99"]})
+    assert scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "fig7-case1" in notes[0]
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ({"phi_n": "-1"}, "phi_n = -1 is out of range; allowed: 0.001 to 1000"),
+        ({"nodes": "1e6"}, "nodes"),
+        ({"surface": "bumpy"}, "surface = “bumpy”; allowed: circular"),
+        ({"du_x": "0.001"}, "40100 increments"),
+        ({"tolerance": "two"}, "“two” is not a number"),
+    ],
+)
+def test_the_drawer_refuses_what_cannot_be_run_and_says_why(entries, said):
+    scene, errors = changed_scene(Scene(), entries)
+    assert scene == Scene()
+    assert list(errors) == list(entries) and said in errors[next(iter(entries))]
+
+
+def test_the_drawer_holds_every_parameter_without_a_slider_once():
+    names = [name for group in drawer().values() for name in group]
+    assert sorted([*names, *NAMES]) == sorted(ENTERED)
+
+
+def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():
+    scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
+    frames, _ = advance(scene, None, 60.0)
+    _, head, _, fields = unpacked(worker.numbered(1, worker.compute(scene, None, 60.0).blocks[-1]))
+    assert head["nodes"] == worker.FLAT and head["first"] == (scene.nodes - worker.FLAT) // 2
+    assert fields[3, -1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
 
 def test_packed_frames_hold_the_solver_s_numbers():

@@ -1,0 +1,132 @@
+"""The page "Interface law" (paper Fig. 3, Eq. 4): the traction a node feels, summed over the lattice, and where it is.
+
+The law is drawn here, once per scene; the dots that ride on it are set in the browser, which has the frames (law.js).
+Slip distance s: how far the node is ahead of the nearest lattice site; the sums repeat with the node spacing a. They factor:
+T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
+"""
+
+import holoviews as hv
+import numpy as np
+
+from app.plots import curve, dots, rendered, views
+from solver import np1
+
+OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
+GAP = hv.Dimension("gap", label="gap", unit="nm")
+FINE = 161  # points along an axis
+LOWEST, HIGHEST = -1.0, 6.0  # gaps shown, in delta_n
+STATES = {
+    "stick": ("circle", 6, "--stick"),
+    "slip": ("diamond", 9, "--slip"),
+    "open": ("circle", 4, "--free"),
+}
+
+
+def _riders(x, y):
+    return [dots(label, x, y, marker=marker, size=size) for label, (marker, size, _) in STATES.items()]
+
+
+def _colours(**more):
+    return {label: colour for label, (_, _, colour) in STATES.items()} | more
+
+
+def _map(name, symbol):
+    """A traction over slip distance and gap, nodes riding on it."""
+    hover = [("s", "$x{0.00} nm"), ("gap", "$y{0.00} nm"), (symbol, "@image{0.000} GPa")]
+    image = hv.Image(np.zeros((2, 2), dtype=np.float32), [OFFSET, GAP], "T", bounds=(0, 0, 1, 1), label="map")
+    image.opts(default_tools=[], tools=["hover"], hover_tooltips=hover)
+    return rendered(name, [image, *_riders(OFFSET, GAP)], _colours())
+
+
+def _law(name, x, value, span):
+    """A factor of the law, the same for one spring, nodes riding on it."""
+    elements = [
+        hv.HLine(0.0, label="zero").opts(line_width=1),
+        curve("spring", x, value, line_width=2, line_dash="dotted"),
+        curve("law", x, value, line_width=2),
+        *_riders(x, value),
+    ]
+    return rendered(name, elements, _colours(zero="--grid", spring="--soft", law="--text"), y=span)
+
+
+def _compose():
+    shear = hv.Dimension("value", label="Tₜ exp(gap/δₙ) δₜ/φₜ")
+    normal = hv.Dimension("value", label="Tₙ δₙ/φₙ / Σexp(−Δₜ²/δₜ²)")
+    made = (
+        _map("law_shear_map", "Tₜ"),
+        _map("law_normal_map", "Tₙ"),
+        _law("law_shear_law", OFFSET, shear, (-1.1, 1.1)),
+        _law("law_normal_law", GAP, normal, (-0.6, 1.2)),
+    )
+    return {view.name: view for view in made}
+
+
+class Page:
+    """See pages.py."""
+
+    def __init__(self, session, tell):
+        self.session, self.tell = session, tell
+        self.views = {name.removeprefix("law_"): view for name, view in views(_compose).items()}
+
+    def start(self):
+        """Draw the law of the scene on screen."""
+        self.scene_changed()
+
+    def scene_changed(self):
+        """Draw the law if it is another one than before."""
+        scene = self.session.scene
+        a, d_n, d_t = scene.spacing, scene.delta_n, scene.delta_t
+        s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE)
+        shear, normal = np1.traction(scene, *np.meshgrid(s, gap))
+        shear = -shear  # as in the traction plot: what holds the punch back is positive
+        limits = {}
+        for slot, field in (("shear_map", shear), ("normal_map", normal)):
+            self._draw_map(slot, field, s, gap)
+            limits[f"law_{slot}.map"] = [min(float(field.min()), -1e-9), max(float(field.max()), 1e-9)]
+        ahead = np1.traction(scene.changed(phi_ratio=1.0), s, 0.0)
+        rise = -ahead[0] * d_t / scene.phi_n
+        self._draw("shear_law", "law", s=s, value=rise)
+        self._draw("shear_law", "spring", s=s, value=2.0 * (s / d_t) * np.exp(-((s / d_t) ** 2)))
+        force = -gap / d_n * np.exp(-gap / d_n)
+        self._draw("normal_law", "law", gap=gap, value=force)
+        self._draw("normal_law", "spring", gap=[], value=[])
+        self._fit(scene, float(np.abs(rise).max()))
+        peak = float(abs(s[np.argmax(rise)]))
+        self.tell(images=limits, law=_numbers(scene) | {"peak": peak}, texts={"law-numbers": _said(scene)})
+
+    def _draw(self, slot, label, **columns):
+        self.views[slot].parts[label].data_source.data = columns
+
+    def _draw_map(self, slot, field, s, gap):
+        data = {"image": [field.astype(np.float32)], "x": [s[0]], "y": [gap[0]]}
+        self._draw(slot, "map", **data, dw=[s[-1] - s[0]], dh=[gap[-1] - gap[0]])
+
+    def _fit(self, scene, largest):
+        half, d_n = 0.5 * scene.spacing, scene.delta_n
+        for slot, view in self.views.items():
+            across = (LOWEST * d_n, HIGHEST * d_n) if slot == "normal_law" else (-half, half)
+            view.figure.x_range.update(start=across[0], end=across[1])
+            if slot.endswith("_map"):
+                view.figure.y_range.update(start=LOWEST * d_n, end=HIGHEST * d_n)
+        largest = max(largest, 0.86)
+        self.views["shear_law"].figure.y_range.update(start=-1.15 * largest, end=1.15 * largest)
+
+    def order(self, values):
+        """The page has no controls of its own."""
+
+    def close(self):
+        """Nothing goes on."""
+
+
+def _numbers(scene):
+    """What law.js needs to place a node on the law."""
+    return {name: getattr(scene, name) for name in ("spacing", "width", "delta_n", "delta_t", "phi_n", "phi_t")}
+
+
+def _said(scene):
+    sigma = scene.phi_n / scene.delta_n / np.e
+    tau = scene.phi_t / scene.delta_t * np.sqrt(2.0 / np.e)
+    return (
+        f"One spring (Eq. 5): σ_max = φₙ/(e δₙ) = {sigma:.3g} GPa, τ_max = √(2/e) φₜ/δₜ = {tau:.3g} GPa at zero gap."
+        f" A node feels all sites within reach, a = {scene.spacing / scene.delta_t:.3g} δₜ apart."
+    )

@@ -1,0 +1,79 @@
+// The pages beside the experiment: opened and closed here, filled by the server (pages.py); a page's script joins in.
+
+const sheets = {} // page: {told(news), frame(run, k), closed()}, whatever it needs of these
+let sheet = { open: "" } // what the server said last of the page that is open
+const busy = () => document.querySelector(`#${sheet.open} progress`)
+
+function openPage(name) {
+  showSheet(name)
+  const address = new URL(location.href)
+  name ? address.searchParams.set("page", name) : address.searchParams.delete("page")
+  history.replaceState(null, "", address)
+  order("page", { page: name })
+}
+
+// Ask the page that is open for something
+const ask = (values) => order("ask", values)
+
+function showSheet(name) {
+  document.querySelector(".page").dataset.page = name
+  for (const button of document.querySelectorAll("nav button")) button.setAttribute("aria-pressed", button.dataset.page === name)
+  for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
+}
+
+function toldOfPage() {
+  const before = sheet
+  sheet = { open: "", ...JSON.parse(wire.page) }
+  if (before.open !== sheet.open) {
+    forgetFigures(before)
+    sheets[before.open]?.closed?.()
+    if (sheet.open) findFigures()
+  }
+  for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
+  for (const name in sheet.images) shadeImage(name, sheet.images[name])
+  const bar = busy()
+  if (bar) {
+    bar.hidden = (sheet.busy ?? null) === null
+    bar.value = sheet.busy ?? 0
+  }
+  sheets[sheet.open]?.told?.(sheet)
+  if (sheet.open) framePage()
+}
+
+// The figures of a page are made after the document: they are found by their names
+function findFigures() {
+  const models = new Map([...Bokeh.documents[0]._all_models.values()].filter((m) => m.name).map((m) => [m.name, m]))
+  for (const view in sheet.parts) {
+    figure[view] = models.get(view)
+    part[view] = Object.fromEntries(sheet.parts[view].map((label) => [label, models.get(`${view}.${label}`)]))
+    tints[view] = sheet.colours[view]
+  }
+  paint()
+}
+
+function forgetFigures({ parts }) {
+  for (const view in parts) {
+    delete figure[view]
+    delete part[view]
+    delete tints[view]
+  }
+}
+
+const shadesOf = {} // "view.label": for which limits and theme it has its shades
+function shadeImage(name, [low, high]) {
+  const [view, label] = name.split(".")
+  const mapper = part[view]?.[label]?.glyph.color_mapper
+  const key = [low, high, document.documentElement.dataset.theme, mapper?.id].join()
+  if (!mapper || shadesOf[name] === key) return
+  shadesOf[name] = key
+  mapper.setv({ low, high, palette: shades(low, high), nan_color: "rgba(0,0,0,0)" }, here)
+}
+
+// The increment on screen, for the page
+function framePage() {
+  if (me.run?.length && me.drawn >= 0) sheets[sheet.open]?.frame?.(me.run, Math.min(me.drawn, me.run.length - 1))
+}
+
+function paintPage() {
+  for (const name in sheet.images) shadeImage(name, sheet.images[name])
+}

@@ -1,0 +1,73 @@
+"""The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
+
+A page is the class `Page` of a module of its own, made with the Session and a function `tell(**news)`; it has
+views {slot: View} named page_slot, start(), scene_changed(), order(values) and close(). What it tells reaches the browser as one
+dictionary, of which the browser knows texts {element: text}, busy (part done or None), images {view.label: limits}
+and whatever the page's own script reads.
+"""
+
+import json
+import logging
+from importlib import import_module
+
+from bokeh.models import Column
+
+log = logging.getLogger("app")
+TITLES = {"": "Experiment", "law": "Interface law"}
+# page: where its figures go
+SLOTS = {
+    "law": ("shear_map", "normal_map", "shear_law", "normal_law"),
+}
+
+
+class Pages:
+    """The page that one visitor has open, if any; every method runs under the lock of the visitor's document."""
+
+    def __init__(self, session):
+        self.session = session
+        self.slots = {f"{page}_{slot}": Column(sizing_mode="stretch_both") for page in SLOTS for slot in SLOTS[page]}
+        self.name, self.page, self.told = "", None, {}
+
+    def open(self, name):
+        """Show page `name` instead of the one that is open; '' for none."""
+        self.close()
+        if name not in SLOTS:
+            return
+        page = import_module(f"app.{name}").Page(self.session, lambda **news: self._tell(page, news))
+        self.name, self.page = name, page
+        for slot, view in page.views.items():
+            self.slots[f"{name}_{slot}"].children = [view.figure]
+        self.told = {
+            "open": name,
+            "parts": {view.name: list(view.parts) for view in page.views.values()},
+            "colours": {view.name: view.colours for view in page.views.values()},
+        }
+        page.start()
+        self._tell(page, {})
+        log.info("a visitor opened the page %s", name)
+
+    def close(self):
+        """Leave nothing behind of the page that is open, neither models nor work."""
+        if self.page is not None:
+            page, self.page = self.page, None
+            page.close()
+            for slot in SLOTS[self.name]:
+                self.slots[f"{self.name}_{slot}"].children = []
+            self.name, self.told = "", {}
+            self.session.wire.page = "{}"
+
+    def scene_changed(self):
+        """The experiment shows another scene from now on."""
+        if self.page is not None:
+            self.page.scene_changed()
+
+    def order(self, values):
+        """An order from the browser to the page that is open."""
+        if self.page is not None:
+            self.page.order(values)
+
+    def _tell(self, page, news):
+        """Tell the browser, unless the visitor has left the page meanwhile."""
+        if page is self.page:
+            self.told = self.told | news
+            self.session.wire.page = json.dumps(self.told)

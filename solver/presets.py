@@ -1,0 +1,80 @@
+"""The app's named experiments, for whoever wants them by name; the solver itself does without."""
+
+import tomllib
+from dataclasses import dataclass, fields
+from functools import cache
+from importlib import resources
+from types import MappingProxyType
+
+from .scene import Scene, SceneError
+
+PACKAGE, FILE = "app", "presets.toml"
+TEXTS = ("title", "look")
+
+
+class PresetError(ValueError):
+    """A preset that does not exist or cannot be used; the message names preset and key, and says what is allowed."""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named Scene: `title` for menus, `look` says in a sentence what to look for."""
+
+    name: str
+    title: str
+    look: str
+    scene: Scene
+
+    @property
+    def differences(self):
+        """{parameter: value} where the scene differs from the default one."""
+        default = Scene()
+        values = {f.name: getattr(self.scene, f.name) for f in fields(Scene)}
+        return {name: value for name, value in values.items() if value != getattr(default, name)}
+
+
+@cache
+def presets():
+    """{name: Preset} in the order of the file, read-only; empty where the app is not installed. Raises PresetError."""
+    try:
+        text = resources.files(PACKAGE).joinpath(FILE).read_text(encoding="utf-8")
+    except (ModuleNotFoundError, FileNotFoundError):
+        return MappingProxyType({})
+    return MappingProxyType(read(text))
+
+
+def preset(name):
+    """The Preset of that name; raises PresetError."""
+    known = presets()
+    if not known:
+        raise PresetError(f"preset {name!r}: none here, as they come with the app; install it, or use --set")
+    if name not in known:
+        raise PresetError(f"preset {name!r}: allowed: {', '.join(known)}; use one of these names")
+    return known[name]
+
+
+def read(text):
+    """{name: Preset} from TOML: a table per preset, with title, look and parameters of Scene. Raises PresetError."""
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise PresetError(f"{FILE}: {error}; correct the line") from None
+    return {name: _preset(name, table) for name, table in tables.items()}
+
+
+def _preset(name, table):
+    where = f"{FILE}, preset {name!r}"
+    if not isinstance(table, dict):
+        raise PresetError(f"{where}: {table!r} is not a table; write [{name}] above its keys")
+    for key in TEXTS:
+        if not (isinstance(table.get(key), str) and table[key].strip()):
+            raise PresetError(f"{where}, key {key!r}: {table.get(key)!r}; give a text")
+    values = {key: value for key, value in table.items() if key not in TEXTS}
+    allowed = [f.name for f in fields(Scene)]
+    for key in values:
+        if key not in allowed:
+            raise PresetError(f"{where}, key {key!r}: allowed: {', '.join((*TEXTS, *allowed))}; use one of these")
+    try:
+        return Preset(name, table["title"], table["look"], Scene(**values))
+    except SceneError as error:
+        raise PresetError(f"{where}, key {error.name!r}: {error}") from None

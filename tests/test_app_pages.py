@@ -1,0 +1,93 @@
+"""The pages beside the experiment, without a browser: what opens, what it shows, and that a closed page costs nothing."""
+
+import json
+
+import numpy as np
+import pytest
+from bokeh.document import Document
+
+from app.finished import Shelf
+from app.pages import SLOTS
+from app.session import Session
+from solver import Scene, np1
+
+
+class NoPool:
+    """A pool that takes tasks and never does any."""
+
+    status, in_flight, wisdom = "ready", 0, None
+
+    def __init__(self):
+        self.tasks = []
+
+    def submit(self, *task, near=None, background=False):
+        from app.pool import Task
+
+        self.tasks.append(Task(task))
+        return self.tasks[-1]
+
+    def abandon(self, task):
+        task.cancel()
+
+
+@pytest.fixture
+def session():
+    visit = Session(Document(), {}, NoPool(), Shelf())
+    for slot in visit.pages.slots.values():
+        visit.doc.add_root(slot)
+    yield visit
+    visit.close()
+
+
+def order(session, what, **values):
+    session.wire.order = json.dumps({"do": what, "values": values, "n": 1})
+
+
+def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
+    before = len(session.doc.models)
+    order(session, "page", page="law")
+    assert len(session.doc.models) > before and json.loads(session.wire.page)["open"] == "law"
+    order(session, "page", page="")
+    assert len(session.doc.models) == before and session.wire.page == "{}"
+
+
+@pytest.mark.parametrize("name", SLOTS)
+def test_every_page_fills_its_places_and_no_other(session, name):
+    order(session, "page", page=name)
+    for slot, column in session.pages.slots.items():
+        assert bool(column.children) == slot.startswith(f"{name}_")
+
+
+def test_pages_that_are_not_open_cost_no_task_and_no_word(session):
+    said = []
+    session.wire.on_change("page", lambda attribute, old, new: said.append(new))
+    order(session, "hello")
+    order(session, "scene", E="80")
+    assert not said and all(task.call[0].__module__ == "app.worker" for task in session.pool.tasks)
+
+
+def test_an_unknown_page_opens_nothing(session):
+    order(session, "page", page="secret")
+    assert session.pages.page is None and session.wire.page == "{}"
+
+
+def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
+    order(session, "page", page="law")
+    for E, ratio in (("70", "1"), ("70", "0.3")):
+        order(session, "scene", E=E, phi_ratio=ratio)
+        scene = Scene(phi_ratio=float(ratio))
+        data = session.pages.page.views["shear_map"].parts["map"].data_source.data
+        image = data["image"][0]
+        s = data["x"][0] + data["dw"][0] * np.array([0.25, 0.75])
+        gap = data["y"][0] + data["dh"][0] * 0.5
+        middle = image[image.shape[0] // 2, [image.shape[1] // 4, 3 * (image.shape[1] // 4)]]
+        assert middle == pytest.approx(-np1.traction(scene, s, gap)[0], rel=1e-6)
+        law = json.loads(session.wire.page)["law"]
+        assert law["phi_t"] == scene.phi_t and 0.5 < law["peak"] < 0.71  # 1/sqrt(2) for one spring, less for a lattice
+
+
+def test_the_tangential_law_has_its_peak_where_the_page_says(session):
+    order(session, "page", page="law")
+    peak = json.loads(session.wire.page)["law"]["peak"]
+    at, beside = np.abs(np1.traction(Scene(), np.array([peak, peak + 0.05]), 0.0)[0])
+    assert at > beside and at > abs(np1.traction(Scene(), peak - 0.05, 0.0)[0])
