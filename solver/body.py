@@ -1,0 +1,185 @@
+"""Displacement and stress inside the layer, mode by mode in closed form from the traction on its lower surface.
+
+The mode exp(i q x), y = q h, eta = q z, zeta = y - eta: displacements that vanish at the top z = h are sums of
+
+    (u_x / i, u_z) = (zeta cosh zeta + kappa sinh zeta, -zeta sinh zeta)
+                 and (zeta sinh zeta, kappa sinh zeta - zeta cosh zeta)
+
+(Navier, plane strain, kappa = 3 - 4 nu). sigma_xz = -T_x and sigma_zz = -T_z at z = 0 give their amplitudes. Their
+products with those amplitudes cancel at depth to all digits; written with cosh and sinh of y + zeta and of eta they do
+not, and scaled by exp(-2 y) nothing overflows. q = 0 is the limit: stress uniform, displacement linear in z.
+"""
+
+from dataclasses import dataclass
+from math import cosh, exp, expm1, sinh
+
+import numpy as np
+from numba import njit
+
+from .layer import stiffness
+
+FAR = 50.0  # q (h - z): what the top sends back is exp(-2 FAR) (q h)^2 < 1e-29 of what comes
+CHUNK = 512  # modes of one matrix product: some MB
+
+
+@dataclass(frozen=True)
+class Body:
+    """Displacement u (2, nz, nx) in nm, x above z, and stress (3, nz, nx) in GPa: sigma_xx, sigma_zz, sigma_xz.
+
+    At the points x (nx,) and z (nz,) in nm; plane strain, so that sigma_yy = nu (sigma_xx + sigma_zz).
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+    stress: np.ndarray
+
+
+def inside(scene, first, traction, load, x, z):
+    """Body at the points x (nx,) and z (nz,) in nm, 0 <= z <= h, to round-off: the sum over all modes.
+
+    traction (2, m), GPa, on the nodes from `first` on, none elsewhere; load (U_x, U_z) of the top, nm: a Frame's
+    (U_x, -delta). Raises ValueError where z leaves the layer. `picture.picture` is faster and less exact.
+    """
+    x, z = np.asarray(x, float), np.asarray(z, float)
+    height = scene.height * scene.width
+    if z.size and not (z.min() >= 0.0 and z.max() <= height):
+        raise ValueError(f"z = {z.min():g} .. {z.max():g}: allowed: 0 .. {height:g} nm, the layer; leave out the rest")
+    T_q = surface_modes(scene, first, traction)
+    T_q[:, 1:] *= 2.0  # the modes of -q
+    q = wavenumbers(scene, T_q.shape[1])
+    fields = np.zeros((5, z.size, x.size))
+    for k in range(0, q.size, CHUNK):
+        part = slice(k, k + CHUNK)
+        even, odd = np.moveaxis(transfer(q[part], z, height, scene.shear_modulus, scene.nu), 1, 0)
+        # rows u_x, u_z, sigma_xx, sigma_zz, sigma_xz: `even` answers to T_x in the first and last, to T_z in the others
+        own, other = T_q[[0, 1, 1, 1, 0], None, part], T_q[[1, 0, 0, 0, 1], None, part]
+        mode = even * own + 1j * odd * other
+        turns = np.outer(np.arange(k, k + mode.shape[2]), x / scene.width % 1.0)
+        phase = np.exp(2j * np.pi * (turns % 1.0))
+        fields += mode.real @ phase.real - mode.imag @ phase.imag
+    return Body(x, z, fields[:2] + np.asarray(load, float)[:, None, None], fields[2:])
+
+
+def mean_stress(stress, nu):
+    """(sigma_xx + sigma_yy + sigma_zz)/3 = (1 + nu)(sigma_xx + sigma_zz)/3, GPa, of stress (3, ...): tension > 0."""
+    return (1.0 + nu) / 3.0 * (stress[0] + stress[1])
+
+
+def principal_difference(stress):
+    """sigma_1 - sigma_2 in the plane, GPa, of stress (3, ...): twice the largest shear, what a polariscope shows."""
+    return np.hypot(stress[1] - stress[0], 2.0 * stress[2])
+
+
+def wavenumbers(scene, modes):
+    """q of the first modes, 1/nm."""
+    return 2.0 * np.pi / scene.width * np.arange(modes)
+
+
+def surface_modes(scene, first, traction):
+    """Amplitudes T_q (2, nodes//2 + 1), GPa: T = Re sum of T_q exp(i q x), every mode but q = 0 counted twice.
+
+    At Nyquist the surface moves by cosines, each by its own traction/K as in `layer.Modes`; the traction that holds its
+    partner is a sine, which vanishes at the nodes: with it the mode is an exact solution inside, like all others.
+    """
+    T = np.zeros((2, scene.nodes))
+    traction = np.asarray(traction, float)
+    T[:, first : first + traction.shape[1]] = traction
+    T_q = np.fft.rfft(T, norm="forward")
+    if scene.nodes % 2 == 0:
+        q = wavenumbers(scene, T_q.shape[1])[-1:]
+        k_xx, k_zz, k_c = (float(k[0]) for k in stiffness(q, scene.height * scene.width, scene.E, scene.nu))
+        x, z = 0.5 * T_q[:, -1].real  # there is no -q beside it
+        T_q[:, -1] = x - 1j * k_c * z / k_zz, z + 1j * k_c * x / k_xx
+    return T_q
+
+
+@njit(cache=True, nogil=True)
+def transfer(q, z, height, G, nu):
+    """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
+
+    Column 0, even: what u_x and sigma_xz have of T_x, the others of T_z; column 1, odd, times i: the other way round.
+    """
+    out = np.empty((5, 2, z.size, q.size))
+    for r in range(z.size):
+        for k in range(q.size):
+            shape = shape_of(q[k], z[r], height, nu)
+            out[0, 0, r, k], out[0, 1, r, k], out[1, 0, r, k], out[1, 1, r, k] = displacement(q[k], z[r], height, G, nu)
+            out[2, 0, r, k], out[2, 1, r, k] = lateral(shape)
+            out[3, 0, r, k], out[3, 1, r, k] = normal(shape)
+            out[4, 0, r, k], out[4, 1, r, k] = shear(shape)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def shape_of(q, z, height, nu):
+    """(y, eta, zeta, r, P, p, C, S): the first three, r = 2 zeta y + 4 (1-nu)(1-2nu), and the functions of depth.
+
+    P, p = kappa (cosh, sinh)(y + zeta)/(2B) and C, S = (cosh, sinh)(eta)/(2B); B = kappa cosh^2 y + y^2 + (1-2nu)^2.
+    """
+    y, eta, zeta, kappa = q * height, q * z, q * (height - z), 3.0 - 4.0 * nu
+    down, r = exp(-eta), 2.0 * zeta * y + 4.0 * (1.0 - nu) * (1.0 - 2.0 * nu)
+    if zeta > FAR:
+        return y, eta, zeta, r, down, down, 0.0, 0.0
+    up = exp(-y - zeta)
+    a, b, t = down * down, up * up, down * up
+    scale = 1.0 / (kappa * (1.0 + t) ** 2 + 4.0 * t * (y * y + (1.0 - 2.0 * nu) ** 2))
+    down, up = scale * down, scale * up
+    return y, eta, zeta, r, kappa * down * (1.0 + b), kappa * down * (1.0 - b), up * (1.0 + a), up * (1.0 - a)
+
+
+@njit(cache=True, nogil=True)
+def normal(shape):
+    """sigma_zz of a mode: (even) T_z + i (odd) T_x."""
+    y, eta, zeta, r, P, p, C, S = shape
+    return -(P + eta * p + (y + zeta) * S + (1.0 + r) * C), eta * (P + C) + r * S
+
+
+@njit(cache=True, nogil=True)
+def shear(shape):
+    """sigma_xz of a mode: (even) T_x + i (odd) T_z."""
+    y, eta, zeta, r, P, p, C, S = shape
+    return -(P - eta * p - (y + zeta) * S + (1.0 + r) * C), eta * (P + C) - r * S
+
+
+@njit(cache=True, nogil=True)
+def lateral(shape):
+    """sigma_xx of a mode: (even) T_z + i (odd) T_x."""
+    y, eta, zeta, r, P, p, C, S = shape
+    even = -(P - eta * p + (3.0 * y - zeta) * S + (1.0 - r) * C)
+    return even, 2.0 * p - eta * P + (3.0 * y + zeta) * C - (2.0 + r) * S
+
+
+@njit(cache=True, nogil=True)
+def displacement(q, z, height, G, nu):
+    """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, above the top's; four numbers.
+
+    With D_s, D_c = (sinh, cosh)(y + zeta) - (sinh, cosh)(eta), so that no digit is lost near the top.
+    """
+    if q == 0.0:
+        return (height - z) / G, 0.0, (1.0 - 2.0 * nu) * (height - z) / (2.0 * (1.0 - nu) * G), 0.0
+    y, eta, zeta, _, _, _, C, S = shape_of(q, z, height, nu)
+    kappa, t = 3.0 - 4.0 * nu, exp(-2.0 * y)
+    scale = 1.0 / (kappa * (1.0 + t) ** 2 + 4.0 * t * (y * y + (1.0 - 2.0 * nu) ** 2))
+    D_s = -expm1(-2.0 * zeta) * exp(-eta) * scale
+    D_c = -expm1(-2.0 * y) * D_s
+    D_s *= 1.0 + t
+    less = 2.0 * zeta * C - D_s
+    if y < 1.0:  # it cancels, and is all that is left of u_z for nu -> 1/2
+        less = 4.0 * t * scale * (cosh(y) * _less(zeta) - zeta * sinh(y) * sinh(zeta))
+    x_even = 2.0 * zeta * y * S + kappa * eta * D_c - (2.0 - 2.0 * nu) * (2.0 * zeta * C + kappa * D_s)
+    z_even = 2.0 * zeta * y * S - kappa * eta * D_c + (2.0 - 2.0 * nu) * (less - 2.0 * (1.0 - 2.0 * nu) * D_s)
+    both = 2.0 * zeta * y * C - (1.0 - 2.0 * nu) * kappa * D_c
+    apart = kappa * eta * D_s - (2.0 - 4.0 * nu) * zeta * S
+    unit = 0.5 / (G * q)
+    return -x_even * unit, -(both + apart) * unit, -z_even * unit, (both - apart) * unit
+
+
+@njit(cache=True, nogil=True)
+def _less(zeta):
+    """zeta cosh zeta - sinh zeta without cancellation, for 0 <= zeta <= 1."""
+    term, total = zeta**3 / 3.0, 0.0
+    for k in range(1, 10):
+        total += term
+        term *= zeta * zeta * (k + 1) / (k * (2 * k + 2) * (2 * k + 3))
+    return total
