@@ -2,6 +2,7 @@
 
 import logging
 
+from app.pages import compose_all
 from app.plots import views
 from app.pool import pool
 
@@ -17,6 +18,7 @@ def on_server_loaded(server_context):
         log.propagate = False
     pool.start()
     views()  # composed once, for all visitors
+    compose_all()
 
 
 def on_server_unloaded(server_context):

@@ -7,10 +7,7 @@ import numpy as np
 from solver import LIMITS, SURFACES, Scene, SceneError
 from solver.presets import presets
 
-INCREMENTS, NUMBERS = (
-    5000,
-    2_000_000,
-)  # of one run, and nodes times increments: what a browser holds and draws with ease
+INCREMENTS, NUMBERS = 5000, 2_000_000  # of one run, and times nodes: what a browser holds and draws with ease
 MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
 
 

@@ -1,7 +1,7 @@
 """The page "Interface law" (paper Fig. 3, Eq. 4): the traction a node feels, summed over the lattice, and where it is.
 
 The law is drawn here, once per scene; the dots that ride on it are set in the browser, which has the frames (law.js).
-Slip distance s: how far the node is ahead of the nearest lattice site; the sums repeat with the node spacing a. They factor:
+Slip distance s: how far the node is ahead of the nearest lattice site; all repeats with the node spacing a. It factors:
 T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
 """
 
@@ -49,7 +49,7 @@ def _law(name, x, value, span):
     return rendered(name, elements, _colours(zero="--grid", spring="--soft", law="--text"), y=span)
 
 
-def _compose():
+def compose():
     shear = hv.Dimension("value", label="Tₜ exp(gap/δₙ) δₜ/φₜ")
     normal = hv.Dimension("value", label="Tₙ δₙ/φₙ / Σexp(−Δₜ²/δₜ²)")
     made = (
@@ -66,7 +66,7 @@ class Page:
 
     def __init__(self, session, tell):
         self.session, self.tell = session, tell
-        self.views = {name.removeprefix("law_"): view for name, view in views(_compose).items()}
+        self.views = {name.removeprefix("law_"): view for name, view in views(compose).items()}
 
     def start(self):
         """Draw the law of the scene on screen."""

@@ -17,14 +17,17 @@ from solver.presets import presets
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
-SCRIPTS = (
+SCRIPTS = (  # read as one function, in this order
     "store.js",
     "draw.js",
     "accuracy.js",
     "pages.js",
     "law.js",
+    "stickslip.js",
+    "arealaws.js",
+    "solid.js",
     "player.js",
-)  # read as one function, in this order
+)
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
 

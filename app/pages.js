@@ -1,6 +1,6 @@
 // The pages beside the experiment: opened and closed here, filled by the server (pages.py); a page's script joins in.
 
-const sheets = {} // page: {told(news), frame(run, k), closed()}, whatever it needs of these
+const sheets = {} // page: {opened(), told(news), frame(run, k), closed()}, whatever it needs of these
 let sheet = { open: "" } // what the server said last of the page that is open
 const busy = () => document.querySelector(`#${sheet.open} progress`)
 
@@ -13,7 +13,8 @@ function openPage(name) {
 }
 
 // Ask the page that is open for something
-const ask = (values) => order("ask", values)
+let asks = 0
+const ask = (values) => { wire.order = JSON.stringify({ do: "ask", values, ask: asks++ }) }
 
 function showSheet(name) {
   document.querySelector(".page").dataset.page = name
@@ -27,7 +28,10 @@ function toldOfPage() {
   if (before.open !== sheet.open) {
     forgetFigures(before)
     sheets[before.open]?.closed?.()
-    if (sheet.open) findFigures()
+    if (sheet.open) {
+      findFigures()
+      sheets[sheet.open]?.opened?.()
+    }
   }
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
   for (const name in sheet.images) shadeImage(name, sheet.images[name])

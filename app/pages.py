@@ -1,9 +1,9 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
-A page is the class `Page` of a module of its own, made with the Session and a function `tell(**news)`; it has
-views {slot: View} named page_slot, start(), scene_changed(), order(values) and close(). What it tells reaches the browser as one
-dictionary, of which the browser knows texts {element: text}, busy (part done or None), images {view.label: limits}
-and whatever the page's own script reads.
+A page is a module with compose() -> {name: View} and the class `Page`, made with the Session and a function
+`tell(**news)`; it has views {slot: View} named page_slot, start(), scene_changed(), order(values) and close(). What it
+tells reaches the browser as one dictionary, of which the browser knows texts {element: text}, busy (part done or None)
+and images {view.label: limits}; the rest is for the page's own script.
 """
 
 import json
@@ -12,12 +12,29 @@ from importlib import import_module
 
 from bokeh.models import Column
 
+from app.plots import views
+
 log = logging.getLogger("app")
-TITLES = {"": "Experiment", "law": "Interface law"}
+TITLES = {
+    "": "Experiment",
+    "law": "Interface law",
+    "stickslip": "Stick-slip",
+    "arealaws": "Area laws",
+    "solid": "Inside the solid",
+}
 # page: where its figures go
 SLOTS = {
     "law": ("shear_map", "normal_map", "shear_law", "normal_law"),
+    "stickslip": ("forces", "mean", "map"),
+    "arealaws": ("runs", "threshold"),
+    "solid": ("field",),
 }
+
+
+def compose_all():
+    """Compose the figures of every page once, for all visitors: done when the server starts, as it takes a while."""
+    for name in SLOTS:
+        views(import_module(f"app.{name}").compose)
 
 
 class Pages:

@@ -1,6 +1,5 @@
 // The browser's half of the app: receives frames, plays and scrubs them without asking the server, sends what was entered.
 
-const by = (id) => document.getElementById(id)
 const positions = plain(controls)
 const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
@@ -287,6 +286,7 @@ wire.properties.chunk.change.connect(receive)
 wire.properties.status.change.connect(heard)
 wire.properties.accuracy.change.connect(measured)
 wire.properties.page.change.connect(toldOfPage)
+wire.properties.picture.change.connect(pictured)
 me.speed = Number(by("speed").value)
 paint()
 for (const name in positions) place(name, Number(by(`${name}-entry`).value))

@@ -146,7 +146,8 @@ class Pool:
     def submit(self, call, *arguments, near=None, background=False):
         """A Task, done by the worker that did the task `near` if that is idle: it still has the plans.
 
-        background: only when no other task waits. It raises BrokenProcessPool if its worker died: submit again. Cancel it while it waits, `abandon` it when not.
+        background: only when no other task waits. It raises BrokenProcessPool if its worker died: submit again.
+        Cancel it while it waits, `abandon` it when not.
         """
         self.start()
         task = Task((call, *arguments))

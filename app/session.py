@@ -81,15 +81,17 @@ class Session:
     def _on_order(self, attribute, old, new):
         try:
             order = json.loads(new)
-            name, self.heard = order["do"], order.get("n")
+            name, self.heard = order["do"], order.get("n", self.heard)
             if name == "scene":
                 self.change(dict(order["values"]))
             elif name in ("hello", "pause", "go", "one", "reset"):
                 getattr(self, name)()
             elif name == "preset":
                 self.choose(order["values"]["preset"])
-            elif name in ("page", "ask"):
-                self.pages.open(order["values"]["page"]) if name == "page" else self.pages.order(dict(order["values"]))
+            elif name == "ask":
+                self.pages.order(dict(order["values"]))
+            elif name == "page":
+                self.pages.open(order["values"]["page"])
                 self.tell()
             elif name in ("measure", "cancel"):
                 self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
@@ -115,8 +117,12 @@ class Session:
 
     def choose(self, preset):
         """Everything as in a preset."""
-        self.scene, self.preset, self.errors, self.notes = presets()[preset].scene, preset, {}, []
-        self._want(self.scene)
+        self.show(presets()[preset].scene, preset)
+
+    def show(self, scene, preset):
+        """A scene that a page has made from `preset`."""
+        self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
+        self._want(scene)
 
     def reset(self):
         """Everything as in the paper's Fig. 6."""
@@ -249,7 +255,7 @@ class Session:
         if run.state == "finished":
             whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
             self.shelf.put(run.scene, whole)
-        run.blocks = []
+            run.blocks = []
 
     def _show_known(self, known):
         run = self.run
@@ -275,6 +281,19 @@ class Session:
             self.run.state = "failed"
             self.run.why = f"{type(error).__name__}: {error}. Press Reset to start again"
         self.tell()
+
+    def tractions(self, number, k):
+        """(scene, first node, T (2, m) GPa) of frame k of the run on screen, as sent; None if that is gone."""
+        run = self.run
+        if run is None or number != run.number or k < 0:
+            return None
+        known = self.shelf.get(run.scene)
+        for block in run.blocks or (known.blocks if known else ()):
+            head = worker.header(block)
+            if k < head["frames"]:
+                return run.scene, head["first"], worker.tractions(block, k)
+            k -= head["frames"]
+        return None
 
     def tell(self):
         """Send status, values, notes and errors to the browser."""

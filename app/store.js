@@ -1,5 +1,6 @@
 // The frames of a run, as they arrive from the server (format: worker.pack) and as they are asked for by the views.
 
+const by = (id) => document.getElementById(id)
 const COLUMNS = ["stage", "index", "U_x", "delta", "F", "L", "A", "residual", "evaluations", "slip", "U_slip"]
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)

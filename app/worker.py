@@ -20,13 +20,14 @@ import pyfftw
 
 from solver import Scene, advance
 from solver.layer import transforms
+from solver.picture import QUANTITIES, picture
 
 NICENESS = 10  # the event loop must win against the physics
 CURVES = ("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip", "U_slip")
 FIELDS = ("gap", "u_x", "T_z", "T_x")
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
-FLAT = 82  # nodes sent of a flat surface, where all are alike
+FLAT = 160  # nodes sent of a flat surface, where all are alike
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction counts as free
 
 
@@ -69,6 +70,8 @@ def warm_up():
     while checkpoint is None or not checkpoint.done:
         _, checkpoint = advance(small, checkpoint, 1.0)
     advance(Scene(), None, 0.1)
+    for quantity in QUANTITIES:
+        picture(small, 0, np.ones((2, small.nodes)), quantity, (0.0, 100.0, 50.0), (8, 4))
 
 
 def ready():
@@ -170,6 +173,24 @@ def pack(scene, frames, last):
     head += b" " * (-len(head) % 4)
     body = b"".join(np.rint(f / s).astype("<i2").tobytes() for f, s in zip(fields, scales, strict=True))
     return struct.pack("<I", len(head)) + head + np.ascontiguousarray(curves, "<f4").tobytes() + body
+
+
+def header(block):
+    """What `pack` wrote in front of a block."""
+    length = struct.unpack_from("<I", block)[0]
+    return json.loads(block[4 : 4 + length])
+
+
+def tractions(block, row):
+    """T (2, m), GPa, of a frame of a packed block."""
+    head, start = header(block), 4 + struct.unpack_from("<I", block)[0]
+    count, m = head["frames"], head["nodes"]
+    start += 4 * len(CURVES) * count
+    normal, tangential = (
+        np.frombuffer(block, "<i2", m, start + 2 * m * (field * count + row)) * head["scales"][field]
+        for field in (2, 3)
+    )
+    return np.array([tangential, normal])
 
 
 def numbered(run, block):

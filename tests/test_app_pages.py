@@ -1,4 +1,4 @@
-"""The pages beside the experiment, without a browser: what opens, what it shows, and that a closed page costs nothing."""
+"""The pages beside the experiment, without a browser: what they show, and that a closed page costs nothing."""
 
 import json
 
@@ -33,13 +33,14 @@ class NoPool:
 @pytest.fixture
 def session():
     visit = Session(Document(), {}, NoPool(), Shelf())
+    visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
     for slot in visit.pages.slots.values():
         visit.doc.add_root(slot)
     yield visit
     visit.close()
 
 
-def order(session, what, **values):
+def order(session, what, /, **values):
     session.wire.order = json.dumps({"do": what, "values": values, "n": 1})
 
 

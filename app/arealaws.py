@@ -1,0 +1,254 @@
+"""The page "Area laws" (paper Fig. 8, Eqs. 8, 9): runs up to the onset of sliding over a range of indentations.
+
+A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8 and those on screen since. Results are
+kept for all visitors (sweep.py).
+"""
+
+import holoviews as hv
+import numpy as np
+
+from app import tasks
+from app.plots import curve, dots, rendered, views
+from app.sweep import Sweep
+from solver import Scene, SceneError
+from solver.laws import INDENTATIONS, INTERFACES, quadratic_law, threshold_law
+
+BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
+DEPTHS = (*INDENTATIONS, BEYOND)
+MOST = 5  # series at a time
+MARKS = (  # of a series: marker, colour, dash
+    ("circle", "--text", "solid"),
+    ("square", "--adhering", "dashed"),
+    ("triangle", "--repulsive", "dotted"),
+    ("diamond", "--slip", "dotdash"),
+    ("star", "--shear", "dashdot"),
+)
+FORCE = hv.Dimension("F", label="F̄", unit="10⁻³")
+AREA = hv.Dimension("A", label="Ā", unit="10⁻³")
+THOUSAND = 1000.0
+
+
+def compose():
+    """The views of the page."""
+    said = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
+    both = hv.Curve(([], [], []), FORCE, [AREA, "delta_bar"], label="runs")
+    runs = rendered(
+        "arealaws_runs",
+        [
+            both.opts(default_tools=[], line_width=2, tools=["hover"], hover_tooltips=said),
+            curve("fits", FORCE, AREA, line_width=2, line_dash="dashed"),
+            dots("onsets", FORCE, AREA, marker="circle", size=8),
+        ],
+        {"runs": "--repulsive", "fits": "--adhering", "onsets": "--text"},
+    )
+    lines, points, beyond, colours = [], [], [], {}
+    for k, (marker, colour, dash) in enumerate(MARKS):
+        lines.append(curve(f"line{k}", FORCE, AREA, line_width=2, line_dash=dash))
+        onsets = hv.Scatter(([], [], []), FORCE, [AREA, "delta_bar"], label=f"points{k}")
+        points.append(onsets.opts(default_tools=[], marker=marker, size=9, tools=["hover"], hover_tooltips=said))
+        beyond.append(dots(f"beyond{k}", FORCE, AREA, marker="x", size=9))
+        colours |= {f"line{k}": colour, f"points{k}": colour, f"beyond{k}": colour}
+    threshold = rendered("arealaws_threshold", [*lines, *points, *beyond], colours)
+    return {view.name: view for view in (runs, threshold)}
+
+
+def series_of(scene):
+    """The scene that stands for its series: whatever the indentation and the length of the run."""
+    return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max)
+
+
+def named(scene):
+    """What a series is called: its interface, and its layer if that is not the paper's."""
+    text = f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}"
+    other = scene.changed(phi_n=2.0, phi_ratio=1.0, E=70.0) != Scene()
+    return text + (f", Ē = {scene.E:g}" if scene.E != Scene().E else "") + (" and other parameters" if other else "")
+
+
+class Page:
+    """See pages.py."""
+
+    def __init__(self, session, tell):
+        self.session, self.tell = session, tell
+        self.views = {name.removeprefix("arealaws_"): view for name, view in views(compose).items()}
+        self.sweep = Sweep(session, self._take)
+        self.series = {}  # scene: {delta_bar: result}
+        self.shown = None
+
+    def start(self):
+        """The series on screen first, then those of Fig. 8."""
+        self._add(self.session.scene)
+        for values in INTERFACES.values():
+            self._add(Scene(**values))
+        self._tell()
+
+    def scene_changed(self):
+        """Whether the scene on screen could be a series of its own is said; it is added by a button."""
+        self._tell()
+
+    def order(self, values):
+        """Add the series on screen, show another one's curves, or cancel."""
+        what = values.get("what")
+        if what == "add":
+            self._add(self.session.scene)
+        elif what == "cancel":
+            self.sweep.cancel()
+        elif what == "show":
+            self.shown = list(self.series)[int(values["series"])]
+            self._draw_runs()
+        self._tell()
+
+    def close(self):
+        """Ask for nothing any longer."""
+        self.sweep.cancel()
+
+    def _add(self, scene):
+        """A series, in place of the oldest if there are too many; a circular punch only, as the flat has no edge."""
+        try:
+            scene = series_of(scene)
+            scenes = [scene.changed(delta_bar=depth) for depth in DEPTHS]
+        except SceneError:
+            return
+        if scene.surface == "flat":
+            return
+        if scene not in self.series:
+            if len(self.series) == MOST:
+                self.series.pop(next(s for s in self.series if s is not self.shown))
+            self.series[scene] = {}
+        if not self.shown:
+            self.shown = scene
+        self.sweep.add([(tasks.onset_of, each) for each in scenes])
+
+    def _take(self, call, result):
+        scene = call[1]
+        series = series_of(scene)
+        if series in self.series:
+            self.series[series][scene.delta_bar] = result
+            self._draw_threshold()
+            if series == self.shown:
+                self._draw_runs()
+            self._tell()
+
+    # drawing
+
+    def _draw(self, slot, label, **columns):
+        self.views[slot].parts[label].data_source.data = columns
+
+    def _draw_runs(self):
+        """Area against force of one series, curves with gaps between them, and the quadratic law fitted to each."""
+        rows, fits, onsets = [], [], []
+        for depth, result in sorted(_found(self.series[self.shown])):
+            F, A = THOUSAND * result["F"], THOUSAND * result["A"]
+            rows += [(F, A, np.full(F.size, depth)), ([np.nan],) * 3]
+            if result["F_s"] is not None:
+                onsets.append((THOUSAND * result["F_s"], THOUSAND * result["A_s"]))
+            law = _quadratic(result)
+            if law:
+                fits += [(F, THOUSAND * (law.A_0 - law.zeta * result["F"] ** 2)), ([np.nan],) * 2]
+        F, A, depth = _joined(rows, 3)
+        self._draw("runs", "runs", F=F, A=A, delta_bar=depth)
+        F_fit, A_fit = _joined(fits, 2)
+        self._draw("runs", "fits", F=F_fit, A=np.where(A_fit < 0, np.nan, A_fit))
+        self._draw("runs", "onsets", F=[f for f, _ in onsets], A=[a for _, a in onsets])
+        self._fit("runs", F, A)
+
+    def _draw_threshold(self):
+        """The onsets of all series with the extended threshold law."""
+        most_F = most_A = 0.0
+        for k, results in enumerate([*self.series.values(), *[{}] * (MOST - len(self.series))]):
+            points = [(d, THOUSAND * r["F_s"], THOUSAND * r["A_s"]) for d, r in sorted(_found(results)) if r["F_s"]]
+            inside = [p for p in points if p[0] < BEYOND]
+            self._draw(
+                "threshold",
+                f"points{k}",
+                F=[p[1] for p in inside],
+                A=[p[2] for p in inside],
+                delta_bar=[p[0] for p in inside],
+            )
+            self._draw(
+                "threshold",
+                f"beyond{k}",
+                F=[p[1] for p in points[len(inside) :]],
+                A=[p[2] for p in points[len(inside) :]],
+            )
+            law, line = _threshold(results), ([], [])
+            if law:
+                top = max(p[2] for p in points)
+                line = [THOUSAND * law.F_nc, THOUSAND * law.F_nc + law.tau_c * top], [0.0, top]
+            self._draw("threshold", f"line{k}", F=line[0], A=line[1])
+            most_F, most_A = max([most_F, *(p[1] for p in points)]), max([most_A, *(p[2] for p in points)])
+        self._fit("threshold", [most_F], [most_A])
+
+    def _fit(self, slot, F, A):
+        figure = self.views[slot].figure
+        for axis, values in ((figure.x_range, F), (figure.y_range, A)):
+            high = float(np.nanmax(values)) if len(values) and np.isfinite(values).any() else 1.0
+            axis.update(start=-0.03 * high, end=1.07 * max(high, 1e-3))
+
+    def _tell(self):
+        try:
+            own = series_of(self.session.scene)
+            addable = own not in self.series and own.surface != "flat"
+        except SceneError:
+            addable = False
+        self.tell(
+            busy=self.sweep.part,
+            series=[
+                {"name": named(scene), "done": len(results), "of": len(DEPTHS), "shown": scene is self.shown}
+                | _threshold_row(results)
+                for scene, results in self.series.items()
+            ],
+            rows=[_row(depth, result) for depth, result in sorted(_found(self.series[self.shown]))]
+            if self.shown
+            else [],
+            failures=[
+                f"δ̄ = {d:g}: {r}"
+                for results in self.series.values()
+                for d, r in results.items()
+                if not isinstance(r, dict)
+            ],
+            addable=addable,
+        )
+
+
+def _found(results):
+    """(delta_bar, result) of the runs that came to an end."""
+    return [(depth, result) for depth, result in results.items() if isinstance(result, dict)]
+
+
+def _joined(rows, columns):
+    """Rows of tuples of arrays, end to end."""
+    if not rows:
+        return tuple(np.empty(0) for _ in range(columns))
+    return tuple(np.concatenate([np.asarray(row[c], float) for row in rows]) for c in range(columns))
+
+
+def _quadratic(result):
+    try:
+        return quadratic_law(result["F"], result["A"])
+    except ValueError:
+        return None
+
+
+def _threshold(results, beyond=False):
+    points = [(r["A_s"], r["F_s"]) for d, r in _found(results) if r["F_s"] and (beyond or d < BEYOND)]
+    try:
+        return threshold_law(*zip(*points, strict=True)) if points else None
+    except ValueError:
+        return None
+
+
+def _threshold_row(results):
+    law, bent = _threshold(results), _threshold(results, beyond=True)
+    if law is None:
+        return {}
+    row = {name: getattr(law, name) for name in ("tau_c", "tau_c_error", "F_nc", "F_nc_error", "r2")}
+    deepest = dict(_found(results)).get(BEYOND)
+    if bent and deepest and deepest["F_s"]:
+        row |= {"r2_beyond": bent.r2, "bend": 1.0 - deepest["F_s"] / (law.tau_c * deepest["A_s"] + law.F_nc)}
+    return row
+
+
+def _row(depth, result):
+    law = _quadratic(result)
+    row = {"delta_bar": depth, "L_0": result["L_0"], "A_0": result["A_0"], "F_s": result["F_s"], "A_s": result["A_s"]}
+    return row | ({"zeta": law.zeta, "r2": law.r2, "worst": law.worst, "rise": law.rise} if law else {})

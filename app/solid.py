@@ -1,0 +1,93 @@
+"""The page "Inside the solid": the stress in the layer above the contact, for the increment on screen.
+
+A worker makes the picture from the tractions that were sent to the browser, at the resolution of the picture; at most
+one is in the making, and the latest increment asked for wins. Stress is sent as int16 of its own scale.
+"""
+
+import json
+import struct
+from concurrent.futures import CancelledError
+from concurrent.futures.process import BrokenProcessPool
+
+import holoviews as hv
+import numpy as np
+from bokeh.palettes import cividis
+
+from app import tasks
+from app.plots import POSITION, rendered, views
+
+SIZE = (400, 150)  # columns, rows
+DEPTH = 1.0  # of half the width shown
+QUANTITIES = ("normal", "shear", "mean", "difference", "fringes")
+PER_FRINGE = (0.01, 1.0)  # GPa
+
+
+def compose():
+    """The picture, and over it the mesh of lines that deforms with the layer."""
+    z = hv.Dimension("z", label="height z in the layer", unit="nm")
+    blank = np.zeros((2, 2), dtype=np.float32)
+    image = hv.Image(blank, [POSITION, z], "stress", bounds=(0, 0, 1, 1), label="field")
+    tip = [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000}")]
+    image.opts(default_tools=[], tools=["hover"], hover_tooltips=tip)
+    lines = hv.Curve(([], []), POSITION, z, label="mesh").opts(default_tools=[], line_width=1, alpha=0.7)
+    view = rendered("solid_field", [image, lines], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))
+    return {view.name: view}
+
+
+class Page:
+    """See pages.py."""
+
+    def __init__(self, session, tell):
+        self.session, self.tell = session, tell
+        self.views = {name.removeprefix("solid_"): view for name, view in views(compose).items()}
+        self.task, self.waiting, self.about = None, None, None
+
+    def start(self):
+        """The browser asks for the first picture as soon as it has a frame."""
+        self.tell(palette=list(cividis(256)))
+
+    def scene_changed(self):
+        """The next frame on screen brings the next picture."""
+
+    def order(self, values):
+        """Show a frame: {run, frame, half (nm), quantity, per_fringe (GPa), mesh}."""
+        self.waiting = values
+        self._submit()
+
+    def close(self):
+        """Ask for nothing any longer."""
+        self.waiting = None
+        if self.task is not None:
+            self.session.pool.abandon(self.task)
+            self.task = None
+
+    def _submit(self):
+        if self.task is not None or self.waiting is None:
+            return
+        values, self.waiting = self.waiting, None
+        found = self.session.tractions(int(values["run"]), int(values["frame"]))
+        if found is None:
+            return
+        scene, first, traction = found
+        half, thickness = min(abs(float(values["half"])), 0.5 * scene.width), scene.height * scene.width
+        window = (0.5 * scene.width - half, 0.5 * scene.width + half, min(DEPTH * half, thickness))
+        quantity = values["quantity"] if values["quantity"] in QUANTITIES else QUANTITIES[0]
+        per_fringe = float(np.clip(float(values["per_fringe"]), *PER_FRINGE))
+        self.about = {"run": values["run"], "frame": values["frame"], "quantity": quantity}
+        call = (tasks.stress_picture, scene, first, traction, quantity, window, SIZE, per_fringe, bool(values["mesh"]))
+        self.task = self.session.pool.submit(*call, near=self.session.last)
+        self.task.add_done_callback(lambda task: self.session.doc.add_next_tick_callback(lambda: self._take(task)))
+
+    def _take(self, task):
+        """A picture is back: show it, and ask for the one wanted since."""
+        if task is not self.task:
+            return
+        self.task = None
+        try:
+            head, body = task.result()
+        except (BrokenProcessPool, CancelledError):  # the next frame brings another
+            return
+        packed = json.dumps(head | self.about).encode()
+        packed += b" " * (-len(packed) % 4)
+        self.session.wire.picture = struct.pack("<I", len(packed)) + packed + body
+        self._submit()

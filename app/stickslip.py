@@ -1,0 +1,233 @@
+"""The page "Stick-slip" (paper Figs. 4, 5, Eq. 7): flat on flat, from runs by the workers and the exact branch.
+
+Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
+"""
+
+import holoviews as hv
+import numpy as np
+from bokeh.models import FixedTicker
+
+from app import tasks
+from app.plots import curve, dots, rendered, views
+from app.sweep import Sweep
+from solver import LIMITS, SceneError
+from solver.laws import critical_modulus, friction, tau_max
+from solver.presets import presets
+
+NORMAL = 70.0  # GPa, over which forces are shown
+CHOSEN = {  # preset: (colour, dash); a line each
+    "fig4a-blue": ("--repulsive", "solid"),
+    "fig4a-red": ("--adhering", "dotted"),
+    "fig4a-green": ("--shear", "dashed"),
+    "fig4b-weak": ("--slip", "dotdash"),
+    "fig4b-stiff": ("--soft", "dashdot"),
+}
+MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # of the map: E in GPa, phi_t in N/m
+ROWS = 120  # of the map
+RATIOS = 200  # points of the curve of mean friction
+MEASURED = 9  # runs beside it
+END = 40.0  # nm
+ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
+U_X = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm")
+FORCE = hv.Dimension("F", label="F/(w·70 GPa)", unit="10⁻³")
+RATIO = hv.Dimension("ratio", label="E/τ_max")
+MEAN = hv.Dimension("mean", label="⟨F⟩/(w τ_max)")
+LOG_E = hv.Dimension("E", label="Ē", unit="GPa")
+LOG_PHI = hv.Dimension("phi_t", label="φₜ", unit="N/m")
+
+
+def compose():
+    hover = {"tools": ["hover"], "hover_mode": "vline"}
+    lines = [curve(name, U_X, FORCE, line_width=2, line_dash=dash) for name, (_, dash) in CHOSEN.items()]
+    said = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
+    lines += [curve("own", U_X, FORCE, line_width=3).opts(hover_tooltips=said, **hover)]
+    forces = rendered(
+        "stickslip_forces",
+        [hv.HLine(0.0, label="zero").opts(line_width=1), *lines],
+        {name: colour for name, (colour, _) in CHOSEN.items()} | {"own": "--text", "zero": "--grid"},
+        x=(0, END),
+    )
+    said = [("E/τ_max", "@ratio{0}"), ("⟨F⟩/(w τ_max)", "@mean{0.000}")]
+    mean = rendered(
+        "stickslip_mean",
+        [
+            hv.VSpan(1.0, 2.0, label="low").opts(alpha=0.18, line_alpha=0),
+            curve("exact", RATIO, MEAN, line_width=2).opts(logx=True, hover_tooltips=said, **hover),
+            dots("runs", RATIO, MEAN, marker="circle", size=9),
+            dots("own", RATIO, MEAN, marker="diamond", size=14),
+        ],
+        {"low": "--shear", "exact": "--soft", "runs": "--text", "own": "--slip"},
+        y=(-0.05, 1.0),
+    )
+    return {view.name: view for view in (forces, mean, _map())}
+
+
+def _map():
+    """Mean friction over stiffness and strength, on axes of logarithms: a Bokeh image knows no others."""
+    bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
+    image = hv.Image(np.zeros((2, 2), dtype=np.float32), [LOG_E, LOG_PHI], "mean", bounds=bounds, label="map")
+    image.opts(default_tools=[], cmap="cividis", tools=["hover"], hover_tooltips=[("⟨F⟩/(w τ_max)", "@image{0.00}")])
+    view = rendered(
+        "stickslip_map",
+        [
+            image,
+            curve("boundary", LOG_E, LOG_PHI, line_width=3),
+            dots("presets", LOG_E, LOG_PHI, marker="circle", size=9),
+            dots("own", LOG_E, LOG_PHI, marker="diamond", size=14),
+        ],
+        {"boundary": "--cut", "presets": "--cut", "own": "--cut"},
+        x=(bounds[0], bounds[2]),
+        y=(bounds[1], bounds[3]),
+    )
+    view.figure.xaxis.update(ticker=FixedTicker(ticks=[1, 2, 3]), major_label_overrides={1: "10", 2: "100", 3: "1000"})
+    powers = {-2: "0.01", -1: "0.1", 0: "1"}
+    view.figure.yaxis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
+    return view
+
+
+def flat(scene):
+    """The scene on screen, flat on flat at zero gap."""
+    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END)
+
+
+class Page:
+    """See pages.py."""
+
+    def __init__(self, session, tell):
+        self.session, self.tell = session, tell
+        self.views = {name.removeprefix("stickslip_"): view for name, view in views(compose).items()}
+        self.sweep = Sweep(session, self._take)
+        self.runs, self.own = {}, None
+
+    def start(self):
+        """Draw what is exact at once, and ask the workers for the runs."""
+        self.scene_changed()
+
+    def scene_changed(self):
+        """Another scene is on screen: its own curve, and if the layer is another one, all of it."""
+        try:
+            own = flat(self.session.scene)
+        except SceneError as error:
+            return self.tell(texts={"stickslip-said": f"Not drawn: {error}"})
+        before, self.own = self.own, own
+        self.sweep.cancel()
+        if before is None or before.changed(E=own.E, phi_ratio=own.phi_ratio, phi_n=own.phi_n) != own:
+            self._draw_layer()
+        self._draw_own()
+        chosen = [(tasks.flat_curve, scene) for scene in (own, *self._chosen())]
+        self.sweep.add([*chosen, *((tasks.flat_friction, scene) for scene in self._measured())])
+        self._say()
+
+    def order(self, values):
+        """A click on the map: that scene on screen."""
+        if "E" in values:
+            scene = flat(self.session.scene)
+            E = float(np.clip(float(values["E"]), *MODULI))
+            ratio = float(np.clip(float(values["phi_t"]), *STRENGTHS)) / scene.phi_n
+            self.session.show(scene.changed(E=float(f"{E:.3g}"), phi_ratio=float(f"{ratio:.3g}")), "fig4a-blue")
+        elif values.get("what") == "cancel":
+            self.sweep.cancel()
+            self._say("cancelled; ")
+
+    def close(self):
+        """Ask for nothing any longer."""
+        self.sweep.cancel()
+
+    def _chosen(self):
+        return [flat(presets()[name].scene) for name in CHOSEN]
+
+    def _measured(self):
+        """Scenes with the strength of the one on screen, over the range of E/tau_max; two periods of steady sliding."""
+        own = self.own
+        critical = critical_modulus(own)
+        found = []
+        for E in np.geomspace(critical / 30.0, 3.0 * critical, MEASURED) if own.phi_t > 0 else ():
+            end = 2.5 * tau_max(own) * 2 * (1 + own.nu) / E * own.height * own.width + 3 * own.spacing
+            try:
+                found.append(own.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=0.2))
+            except SceneError:
+                continue  # beyond the solver's range
+        return found
+
+    # drawing
+
+    def _draw(self, slot, label, **columns):
+        self.views[slot].parts[label].data_source.data = columns
+
+    def _draw_layer(self):
+        """Mean friction depends on E/tau_max alone: one curve makes the map."""
+        own = self.own.changed(phi_n=2.0, phi_ratio=0.1)
+        critical = critical_modulus(own) / tau_max(own)
+        ratios = critical * np.geomspace(1e-2, 10.0, RATIOS)
+        low, high = LIMITS["E"][:2]
+        ratios = ratios[(ratios * tau_max(own) >= low) & (ratios * tau_max(own) <= high)]
+        mean = np.array([_mean(own, ratio) for ratio in ratios])
+        self.curve = ratios, mean
+        self._draw("mean", "exact", ratio=ratios, mean=mean)
+        self.views["mean"].parts["low"].update(left=critical, right=ratios[-1] * 10)
+        self.views["mean"].figure.x_range.update(start=ratios[0], end=ratios[-1])
+        E, phi_t = np.geomspace(*MODULI, ROWS), np.geomspace(*STRENGTHS, ROWS)
+        over = E / (phi_t[:, None] * tau_max(own) / own.phi_t)
+        image = np.interp(np.log(over), np.log(ratios), mean, left=mean[0], right=0.0).astype(np.float32)
+        source = self.views["map"].parts["map"].data_source
+        source.data = dict(source.data) | {"image": [image]}
+        self.views["map"].parts["map"].glyph.color_mapper.update(low=0.0, high=float(mean.max()))
+        line = critical * phi_t * tau_max(own) / own.phi_t
+        self._draw("map", "boundary", E=np.log10(line), phi_t=np.log10(phi_t))
+        shown = [scene for scene in self._chosen() if scene.phi_t >= STRENGTHS[0]]
+        self._draw("map", "presets", E=np.log10([s.E for s in shown]), phi_t=np.log10([s.phi_t for s in shown]))
+
+    def _draw_own(self):
+        own = self.own
+        inside = own.phi_t >= STRENGTHS[0]
+        self._draw("map", "own", E=[np.log10(own.E)] if inside else [], phi_t=[np.log10(own.phi_t)] if inside else [])
+        ratio = own.E / tau_max(own) if own.phi_t > 0 else np.inf
+        mean = float(np.interp(np.log(ratio), np.log(self.curve[0]), self.curve[1], right=0.0))
+        self._draw(
+            "mean", "own", ratio=[ratio] if np.isfinite(ratio) else [], mean=[mean] if np.isfinite(ratio) else []
+        )
+        self._draw("forces", "own", U_x=[], F=[])
+        self.runs = {}
+        self._draw("mean", "runs", ratio=[], mean=[])
+
+    def _take(self, call, result):
+        """A run is back from the workers."""
+        kind, scene = call
+        if isinstance(result, Exception):
+            return self._say(f"One run failed: {result}. ")
+        if kind is tasks.flat_curve:
+            for name in CHOSEN:
+                if flat(presets()[name].scene) == scene:
+                    self._draw_curve(name, scene, result)
+            if scene == self.own:
+                self._draw_curve("own", scene, result)
+        else:
+            F_s, F_k, _ = result
+            self.runs[scene.E / tau_max(scene)] = 0.5 * (F_s + F_k) * scene.E / tau_max(scene)
+            self._draw("mean", "runs", ratio=list(self.runs), mean=list(self.runs.values()))
+        self._say()
+
+    def _draw_curve(self, label, scene, result):
+        U, F = result
+        self._draw("forces", label, U_x=U, F=F * np.float32(1000 * scene.E / NORMAL))
+        drawn = [self.views["forces"].parts[name].data_source.data["F"] for name in (*CHOSEN, "own")]
+        high = max(float(np.max(values, initial=0.0)) for values in drawn)
+        low = min(float(np.min(values, initial=0.0)) for values in drawn)
+        self.views["forces"].figure.y_range.update(start=low - 0.08 * high, end=1.1 * high + 1e-6)
+
+    def _say(self, first=""):
+        own = self.own
+        sticks = critical_modulus(own) > own.E
+        regime = "it sticks and slips" if sticks else "it slides continuously, almost without friction"
+        text = (
+            f"{first}Flat on flat with the parameters on screen (Ē = {own.E:g} GPa, φₜ = {own.phi_t:g} N/m): {regime}."
+            f" Sliding is continuous from E = {critical_modulus(own):.4g} GPa on, where max dT/dx = G/h; the mean of"
+            f" Eq. 7 is zero already from {ZERO_MEAN:g} of that on, where every slip swings back to the opposite force."
+        )
+        self.tell(texts={"stickslip-said": text}, busy=self.sweep.part)
+
+
+def _mean(scene, ratio):
+    """Exact mean friction over tau_max at E/tau_max = ratio."""
+    E = ratio * tau_max(scene)
+    return friction(scene.changed(E=E)).mean * E / tau_max(scene)

@@ -1,0 +1,78 @@
+"""What the pages ask of a worker: each a pure function of picklable arguments that returns small arrays or numbers."""
+
+import numpy as np
+
+from solver import NotConverged, load_path
+from solver.laws import friction_force, onset
+from solver.picture import fringes, mesh, picture
+
+DRAWN = 400  # points of a curve, about one per pixel
+SEEN = 0.06  # of the width shown: the largest displacement in the mesh, as it is drawn
+
+
+def flat_curve(scene):
+    """(U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin."""
+    rows = []
+    for frame in load_path(scene):
+        if frame.stage == "shear":
+            rows += [(slip.load, slip.F_bar) for slip in frame.slips]
+            rows.append((frame.U_x, frame.F_bar))
+    return tuple(np.array(rows, dtype=np.float32).T)
+
+
+def flat_friction(scene):
+    """Largest and least F_bar of a run during sliding, and the increments it took."""
+    frames = list(load_path(scene))
+    force = friction_force(scene, frames)
+    return force.F_s, force.F_k, len(frames)
+
+
+def onset_of(scene):
+    """The Onset of a scene, its curves float32 and with about DRAWN points; or why there is none, as text."""
+    try:
+        found = onset(scene)
+    except NotConverged as error:
+        return str(error)
+    step = max(1, found.U.size // DRAWN)
+    keep = np.append(np.arange(0, found.U.size - 1, step), found.U.size - 1)
+    curves = {name: getattr(found, name)[keep].astype(np.float32) for name in ("F", "A")}
+    numbers = {name: getattr(found, name) for name in ("U_s", "F_s", "A_s", "A_0")}
+    return numbers | curves | {"L_0": float(found.L[0])}
+
+
+def stress_picture(scene, first, traction, quantity, window, size, per_fringe, deformed):
+    """(head, body): a picture of `solver.picture` or of its fringes, and the mesh in its deformed state if asked for.
+
+    body: int16 (rows, columns), times head["scale"] in GPa (fringes: brightness); then float32 x and z of the lines,
+    nan between them, x from the middle; displacements are drawn head["factor"] times as large, the top at rest.
+    """
+    if scene.surface == "flat":  # a few nodes are sent of many that are alike
+        first, traction = 0, np.repeat(traction[:, :1], scene.nodes, axis=1)
+    field = picture(scene, first, traction, "difference" if quantity == "fringes" else quantity, window, size)
+    if quantity == "fringes":
+        field = fringes(field, per_fringe)
+    scale = max(float(np.abs(field).max()), 1e-12) / 32767
+    head = {"scale": scale, "columns": size[0], "rows": size[1], "points": 0}
+    head |= {"half": 0.5 * (window[1] - window[0]), "depth": window[2]}
+    lines = b""
+    if deformed:
+        x, z, head["factor"] = _deformed(scene, first, traction, window)
+        head["points"], lines = x.size, x.tobytes() + z.tobytes()
+    return head, np.rint(field / scale).astype("<i2").tobytes() + lines
+
+
+def _deformed(scene, first, traction, window):
+    """x and z of the mesh's lines, float32, nan between them, and the factor on displacements, a round number."""
+    net = mesh(scene, first, traction, (0.0, 0.0), window)
+    most = float(np.abs(net.u).max())
+    factor = float(f"{SEEN * (window[1] - window[0]) / most:.1g}") if most > 0.0 else 1.0
+    x = net.x + factor * net.u[0] - 0.5 * scene.width
+    z = net.z[:, None] + factor * net.u[1]
+    gap = np.full((1, 1), np.nan)
+
+    def drawn(field):
+        rows = [field[r : r + 1] for r in range(0, field.shape[0], net.stride)]
+        columns = [field[:, c : c + 1].T for c in range(0, field.shape[1], net.stride)]
+        return np.concatenate([part for line in (*rows, *columns) for part in (line, gap)], axis=1)[0].astype("<f4")
+
+    return drawn(x), drawn(z), factor

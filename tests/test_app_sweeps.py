@@ -1,0 +1,198 @@
+"""What pages ask of the workers: shared by visitors, withdrawn when nobody waits, made again when a worker dies."""
+
+import json
+from concurrent.futures.process import BrokenProcessPool
+
+import numpy as np
+import pytest
+from test_app_pages import NoPool, order
+
+from app import tasks, worker
+from app.sweep import Results, Sweep
+from solver import Scene, load_path, whole_surface
+from solver.body import inside, principal_difference
+from solver.laws import INDENTATIONS, critical_modulus, onset
+from solver.presets import presets
+
+pytest_plugins = ["test_app_pages"]  # its fixture: session
+
+
+class Visitor:
+    """A stand-in for a session: what is scheduled runs at once."""
+
+    def __init__(self, pool):
+        self.pool, self.doc = pool, self
+
+    def add_next_tick_callback(self, call):
+        call()
+
+
+@pytest.fixture
+def pool():
+    return NoPool()
+
+
+def test_what_two_visitors_want_is_computed_once_and_kept_for_a_third(pool):
+    shared, seen = Results(), []
+    sweeps = [Sweep(Visitor(pool), lambda call, result, k=k: seen.append((k, result)), shared) for k in range(3)]
+    for sweep in sweeps[:2]:
+        sweep.add([(abs, -3)])
+    assert len(pool.tasks) == 1 and sweeps[0].part == 0.0
+    pool.tasks[0].set_result(3)
+    assert sorted(seen) == [(0, 3), (1, 3)] and sweeps[0].part is None
+    sweeps[2].add([(abs, -3)])
+    assert seen[-1] == (2, 3) and len(pool.tasks) == 1
+
+
+def test_a_call_is_withdrawn_when_the_last_visitor_leaves_and_not_before(pool):
+    shared = Results()
+    first, second = (Sweep(Visitor(pool), lambda call, result: None, shared) for _ in range(2))
+    for sweep in (first, second):
+        sweep.add([(abs, -3)])
+    first.cancel()
+    assert not pool.tasks[0].cancelled()
+    second.cancel()
+    assert pool.tasks[0].cancelled()
+
+
+def test_a_cancelled_sweep_hears_nothing_more(pool):
+    seen = []
+    sweep, other = (
+        Sweep(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [Results()] * 2
+    )
+    sweep.add([(abs, -3)])
+    other.add([(abs, -3)])
+    sweep.cancel()
+    pool.tasks[0].set_result(3)
+    assert seen == [3]
+
+
+def test_a_call_lost_with_its_worker_is_made_again_and_in_the_end_reported(pool):
+    seen = []
+    sweep = Sweep(Visitor(pool), lambda call, result: seen.append(result), Results())
+    sweep.add([(abs, -3)])
+    for attempt in range(3):
+        assert len(pool.tasks) == attempt + 1 and not seen
+        pool.tasks[attempt].set_exception(BrokenProcessPool("gone"))
+    assert isinstance(seen[0], BrokenProcessPool)
+
+
+def test_results_used_longest_ago_are_dropped(pool):
+    shared = Results(capacity=2)
+    sweep = Sweep(Visitor(pool), lambda call, result: None, shared)
+    for k in range(3):
+        sweep.add([(abs, -k)])
+        pool.tasks[k].set_result(k)
+    sweep.add([(abs, 0)])
+    assert len(pool.tasks) == 4
+
+
+# the pages
+
+
+def done(session, call_of=lambda call: True):
+    """Do by hand what the workers would do."""
+    for task in session.pool.tasks:
+        if not task.done() and call_of(task.call):
+            task.set_result(task.call[0](*task.call[1:]))
+
+
+def of_kind(kind):
+    return lambda call: call[0] is kind
+
+
+def told(session):
+    return json.loads(session.wire.page)
+
+
+def test_the_friction_of_the_runs_lies_on_the_exact_curve_and_vanishes_beyond_the_boundary(session):
+    session.choose("fig4a-blue")
+    order(session, "page", page="stickslip")
+    done(session, of_kind(tasks.flat_friction))
+    parts = session.pages.page.views["mean"].parts
+    runs, exact = parts["runs"].data_source.data, parts["exact"].data_source.data
+    assert len(runs["ratio"]) == 9
+    expected = np.interp(np.log(runs["ratio"]), np.log(exact["ratio"]), exact["mean"])
+    assert np.asarray(runs["mean"]) == pytest.approx(expected, abs=0.02)  # a run stops every 0.2 nm of the drop
+    assert parts["low"].left == pytest.approx(
+        critical_modulus(presets()["fig4a-blue"].scene) / (0.2 * np.sqrt(2 / np.e))
+    )
+
+
+def test_a_click_on_the_map_of_regimes_loads_that_flat_scene(session):
+    order(session, "page", page="stickslip")
+    order(session, "ask", E=200.0, phi_t=0.02)
+    scene = session.scene
+    assert (scene.surface, scene.E, scene.phi_ratio, scene.delta_bar) == ("flat", 200.0, 0.01, 0.0)
+    assert session.preset == "fig4a-blue"
+
+
+def test_area_laws_ask_for_the_series_on_screen_first_and_for_those_of_figure_8(session):
+    session.change({"phi_ratio": "0.5"})
+    order(session, "page", page="arealaws")
+    asked = [task.call[1] for task in session.pool.tasks if task.call[0] is tasks.onset_of]
+    assert [scene.delta_bar for scene in asked[:10]] == [*INDENTATIONS, 1.0]
+    assert {scene.phi_ratio for scene in asked[:10]} == {0.5}
+    assert len(asked) == 40 and len({(s.phi_n, s.phi_ratio) for s in asked}) == 4
+
+
+def test_area_laws_show_the_solver_s_onsets_as_they_come(session):
+    order(session, "page", page="arealaws")
+    task = next(t for t in session.pool.tasks if t.call[0] is tasks.onset_of and t.call[1].delta_bar == 0.1)
+    done(session, lambda call: call is task.call)
+    found = onset(task.call[1])
+    data = session.pages.page.views["threshold"].parts["points0"].data_source.data
+    assert (data["F"], data["A"]) == (pytest.approx([1000 * found.F_s]), pytest.approx([1000 * found.A_s]))
+    row = told(session)["rows"][0]
+    assert row["delta_bar"] == 0.1 and row["zeta"] == pytest.approx(6693, rel=0.01)
+    assert told(session)["busy"] == pytest.approx(1 / 30)
+    order(session, "ask", what="cancel")
+    assert told(session)["busy"] is None
+
+
+def test_an_interface_is_added_once_and_the_oldest_gives_way(session):
+    order(session, "page", page="arealaws")
+    for ratio in ("0.5", "0.4", "0.3"):
+        order(session, "scene", phi_ratio=ratio)
+        assert told(session)["addable"]
+        order(session, "ask", what="add")
+        assert not told(session)["addable"]
+    names = [s["name"] for s in told(session)["series"]]
+    assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"
+
+
+@pytest.mark.parametrize("deformed", [False, True])
+def test_the_picture_is_the_stress_of_the_frame_to_the_precision_it_is_sent_with(deformed):
+    scene = Scene(u_x_max=2.0)
+    frame = list(load_path(scene))[-1]
+    middle, size = 0.5 * scene.width, (40, 20)
+    window = (middle - 200.0, middle + 200.0, 200.0)
+    head, body = tasks.stress_picture(scene, frame.first, frame.T, "difference", window, size, 0.1, deformed)
+    field = np.frombuffer(body, "<i2", 800).reshape(20, 40) * head["scale"]
+    x, z = window[0] + 400.0 * (np.arange(40) + 0.5) / 40, 200.0 * (np.arange(20) + 0.5) / 20
+    exact = principal_difference(inside(scene, frame.first, frame.T, (0.0, 0.0), x, z).stress)
+    assert np.abs(field - exact).max() < 1e-4 * exact.max()
+    assert len(body) == 2 * 800 + 8 * head["points"] and bool(head["points"]) == deformed
+    if deformed:
+        lines = np.frombuffer(body, "<f4", offset=1600).reshape(2, -1)
+        surface = whole_surface(scene, frame)  # the first line is the surface
+        moved = np.interp(middle - 200.0, scene.x, surface[1] + frame.delta)
+        assert lines[1, 0] == pytest.approx(head["factor"] * moved, rel=1e-2)
+
+
+def test_playback_keeps_one_picture_in_the_making_and_the_latest_wins(session):
+    order(session, "hello")
+    frames = session.pool.tasks[0]
+    session.pool.tasks.clear()
+    frames.set_result(worker.compute(Scene(u_x_max=1.0), None, 60.0))
+    order(session, "page", page="solid")
+    ask = {"run": 1, "half": 250, "quantity": "fringes", "per_fringe": 0.1, "mesh": False}
+    for k in (3, 4, 5):
+        order(session, "ask", frame=k, **ask)
+    made = [task for task in session.pool.tasks if task.call[0] is tasks.stress_picture]
+    assert len(made) == 1
+    made[0].set_result(made[0].call[0](*made[0].call[1:]))
+    made = [task for task in session.pool.tasks if task.call[0] is tasks.stress_picture]
+    assert len(made) == 2 and session.pages.page.about["frame"] == 5
+    order(session, "page", page="")
+    assert made[1].cancelled()
