@@ -2,7 +2,7 @@
 
 const sheets = {} // page: {opened(), told(news), frame(run, k), closed()}, whatever it needs of these
 let sheet = { open: "" } // what the server said last of the page that is open
-const busy = () => document.querySelector(`#${sheet.open} progress`)
+const busy = () => by(sheet.open)?.querySelector("progress")
 
 function openPage(name) {
   showSheet(name)

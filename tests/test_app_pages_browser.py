@@ -1,0 +1,146 @@
+"""Pages, presets and the drawer in a real Chromium: drawn, without error, fetching nothing from elsewhere."""
+
+import pytest
+from test_app_serving import PATIENCE, finished
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
+COUNT = f"{MODEL}?.data_source.data.{{}}.length"
+DRAWN = {  # page: what has to come true once its result is there
+    "Interface law": f"({COUNT.format('law_shear_map.stick', 's')} > 50)",
+    "Stick-slip": f"({COUNT.format('stickslip_mean.runs', 'ratio')} === 9"
+    f" && {COUNT.format('stickslip_forces.fig4a-blue', 'F')} > 400)",
+    "Area laws": "(document.querySelectorAll('#arealaws-rows tr').length === 10"
+    " && document.querySelectorAll('#arealaws-series tr').length === 3)",
+    "Inside the solid": f"({MODEL.format('solid_field.field')}?.data_source.data.image[0].length === 400 * 150)",
+}
+
+
+def painted_pixels(page, name):
+    """How many different colours the first figure of the open page shows: a blank one has a few."""
+    return page.evaluate(
+        """() => {
+            const views = document.querySelectorAll('.sheet:not([hidden]) .view > div')
+            const find = (node) => node.shadowRoot ? [...node.shadowRoot.querySelectorAll('*')].flatMap(find)
+                .concat([...node.shadowRoot.querySelectorAll('canvas')]) : [...node.children ?? []].flatMap(find)
+            const canvas = [...find(views[0])].filter((c) => c.tagName === 'CANVAS' && c.width > 50)
+            const seen = new Set()
+            for (const c of canvas) {
+                const data = c.getContext('2d').getImageData(0, 0, c.width, c.height).data
+                for (let i = 0; i < data.length; i += 44) seen.add(data[i] + 256 * data[i + 1] + 65536 * data[i + 2])
+            }
+            return seen.size
+        }"""
+    )
+
+
+@pytest.mark.parametrize(("size", "theme"), [((1280, 720), "light"), ((390, 844), "dark")])
+@pytest.mark.parametrize("title", DRAWN)
+def test_a_page_is_drawn_on_a_desktop_and_on_a_phone(visit, title, size, theme):
+    page = visit(f"?theme={theme}")
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    finished(page)
+    page.get_by_role("button", name=title).click()
+    page.wait_for_function(f"() => {DRAWN[title]}", timeout=PATIENCE)
+    page.wait_for_function(
+        "() => [...document.querySelectorAll('.sheet:not([hidden]) .view')].every((v) => v.clientHeight > 60)"
+    )
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    assert painted_pixels(page, title) > 8
+
+
+def test_a_closed_page_takes_its_figures_along_and_another_comes_in_its_place(visit):
+    page = visit()
+    finished(page)
+    count = "Bokeh.documents[0]._all_models.size"
+    before = page.evaluate(count)
+    for title in ("Interface law", "Stick-slip"):
+        page.get_by_role("button", name=title).click()
+        page.wait_for_function(f"() => {DRAWN[title]}", timeout=PATIENCE)
+        assert page.locator(".sheet:visible").count() == 1
+    page.get_by_role("button", name="Experiment").click()
+    page.wait_for_function(f"() => {count} === {before}", timeout=PATIENCE)
+    assert page.locator(".sheet:visible").count() == 0
+    assert "page=" not in page.url
+
+
+def test_the_page_in_the_address_is_open_from_the_start(visit):
+    page = visit("?page=law&delta_bar=0.1")
+    finished(page)
+    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
+    assert sum(numbers) == page.evaluate("punch.run.frame(0).x.length")
+
+
+def test_nodes_ride_on_the_law(visit):
+    page = visit("?page=law")
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    distance = page.evaluate(
+        f"""() => {{
+            const law = {MODEL.format("law_shear_law.law")}.data_source.data
+            const nodes = {MODEL.format("law_shear_law.stick")}.data_source.data
+            const at = (s) => {{
+                const part = (s - law.s[0]) / (law.s[1] - law.s[0]), i = Math.min(Math.floor(part), law.s.length - 2)
+                return law.value[i] + (part - i) * (law.value[i + 1] - law.value[i])
+            }}
+            return Math.max(...[...nodes.s].map((s, i) => Math.abs(nodes.value[i] - at(s))))
+        }}"""
+    )
+    assert distance < 5e-3  # displacement and traction came as int16
+
+
+def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
+    page = visit("?page=stickslip")
+    finished(page)
+    page.wait_for_function(f"() => {DRAWN['Stick-slip']}", timeout=PATIENCE)
+    box = page.locator("#stickslip figure >> nth=2").locator(".view").bounding_box()
+    page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.6 * box["height"])
+    page.wait_for_function("() => punch.status.values.surface === 'flat'", timeout=PATIENCE)
+    finished(page, run=2)
+    assert "preset=fig4a-blue" in page.url and page.evaluate("punch.status.values.E") > 200
+
+
+def test_the_picture_inside_the_solid_follows_playback(visit):
+    page = visit("?page=solid")
+    finished(page)
+    page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
+    data = f"{MODEL.format('solid_field.field')}.data_source.data.image[0]"
+    first = page.evaluate(f"[...{data}].reduce((a, b) => a + b)")
+    page.wait_for_function(f"() => [...{data}].reduce((a, b) => a + b) !== {first}", timeout=PATIENCE)
+    page.get_by_label("deformed mesh").check()
+    page.wait_for_function(
+        f"() => {MODEL.format('solid_field.mesh')}.data_source.data.x.length > 500", timeout=PATIENCE
+    )
+    assert "displacements ×" in page.inner_text("#solid-said")
+
+
+def test_a_preset_replaces_everything_and_says_what_to_look_for(visit):
+    page = visit("?delta_bar=0.3&nu=0.3")
+    finished(page)
+    page.select_option("#preset", "fig4a-red")
+    finished(page, run=2)
+    values = page.evaluate("punch.status.values")
+    assert (values["surface"], values["E"], values["nu"], values["delta_bar"]) == ("flat", 140, 0.45, 0)
+    assert "stiff" in page.inner_text("#look") and "preset=fig4a-red" in page.url and "nu=" not in page.url
+    page.get_by_role("button", name="Reset").click()
+    finished(page, run=3)
+    assert page.input_value("#preset") == "fig6" and "preset" not in page.url
+
+
+def test_the_drawer_changes_any_parameter_and_refuses_with_a_reason(visit):
+    page = visit()
+    finished(page)
+    page.get_by_role("button", name="Parameters").click()
+    page.fill("#phi_n-entry", "1")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.phi_n") == 1 and "phi_n=1" in page.url
+    page.fill("#nodes-entry", "3")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => document.getElementById('nodes-error').textContent.includes('allowed: 4 to 4096')")
+    assert page.evaluate("punch.run.number") == 2
+    page.get_by_role("dialog", name="Parameters").get_by_role("button", name="Close").click()
+    assert page.get_by_role("dialog", name="Parameters").is_hidden()
