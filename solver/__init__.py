@@ -9,26 +9,37 @@ The residual max |U + C T(u) - u| (nm) measures every method.
     for frame in load_path(Scene(delta_bar=0.2)): print(frame.U_x, frame.F_bar, frame.A_bar)
 """
 
+from .carry import carry_on
 from .frame import Frame, SlipEvent
 from .loadpath import METHODS, Checkpoint, advance, load_path, summarize, whole_surface
-from .scene import LIMITS, SURFACES, Scene, SceneError, scene_from_text
+from .measured import ProfileError, read_profile
+from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError, scene_from_text
 from .state import NotConverged
+from .surface import Profile
+from .work import Work, work_of
 
 __version__ = "0.1.0"
 __all__ = [
+    "CHOICES",
     "LIMITS",
     "METHODS",
     "SURFACES",
     "Checkpoint",
     "Frame",
     "NotConverged",
+    "Profile",
+    "ProfileError",
     "Scene",
     "SceneError",
     "SlipEvent",
+    "Work",
     "__version__",
     "advance",
+    "carry_on",
     "load_path",
+    "read_profile",
     "scene_from_text",
     "summarize",
     "whole_surface",
+    "work_of",
 ]

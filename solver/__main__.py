@@ -1,23 +1,25 @@
 """The command line: `python -m solver run` computes one experiment; see `--help`."""
 
 import argparse
-import csv
-import json
 import os
 import sys
 from collections import deque
 from contextlib import suppress
 from dataclasses import asdict, fields, replace
-from math import isfinite, nan
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from . import LIMITS, METHODS, NotConverged, Scene, SceneError, __version__, load_path, scene_from_text, summarize
 from .left_out import account
+from .legs import legs_of
+from .measured import ProfileError, read_profile
+from .output import write_csv, write_json, write_npz
+from .presets import PresetError, preset, presets
 from .progress import Progress
+from .scene import CHOICES, SURFACES, number_from_text
 
-COLUMNS = ("U_x", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
 # Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
 # arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
 WARM_UP = [
@@ -41,15 +43,15 @@ class Parser(argparse.ArgumentParser):
 
 def main(argv=None):
     """Runs the subcommand named in `argv` and returns the exit code."""
-    parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
-    parser.add_argument("--version", action="version", version=__version__)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for add in (add_run, add_accuracy, add_stability):
-        add(commands)
-    arguments = parser.parse_args(argv)
     try:
+        parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
+        parser.add_argument("--version", action="version", version=__version__)
+        commands = parser.add_subparsers(required=True, metavar="COMMAND")
+        for add in (add_run, add_accuracy, add_stability):
+            add(commands)
+        arguments = parser.parse_args(argv)
         return arguments.command(arguments)
-    except (InputError, SceneError) as error:
+    except (InputError, PresetError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
 
@@ -59,16 +61,17 @@ def add_run(commands):
     parser = commands.add_parser(
         "run",
         help="compute one experiment",
-        description="Approach, then shear: computes one experiment and prints a summary.",
-        epilog=parameter_table(),
+        description="Computes one experiment along its path, approach and then shear, and prints a summary.",
+        epilog=parameter_table() + "\n\n" + preset_table(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--preset", metavar="NAME", help="start from a named experiment, listed below")
     parser.add_argument(
         "--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="parameters, listed below"
     )
     parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
-    parser.add_argument("--csv", metavar="FILE", help="write the curves, a row per shear increment")
-    parser.add_argument("--npz", metavar="FILE", help="write the curves and the fields of every shear increment")
+    parser.add_argument("--csv", metavar="FILE", help="write the curves, a row per increment after the approach")
+    parser.add_argument("--npz", metavar="FILE", help="write the curves and the fields of these increments")
     parser.add_argument("--json", metavar="FILE", help="write scene, version, method and summary")
     parser.set_defaults(command=run)
 
@@ -95,7 +98,7 @@ def accuracy(arguments):
     from . import plotpage, verdict  # what `run` does not need
     from .accuracy import measure
 
-    scene = scene_from_text(settings(arguments.set))
+    scene = scene_of(settings(arguments.set))
     if arguments.slips is not None and arguments.slips < 1:
         raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
     for option in ("json", "html"):
@@ -156,7 +159,11 @@ def stability(arguments):
 
 def parameter_table():
     """Every parameter with its range, default, unit and meaning, as text."""
-    lines = ["parameters:", "  surface     circular | flat, default circular"]
+    lines = ["parameters:", f"  surface     {' | '.join(SURFACES)}, default {Scene.surface}"]
+    for name in ("path", "hold"):
+        meanings = "; ".join(f"{choice}: {meaning}" for choice, meaning in CHOICES[name].items())
+        lines.append(f"  {name:<11} {' | '.join(CHOICES[name])}, default {getattr(Scene, name)}: {meanings}")
+    lines += ["  profile     a file of x, z in nm for surface=measured, over all its length or over the width given"]
     for name, (low, high, unit, meaning) in LIMITS.items():
         default = next(f.default for f in fields(Scene) if f.name == name)
         span = f"{low:g} .. {high:g}" + (f" [{unit}]" if unit else "")
@@ -164,9 +171,16 @@ def parameter_table():
     return "\n".join(lines)
 
 
+def preset_table():
+    """Every preset with its title, as text."""
+    lines = [f"  {name:<11} {known.title}" for name, known in presets().items()]
+    return "\n".join(["presets:", *(lines or ["  none: they come with the app"])])
+
+
 def run(arguments):
     """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
-    scene = scene_from_text(settings(arguments.set))
+    named = {} if arguments.preset is None else preset(arguments.preset).differences
+    scene = scene_of({name: str(value) for name, value in named.items()} | settings(arguments.set))
     for option in ("csv", "npz", "json"):
         check_writable(option, getattr(arguments, option))
     for small in WARM_UP:
@@ -178,13 +192,15 @@ def run(arguments):
     report = {"version": __version__, "method": arguments.method, "scene": asdict(scene)}
     left_out = account(scene, frames) if arguments.method == "fast" else {}
     report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
-    shear = [frame for frame in frames if frame.stage == "shear"]
+    after = [frame for frame in frames if frame.stage != "approach"]
+    for note in scene.measured.notes if scene.measured else ():
+        print(f"profile: {note}")
     print(described(report, len(frames)))
     try:
         if arguments.csv is not None:
-            write_csv(arguments.csv, shear)
+            write_csv(arguments.csv, after)
         if arguments.npz is not None:
-            write_npz(arguments.npz, scene, shear)
+            write_npz(arguments.npz, scene, after)
         if arguments.json is not None:
             write_json(arguments.json, report)
     except OSError as error:
@@ -194,13 +210,25 @@ def run(arguments):
     return code
 
 
+def scene_of(texts):
+    """The Scene of {'name': 'text'}, where profile=FILE reads a measured surface; raises SceneError or InputError."""
+    file = texts.pop("profile", None)
+    if file is None:
+        return scene_from_text(texts)
+    width = number_from_text("width", texts["width"]) if "width" in texts else None
+    try:
+        return scene_from_text(texts, read_profile(Path(file), width))
+    except ProfileError as error:
+        raise InputError(f"profile = {file!r}: {error}") from None
+
+
 def settings(pairs):
     """{'name': 'text'} from NAME=VALUE arguments; raises InputError."""
     texts = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals:
-            names = ", ".join(f.name for f in fields(Scene))
+            names = ", ".join(["profile" if f.name == "measured" else f.name for f in fields(Scene)])
             raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {names}")
         texts[name.strip()] = text.strip()
     return texts
@@ -225,7 +253,7 @@ def compute(scene, method, fields_too):
     """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
     frames = []
     try:
-        with Progress(scene.approach_increments + scene.shear_increments + 2) as progress:
+        with Progress(sum(leg.increments + 1 for leg in legs_of(scene))) as progress:
             for frame in load_path(scene, method=method):
                 if frames and not fields_too:  # a curve needs no fields; the last ones stay, for `account`
                     frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
@@ -249,51 +277,6 @@ def unfinished(scene, frame):
     )
 
 
-def write_csv(file, frames):
-    """A row per frame, numbers in full precision."""
-    with open(file, "w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([number(getattr(frame, name)) for name in COLUMNS] for frame in frames)
-
-
-def number(value):
-    """A plain int or float, whose text is exact; booleans become 0 and 1."""
-    return float(value) if isinstance(value, (float, np.floating)) else int(value)
-
-
-def write_npz(file, scene, frames):
-    """Curves (frames,), x (m,) nm, u and T (frames, 2, m); nodes outside a frame's own patch hold nan and 0."""
-    first = min((frame.first for frame in frames), default=0)
-    last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
-    u = np.full((len(frames), 2, last - first), nan)
-    T = np.zeros_like(u)
-    for k, frame in enumerate(frames):
-        patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
-        u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    curves = {name: np.array([number(getattr(frame, name)) for frame in frames]) for name in COLUMNS}
-    with open(file, "wb") as out:  # an open file, or NumPy would append .npz to the name that was asked for
-        np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
-
-
-def write_json(file, report):
-    """Strict JSON: what is not a number becomes null."""
-    with open(file, "w", encoding="utf-8") as out:
-        json.dump(plain(report), out, indent=2, allow_nan=False)
-        out.write("\n")
-
-
-def plain(value):
-    """The same in types JSON knows."""
-    if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not isfinite(value) else value
-
-
 def described(report, increments):
     """The summary in a few lines for people."""
 
@@ -302,7 +285,11 @@ def described(report, increments):
         return f"{name} = " + ("none" if value is None or value != value else f"{value:.6g}{unit}")
 
     slips = report.get("slips", 0)
-    first = f"first at {shown('U_s', ' nm')}: {shown('F_s')}, {shown('A_s')}" if slips else "the contact sticks"
+    first = "the contact sticks"
+    if report.get("U_s") is not None:
+        first = f"first at {shown('U_s', ' nm')}: {shown('F_s')}, {shown('A_s')}"
+    elif "L_min" in report:
+        first = f"pull-off at {shown('L_min')}"
     state = "converged" if report["converged"] else "NOT converged"
     return (
         f"{report['method']}: {increments} increments {state}, {report.get('evaluations', 0)} evaluations,"

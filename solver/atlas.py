@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .scene import LIMITS, Scene
+from .scene import LIMITS, Scene, SceneError
 
 # name: values tried one at a time; the first and the last are the extremes. `spacing` is a/delta_t, `normal` is
 # delta_n/delta_t, `step` is du over 0.1 (its default), for both du_z and du_x.
@@ -73,6 +73,11 @@ REFUSED = (
     {"window_n": 1.0},
     {"du_x": 1e-3, "u_x_max": 1e4},
     {"surface": "bumpy"},
+    {"surface": "wave", "amplitude": 1e3},
+    {"surface": "wave", "waves": 100},
+    {"surface": "rough", "cut_off": 1e-3},
+    {"surface": "rough", "rms_slope": 1.0},
+    {"surface": "measured"},
 )
 # Ranges of the Scene that are not axes: each of them once, alone and on a stiff and a soft layer.
 OTHERS = (
@@ -86,6 +91,29 @@ OTHERS = (
     {"phi_n": 1e3},
     {"scale": 1e-2},
     {"scale": 1e2},
+)
+
+
+# Waves (`slope`: their steepest) and rough surfaces from hardly any to the steepest and longest: each on every base.
+SHAPES = (
+    {"surface": "wave", "amplitude": 1e-3, "waves": 1},
+    {"surface": "wave", "amplitude": 1.0, "waves": 3},
+    {"surface": "wave", "slope": 0.1, "waves": 7},
+    {"surface": "wave", "slope": 0.3, "waves": 1},
+    {"surface": "rough", "rms_slope": 1e-5, "cut_off": 0.1},
+    {"surface": "rough", "cut_off": 0.2, "seed": 2},
+    {"surface": "rough", "rms_slope": 0.1, "hurst": 0.0, "cut_off": 0.07, "seed": 3},
+    {"surface": "rough", "rms_slope": 0.1, "hurst": 1.0, "roll_off": 1.0, "cut_off": 0.1, "seed": 999999},
+)
+SHAPE_BASES = (
+    {"nodes": 61},
+    {"nodes": 61, "delta_bar": 0.5, "height": 0.03},
+    {"nodes": 97, "E": 1.0},
+    {"E": 1e4},
+    {"delta_bar": 1.0, "nu": 0.4999},
+    {"phi_ratio": 10.0, "normal": 0.3},
+    {"phi_ratio": 0.0, "delta_bar": -0.5},
+    {"nodes": 1024, "step": 1.0},
 )
 
 
@@ -130,6 +158,7 @@ def scene_fields(surface="circular", scale=1.0, **point):
 def cases(quick=False):
     """Every Case of the atlas, about 2,300, or a tenth of them, spread evenly, the same ones each time."""
     chosen = {"single": _singles(), "pair": _pairs(), "random": _corners(), "other": _others(), "refused": _refused()}
+    chosen["shape"] = _shapes()
     if quick:
         chosen = {kind: _thinned(list(points), QUICK.get(kind, 20)) for kind, points in chosen.items()}
     points = [(kind, probed, scene_fields(**point)) for kind, group in chosen.items() for probed, point in group]
@@ -140,9 +169,13 @@ def cases(quick=False):
 def _remedied(points):
     """Again, with the tolerance they ask for, the scenes whose own is below the round-off of so soft a layer."""
     for kind, probed, values in points:
-        if kind != "refused" and (least := Scene(**values | {"tolerance": COARSEST}).attainable) > values.get(
-            "tolerance", Scene.tolerance
-        ):
+        if kind == "refused":
+            continue
+        try:
+            least = Scene(**values | {"tolerance": COARSEST}).attainable
+        except SceneError:  # refused for something else
+            continue
+        if least > values.get("tolerance", Scene.tolerance):
             yield "remedied", (*probed, "tolerance"), values | {"tolerance": min(float(f"{1.1 * least:.2g}"), COARSEST)}
 
 
@@ -191,6 +224,16 @@ def _drawn(random, name, values):
 def _others():
     for base in ({}, {"E": 1e6}, {"E": 1e-2}, {"surface": "flat"}, {"delta_bar": 1.0, "nodes": 61}):
         yield from ((tuple(other), base | other) for other in OTHERS)
+
+
+def _shapes():
+    for base in SHAPE_BASES:
+        for shape in SHAPES:
+            point = base | shape
+            if "slope" in point:
+                wavelength = point.get("nodes", CENTRE["nodes"]) * CENTRE["spacing"] / point["waves"]
+                point["amplitude"] = float(f"{0.999 * point.pop('slope') * wavelength / (2.0 * np.pi):.4g}")
+            yield ("surface", *base), point
 
 
 def _refused():

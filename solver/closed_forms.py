@@ -11,6 +11,7 @@ from .left_out import ALL
 from .limits import cylinder
 from .loadpath import load_path
 from .scene import Scene
+from .wavy import wave
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ def closed_forms():
     return [
         *prandtl_tomlinson(),
         periodic_series(),
-        *(Row(*row) for row in cylinder()),
+        *(Row(*row) for row in (*cylinder(), *wave())),
         carbone_mangialardi(),
         *navier(),
         *special_modes(),

@@ -25,9 +25,13 @@ class Contact:
         self.window = scene.window_n * scene.delta_n
         self.lowest = float(self.profile.min())
         self.law = np1.law_constants(scene)
-        modes = Modes.of(scene).compliance
+        self.modes, self.nodes, self.normal_only = Modes.of(scene), scene.nodes, normal_only
+        modes = self.modes.compliance
         self.compliance = UniformMode(modes) if uniform else Convolution(modes, scene.nodes, size, normal_only)
         self.alone = uniform or size == scene.nodes
+        self.held = False  # whether the top is one more column of u (`held.Held`)
+        self._others = not self.alone and _summits_outside(scene.profile, first, size)
+        self._whole = None  # the layer's response over all nodes, once `overlooked` needs it
         self.mirror = False  # whether u is its own mirror image: then half the tractions tell the rest
         self.work = np.empty((np1.WORK, size))
         self.evaluations = 0
@@ -60,9 +64,18 @@ class Contact:
 
     def stiffness(self, u, active):
         """The largest restoring stiffness of the interface in u, GPa/nm."""
+        tangents = self.tangents(u, active)
+        return max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
+
+    def tangents(self, u, active):
+        """dT/du of every node, rows as in `np1.tangents`, (4, size) GPa/nm."""
         tangents = np.empty((4, self.size))
         np1.tangents(u, self.profile, active, self.law, self.work, tangents)
-        return max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
+        return tangents
+
+    def shifted(self, sigma):
+        """The product with (I + sigma C)^-1 on the patch; sigma: GPa/nm."""
+        return Convolution(self.modes.shifted(sigma), self.nodes, self.size)
 
     def within_window(self, u):
         """Nodes whose gap lies within the interaction window, bool (size,)."""
@@ -102,13 +115,39 @@ class Contact:
         """Whether an active node stands at the end of the patch, so that its neighbours outside may act as well."""
         return not self.alone and bool(active[:EDGE].any() or active[-EDGE:].any())
 
+    def overlooked(self, traction, height):
+        """Whether a node outside the patch has come within the window, where other summits stand there.
+
+        traction: (2, size) GPa on the patch, in equilibrium with the top at U_z = height, nm.
+        """
+        if not self._others:
+            return False
+        if self._whole is None:
+            self._whole = Convolution(self.modes.compliance, self.nodes, self.nodes)
+        part = slice(self.first, self.first + self.size)
+        self._whole.field[:, part] = traction
+        self._whole.apply()
+        gap = self.scene.profile + height + self._whole.product[1]
+        gap[part] = np.inf
+        return bool(gap.min() <= self.window)
+
 
 def patch(scene, bulge):
-    """(first, size): nodes that come within the window at the deepest indentation, plus a gap of `bulge` delta_n."""
-    near = np.flatnonzero(scene.profile - scene.delta <= (scene.window_n + bulge) * scene.delta_n)
+    """(first, size): nodes that come within the window at the deepest indentation, plus a gap of `bulge` delta_n.
+
+    One range from the first to the last of them, with all that lies between; the lowest node if there are none.
+    """
+    profile = scene.profile
+    near = np.flatnonzero(profile - scene.delta <= (scene.window_n + bulge) * scene.delta_n)
     if near.size == 0:
-        return scene.nodes // 2, 1
+        return int(profile.argmin()), 1
     return int(near[0]), int(near[-1] - near[0] + 1)
+
+
+def _summits_outside(profile, first, size):
+    """Whether the gap outside a patch does not just grow away from it, so that the patch's ends cannot tell for it."""
+    before, after = profile[: first + 1], profile[first + size - 1 :]
+    return bool((np.diff(before) > 0.0).any() or (np.diff(after) < 0.0).any())
 
 
 def wider(scene, first, size):

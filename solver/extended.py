@@ -87,7 +87,8 @@ def _rounding(scene, frame, active, T, gross):
 def springs(scene, ux, gap, active):
     """T (2, m) GPa, paper Eq. 2-4 site by site in long double, for nodes displaced by ux at that gap, nm.
 
-    And gross (m,), GPa: the same sum with |dn| + 1 and |dt| + 1 for the factors that pass through zero.
+    And gross (m,), GPa, the springs' size: the same sum with |dn| + 1 and |dt| + 1 for the factors that pass through
+    zero; at least that of one spring at dt = 0 (a node between sites has none but at the edge of the window).
     """
     a, delta_t, delta_n = LONG(scene.spacing), LONG(scene.delta_t), LONG(scene.delta_n)
     ux, dn = np.asarray(ux, LONG), np.asarray(gap, LONG) / delta_n
@@ -101,11 +102,12 @@ def springs(scene, ux, gap, active):
         press += bell
     force = np.where(active, np.exp(-dn), LONG(0))
     t, n = 2 * LONG(scene.phi_t) / delta_t * force, LONG(scene.phi_n) / delta_n * force
-    return np.array([t * shear, -n * dn * press]), t * all_shear + n * (np.abs(dn) + 1) * press
+    gross = t * np.maximum(all_shear, 1) + n * (np.abs(dn) + 1) * np.maximum(press, 1)
+    return np.array([t * shear, -n * dn * press]), gross
 
 
 @lru_cache(maxsize=4)
-def _compliance(nodes, width, height, E, nu):
+def compliance(nodes, width, height, E, nu):
     """(C_xx, C_zz, C_c), long double (3, nodes//2 + 1), by inverting the stiffness of PHYSICS.md as it stands there."""
     q = 2 * LONG("3.14159265358979323846264") * np.arange(nodes // 2 + 1, dtype=LONG) / LONG(width)
     h, nu = LONG(height) * LONG(width), LONG(nu)
@@ -127,7 +129,7 @@ def _compliance(nodes, width, height, E, nu):
 
 def displacement(scene, T):
     """(C T, size of its terms): nm, long double (2, nodes), and the sum over all modes of |C| |T|, which bounds C T."""
-    c_xx, c_zz, c_c = _compliance(scene.nodes, scene.width, scene.height, scene.E, scene.nu)
+    c_xx, c_zz, c_c = compliance(scene.nodes, scene.width, scene.height, scene.E, scene.nu)
     x, z = np.fft.rfft(T, axis=1)
     out = np.fft.irfft(np.array([c_xx * x + 1j * c_c * z, c_zz * z - 1j * c_c * x]), scene.nodes, axis=1)
     terms = (c_xx + np.abs(c_c)) * np.abs(x) + (c_zz + np.abs(c_c)) * np.abs(z)

@@ -1,11 +1,16 @@
 """Calls in processes of their own, each with a limit of time: a call that hangs or crashes costs a process, no more."""
 
+import os
 from collections import deque
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
+from threading import Thread
 from time import monotonic
 from traceback import format_exc
+
+# One thread of linear algebra in each process: there are as many of these as cores, and threads would only wait
+ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"
 
 
 @dataclass(frozen=True)
@@ -18,6 +23,8 @@ class Lost:
 
 def outcomes(call, items, workers, limit):
     """Yield (index, call(item) or Lost) as they come; call importable, items picklable, limit in seconds for each."""
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, "1")
     waiting, desks = deque(enumerate(items)), []
     try:
         desks = [_Desk(call) for _ in range(min(workers, max(1, len(waiting))))]
@@ -73,7 +80,14 @@ class _Desk:
         self.pipe.close()
 
 
+def _end_with_parent():
+    """End this process when its parent is gone, whatever it is busy with."""
+    wait([parent_process().sentinel])
+    os._exit(1)
+
+
 def _work(call, pipe):
+    Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
             item = pipe.recv()

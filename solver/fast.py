@@ -2,19 +2,21 @@
 
 On a branch, an increment starts from the extrapolation of those before and takes a few accelerated fixed-point steps
 (`secants`). Where that fails or the state would move far, the branch is followed by its arc length instead (`fold`), to
-the load asked for or to the load's maximum: the end of the branch, where a slip begins. `flow` carries it through.
+the load asked for or to the load's maximum: the end of the branch, where a slip begins. `flow` carries it through, and
+where a large part of a soft layer jumps into contact, `closing`.
 """
 
 from functools import lru_cache
 
 import numpy as np
 
-from .contact import Contact
+from .closing import QUIET, Closing, closed_stiffness, closed_up
 from .flow import STEP_ERROR, Flow
 from .fold import Fold, follow
 from .growth import growth_rate
+from .held import contact_of
 from .interpolation import combine, lagrange
-from .layer import Convolution, Modes
+from .layer import Modes
 from .left_out import ALL, mirrored
 from .record import SAME, Record
 from .secants import Secants, advance
@@ -31,15 +33,20 @@ MOST_LANDING_STEPS = 150
 SUSPECT = 11  # secant steps after which a state may lie beyond the fold of its branch
 UNSTABLE = 1e-6  # growth rate, per unit of time, above which an equilibrium is a saddle
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
-BUDGET, WORK = 1_500_000, 6e8  # force evaluations of one increment, and times nodes
+BUDGET, WORK = 1_500_000, 1e9  # force evaluations of one increment, and times nodes
+FAR = 100.0  # of min(delta_n, delta_t): a slip that has moved a node that far goes on by `closing`,
+PATIENCE, PATIENT_WORK = 30_000, 1e8  # and so does one that has taken as many evaluations, or times nodes,
+STIFFEST = 5e3  # or whose fastest mode decays that much faster than a free surface moves, as on a soft layer
+SETTLED = 0.1  # of min(delta_n, delta_t): residual at which secant steps may finish such a slip
 
 
 class Fast:
     """Advances States of one scene on one patch; holds no state between calls but buffers."""
 
-    def __init__(self, scene, first, size, leave_out=ALL):
+    def __init__(self, scene, first, size, leave_out=ALL, pressure=None):
+        """pressure: the mean normal traction to hold, GPa; None: the top moves as the Loading says."""
         normal_only = scene.phi_ratio == 0.0 and "friction" in leave_out
-        self.scene, self.contact = scene, Contact(scene, first, size, normal_only=normal_only)
+        self.scene, self.contact = scene, contact_of(scene, first, size, pressure, leave_out, normal_only)
         self._mirror = "mirror" in leave_out and mirrored(self.contact.profile)
         self.unit = min(scene.delta_n, scene.delta_t)
         self.tolerance = scene.tolerance
@@ -47,10 +54,11 @@ class Fast:
         self.steps = 0  # secant steps of the last solution
         self.worst = np.inf  # nm, residual of the last evaluation
         self.budget = int(min(BUDGET, WORK / size))
-        self._r = np.empty((2, size))
+        self._r = np.empty((2, self.contact.size))
         longest_wave = Modes.of(scene).compliance[1, min(max(1, round(scene.nodes / size)), scene.nodes // 2)]
         self._stiff = STIFF / float(longest_wave)
         self._smoother = lru_cache(maxsize=8)(self._new_smoother)
+        self._soft = closed_stiffness(scene).max() * Modes.of(scene).compliance[:2].max() > STIFFEST
 
     def _choose_smoother(self, state):
         """Damp the long waves that a stiff interface pins: without it they take most of the secant steps."""
@@ -59,7 +67,7 @@ class Fast:
 
     def _new_smoother(self, power):
         """r -> (I + sigma C)^-1 r on the patch, for sigma = 2^power GPa/nm."""
-        shifted = Convolution(Modes.of(self.scene).shifted(2.0**power), self.scene.nodes, self.contact.size)
+        shifted = self.contact.shifted(2.0**power)
 
         def smooth(r):
             shifted.field[:] = r.reshape(shifted.field.shape)
@@ -75,7 +83,8 @@ class Fast:
 
     def increment(self, state, loading, target):
         """The equilibrium at load `target` that is reached from `state`; raises NotConverged."""
-        self.contact.mirror = self._mirror and loading.name == "delta" and mirrored(state.u[1])
+        state.secants = state.secants or Secants(MEMORY, state.u.size)
+        self.contact.mirror = self._mirror and loading.upright and mirrored(state.u[1], 1e-12)
         repeated = self._repeat(state, loading, target)
         if repeated is not None:
             return repeated
@@ -85,6 +94,8 @@ class Fast:
             found = self._on_branch(state, loading, target) or follow(self, state, loading, target)
             if isinstance(found, Fold):
                 before, state = state, self._through(found, loading, limit)
+                if self.contact.crowded(state.active):
+                    return Increment(state, self.contact.traction(), self.worst)  # of no use but to be widened
                 slips += self._slips(before, found, state)
                 if found.load < target:
                     continue
@@ -100,7 +111,7 @@ class Fast:
             return None
         sites = state.sites
         while target - sites * spacing > record.fold.load:
-            slips.append(record.fold.moved(sites * spacing))
+            slips.append(record.slip(sites * spacing))
             sites += record.sites
         u, active = record.state_at(target, sites * spacing)
         guess, before = u.copy(), self.contact.evaluations
@@ -124,10 +135,8 @@ class Fast:
         active = self.settle(u, self.contact.admitted(u, state.active), loading.at(target), state.secants, most)
         if active is None or np.abs(u - state.u).max() > FARTHEST * self.unit:
             return None
-        if (
-            self.steps > SUSPECT
-            and self._speeds_up(state, target, u)
-            and not self.stable(u, active, loading.at(target))
+        if (state.doubtful or (self.steps > SUSPECT and self._speeds_up(state, target, u))) and not self.stable(
+            u, active, loading.at(target)
         ):
             return None  # beyond the fold of its branch, on the unstable side
         return self.reached(state, target, u, active)
@@ -182,38 +191,75 @@ class Fast:
             if before.record.close(slip, landed, self.scene.spacing, self.unit):
                 landed.record, landed.sites = before.record, before.record.sites
             else:
-                landed.record = Record([fold.load], [(landed.u, landed.active)])
+                landed.record = Record([fold.load], [(landed.u, landed.active)], direction=before.record.direction)
         return [slip]
 
     def _through(self, fold, loading, limit):
-        """The state that the overdamped flow from the fold of a branch reaches, at the fold's load."""
-        flow = Flow(self.contact, fold.beyond, loading.at(fold.load), STEP_ERROR * self.unit)
-        landed, found = LANDED, None
+        """The state that the overdamped flow from the fold of a branch reaches, at the fold's load.
+
+        Or, where the patch is too narrow, one that is not at rest and shows it (`Contact.crowded`).
+        """
+        way = Flow(self.contact, fold.beyond, loading.at(fold.load), STEP_ERROR * self.unit)
+        patience = self.contact.evaluations + min(PATIENCE, PATIENT_WORK / self.contact.size)
+        landed, found = 1.0, None
         while found is None:
-            while flow.speed > max(landed * flow.peak, self.tolerance):
-                flow.advance()
-                self._check_budget(flow, loading, fold.load, limit)
-            found = self._land(flow, loading, fold.load)
-            if found is None and flow.speed <= self.tolerance:  # at rest on a saddle, as symmetry can hold it
+            while self._moving(way, landed):
+                way.advance()
+                self._check_budget(way, loading, fold.load, limit)
+                if isinstance(way, Flow) and self._far(way, fold, patience):
+                    way = self._closing(way)
+                if self.contact.crowded(way.active):
+                    return State(fold.load, way.u, way.active)
+            found = self._land(way, loading, fold.load)
+            if found is None and way.residual <= self.tolerance:  # at rest on a saddle, as symmetry can hold it
                 self.contact.mirror = False
-                flow.nudge(NUDGE * self.unit)
-                self._check_budget(flow, loading, fold.load, limit)
+                if isinstance(way, Closing):  # the law has no potential, so the flow may leave where this stays
+                    way, patience = Flow(self.contact, way.u, way.load, STEP_ERROR * self.unit), None
+                way.nudge(NUDGE * self.unit)
+                self._check_budget(way, loading, fold.load, limit)
             landed *= 0.2
+            if found is None and isinstance(way, Closing):
+                way.advance()
         return found
 
-    def _check_budget(self, flow, loading, load, limit):
+    def _moving(self, way, landed):
+        """Whether a slip is still faster than secant steps may finish; landed: 1 at first, the less the later."""
+        if isinstance(way, Flow):
+            return way.speed > max(landed * LANDED * way.peak, self.tolerance)
+        if way.quiet % QUIET == QUIET - 1:  # slow to settle
+            return False
+        return way.residual > max(landed * SETTLED * self.unit, self.tolerance)
+
+    def _far(self, flow, fold, patience):
+        """Whether this slip is none that the flow can follow to its end; patience: None if it must."""
+        if patience is None or self.contact.held:  # `closing` knows of no top that moves
+            return False
+        if (self._soft and flow.radius > STIFFEST) or self.contact.evaluations > patience:
+            return True
+        return np.abs(flow.u - fold.u).max() > FAR * self.unit
+
+    def _closing(self, flow):
+        """What goes on where the flow is too stiff, from where coarser surfaces have got."""
+        u = closed_up(self.contact, flow.u, flow.load, self.unit)
+        way = Closing(self.contact, flow.u if u is None else u, flow.load)
+        if u is None:
+            way.active[:] = True  # too narrow
+        self._choose_smoother(way)
+        return way
+
+    def _check_budget(self, way, loading, load, limit):
         if self.contact.evaluations > limit:
             raise NotConverged(
-                f"Not converged at {loading.name} = {load:.6g} nm: residual {flow.speed:.2g} nm after {self.budget}"
+                f"Not converged at {loading.name} = {load:.6g} nm: residual {way.residual:.2g} nm after {self.budget}"
                 " force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
             )
 
-    def _land(self, flow, loading, load):
-        """Secant steps from where the flow has nearly come to rest; None if they fail or lead away."""
-        secants = Secants(MEMORY, flow.u.size)
-        u = flow.u.copy()
-        active = self.settle(u, flow.active, loading.at(load), secants, MOST_LANDING_STEPS)
-        if active is None or np.abs(u - flow.u).max() > FARTHEST * self.unit:
+    def _land(self, way, loading, load):
+        """Secant steps from where a slip has nearly come to rest; None if they fail or lead away."""
+        secants = Secants(MEMORY, way.u.size)
+        u = way.u.copy()
+        active = self.settle(u, way.active, loading.at(load), secants, MOST_LANDING_STEPS)
+        if active is None or np.abs(u - way.u).max() > FARTHEST * self.unit:
             return None
         if not self.stable(u, active, loading.at(load)):  # secant steps are drawn to the saddle that the flow passes
             return None

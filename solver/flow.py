@@ -46,6 +46,11 @@ class Flow:
         for _ in range(6):
             self._probe()
 
+    @property
+    def residual(self):
+        """The residual, nm, is the speed."""
+        return self.speed
+
     def _probe(self):
         """One nonlinear power iteration for the spectral radius of dr/du, the direction kept between steps."""
         scale = PROBE / sqrt(dot(self._mode.ravel(), self._mode.ravel()) + 1e-300)

@@ -33,12 +33,13 @@ class Frame:
     F_bar: float
     L_bar: float
     A_bar: float
-    trailing: float  # contact edges on the undeformed surface, nm; nan without contact
+    trailing: float  # outermost contact edges on the undeformed surface, nm; nan without contact, or without edges
     leading: float
     residual: float  # max |U + C T(u) - u|, nm
     evaluations: int  # force evaluations of this increment
     slips: tuple = ()  # SlipEvents in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
+    patches: int = 0  # separate stretches under repulsion
 
     @property
     def slip(self):
@@ -68,36 +69,87 @@ def _sums(T):
 
 
 def contact_area(scene, T, first):
-    """(A_bar, trailing, leading) from the sign changes of T_z, interpolated between nodes.
+    """(A_bar, trailing, leading, patches) from the sign changes of T_z, interpolated between nodes.
 
-    A_bar: repulsive length over w; trailing, leading: outermost edges in nm (nan without contact).
+    A_bar: repulsive length over w, of all patches; trailing, leading: the outermost edges in nm (nan without any).
     """
+    length, edges = _contact(scene, T, first)
+    trailing, leading = (edges[0, 0], edges[-1, 1]) if edges.size else (np.nan, np.nan)
+    return length / scene.nodes, trailing, leading, len(edges)
+
+
+def contact_edges(scene, T, first):
+    """(patches, 2) nm: the trailing and the leading edge of every patch, in order; nan in full contact.
+
+    A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
+    """
+    return _contact(scene, T, first)[1]
+
+
+def peel_asymmetry(scene, before, after):
+    """(back - front)/(back + front), how far the trailing and the leading edges of all patches moved inward in between.
+
+    before, after: Frames. 1: all at the trailing edges, 0: symmetric; nan where patches came or went, or nothing moved.
+    """
+    then, now = (contact_edges(scene, f.T, f.first) for f in (before, after))
+    if then.shape != now.shape:
+        return np.nan
+    moved = (now - then + 0.5 * scene.width) % scene.width - 0.5 * scene.width
+    back, front = moved[:, 0].sum(), -moved[:, 1].sum()
+    return float((back - front) / (back + front)) if back + front != 0.0 else np.nan
+
+
+def _contact(scene, T, first):
+    """(repulsive length in spacings, edges (patches, 2) in nm)."""
     # repulsion weaker than an error of the tolerance makes is none: on the flat at dn = 0 it would flicker
     least = scene.tolerance * scene.phi_n / scene.delta_n**2
-    length, trailing, leading = _contact(T, T.shape[1] == scene.nodes, least)
-    return length / scene.nodes, (first + trailing) * scene.spacing, (first + leading) * scene.spacing
+    n, closed = T.shape[1], T.shape[1] == scene.nodes
+    edges = np.empty((n // 2 + 1, 2))
+    length, patches = _edges(T, closed, least, edges)
+    edges = edges[:patches]
+    if closed and patches > 1 and edges[-1, 1] > n:  # a patch across the ends of the cell
+        gaps = np.append(edges[1:, 0], edges[0, 0] + n) - edges[:, 1]
+        k = int(np.argmax(gaps)) + 1
+        edges = np.concatenate((edges[k:], edges[:k] + n))
+        edges -= n * (edges[0, 0] // n)
+    return length, (first + edges) * scene.spacing
 
 
 @njit(cache=True, nogil=True)
-def _contact(T, closed, least):
-    """Repulsive length, first opening and last closing edge, in spacings; closed: the last node meets the first."""
+def _edges(T, closed, least, out):
+    """(repulsive length, patches); out (>= patches, 2): their edges in spacings; closed: the last node meets the first.
+
+    The order starts at a node without contact; a first edge before node 0 is negative, a last one may lie beyond n.
+    """
     n = T.shape[1]
-    length, trailing, leading = 0.0, np.nan, np.nan
-    for i in range(0 if closed else -1, n):
-        here = T[1, i] - least if i >= 0 else -least
-        after = (T[1, i + 1] if i + 1 < n else (T[1, 0] if closed else 0.0)) - least
+    start, stop = -1, n
+    if closed:  # from a node without contact on, once round
+        start = 0
+        while start < n and T[1, start] > least:
+            start += 1
+        if start == n:
+            out[0] = np.nan
+            return float(n), 1
+        if start > 0 and T[1, n - 1] <= least:
+            start = -1
+        stop = start + n
+    length, patches = 0.0, 0
+    here = T[1, start] - least if closed else -least
+    for i in range(start, stop):
+        after = (T[1, (i + 1) % n] if closed or i + 1 < n else 0.0) - least
         if here > 0.0 and after > 0.0:
             length += 1.0
         elif after > 0.0:
             edge = here / (here - after)
             length += 1.0 - edge
-            if np.isnan(trailing):
-                trailing = i + edge
+            out[patches, 0] = i + edge
         elif here > 0.0:
             edge = here / (here - after)
             length += edge
-            leading = i + edge
-    return length, trailing, leading
+            out[patches, 1] = i + edge
+            patches += 1
+        here = after
+    return length, patches
 
 
 def slip_event(scene, first, load, T):

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from . import np1
-from .contact import Contact
+from .held import contact_of
 from .layer import Modes, transforms
 from .state import Increment, NotConverged, Slip, State
 
@@ -18,23 +18,36 @@ SAFETY = 0.5  # of the largest stable time step
 PROBE = 1e-6  # nm, length of the probe along the stiffest direction
 FIRST_PROBES = 6  # power iterations from a random direction, before the first step; later ones go on from the last
 BUDGET = 1_000_000  # force evaluations of one increment
+FINER = (1, 4, 20)  # divisions of the step, each where the one before has diverged
+DIVERGED = 1e9  # nm
 SLIPPED = 0.5  # of min(delta_n, delta_t), beyond twice the increment of the load: a larger move of a node is a slip
 
 
 class Gfmd:
     """Advances States of one scene by damped dynamics of all modes; holds no state between calls but buffers."""
 
-    def __init__(self, scene, first, size, leave_out=frozenset(), damping=1.0):
-        """damping: in units of the critical damping of the slowest mode."""
-        self.scene, self.contact = scene, Contact(scene, first, size)
+    def __init__(self, scene, first, size, leave_out=frozenset(), pressure=None, damping=None, budget=None):
+        """pressure: mean normal traction to hold, GPa, or None; damping: as of the scene, unless given.
+
+        budget: force evaluations of one increment, BUDGET unless given.
+        Where the load is held, the uniform normal mode moves freely under p - p_0, and the top follows it at rest.
+        """
+        self.scene, self.contact = scene, contact_of(scene, first, size, pressure)
+        self._size, self._pressure, self._budget = size, pressure, budget or BUDGET
         self._part = slice(first, first + size)
         self._modes = Modes.of(scene)
+        self._stiffness = self._modes.stiffness.copy()
+        if pressure is not None:
+            self._stiffness[1, 0] = 0.0
         self._traction, self._u, self._spectrum, self._forward, self._backward = transforms(scene.nodes)
         self._stiffest = float(np.max(np.maximum(self._modes.k_xx, self._modes.k_zz) + np.abs(self._modes.k_c)))
         slowest = float(min(self._modes.k_xx.min(), self._modes.k_zz.min()))
-        self._gamma = 2.0 * damping * np.sqrt(slowest)
-        self._r = np.empty((2, size))
+        self._gamma = 2.0 * (scene.damping if damping is None else damping) * np.sqrt(slowest)
+        self._r = np.empty((2, self.contact.size))
         self._motion = self._step = None
+        self._remedy = "a larger tolerance, a smaller du_x or du_z, or method fast"
+        if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
+            self._remedy = f"a damping larger than {scene.damping:g}: with so little the contact may never come to rest"
 
     def undeformed(self, loading, load):
         """The State of a layer that nothing acts on."""
@@ -46,48 +59,67 @@ class Gfmd:
         self.contact.residual(state.u, state.active, loading.at(state.load), self._r)
         before = self.contact.traction()
         u = state.u.copy()
-        start = state.load
-
-        def solve(chosen):
-            nonlocal start
-            self._settle(u, chosen, loading, start, target)
-            start = target
-            return True
-
-        active = self.contact.settle(solve, u, state.active)
+        active = self.come_to_rest(u, state.active, loading, state.load, target)
         residual = self.contact.residual(u, active, loading.at(target), self._r)
         farthest = SLIPPED * min(self.scene.delta_n, self.scene.delta_t) + 2.0 * abs(target - state.load)
         slipped = np.abs(u - state.u).max() > farthest
         slips = (Slip(state.load, state.u, before),) if slipped else ()
         return Increment(State(target, u, active), self.contact.traction(), residual, slips)
 
+    def come_to_rest(self, u, active, loading, load, target):
+        """Move u, in place, from rest at `load` to rest at load `target`; the active nodes there."""
+
+        def solve(chosen):
+            nonlocal load
+            self._settle(u, chosen, loading, load, target)
+            load = target
+            return True
+
+        return self.contact.settle(solve, u, active)
+
     def _settle(self, u, active, loading, load, target):
-        """Bring u, in place, to rest at load `target`; the surface outside the patch starts in equilibrium with it."""
+        """Bring u, in place, to rest at load `target`: with finer steps where surfaces that clash made it diverge."""
+        start = u.copy()
+        for finer in FINER:
+            u[:] = start
+            if self._rests(u, active, loading, load, target, finer):
+                return
+        raise NotConverged(
+            f"Not converged at {loading.name} = {target:.6g} nm: the damped motion diverges; try a larger damping or E"
+        )
+
+    def _rests(self, u, active, loading, load, target, finer):
+        """Whether the motion came to rest, u in place, rather than diverged; raises NotConverged if it did neither.
+
+        The surface outside the patch starts in equilibrium with u. finer: division of steps, and of CHECK_EVERY.
+        """
         contact, nodes = self.contact, self.scene.nodes
-        limit = contact.evaluations + BUDGET
+        limit = contact.evaluations + self._budget
         self._traction[:] = 0.0
         traction, shape = self._traction[:, self._part], self._u[:, self._part]
         top = np.array(loading.at(target)) * nodes
-        modes = self._equilibrium(u, active, loading.at(load), traction)
-        self._begin(modes, self._time_step(u, active, loading.at(target)))
+        modes = self._equilibrium(u, active, self._top(u, loading.at(load)), traction)
+        self._begin(modes, self._time_step(u, active, loading.at(target)) / finer)
         while True:
-            for _ in range(CHECK_EVERY):
+            for _ in range(CHECK_EVERY // finer):
                 self._shape(modes)
-                np1.tractions(shape, contact.profile, active, contact.law, contact.work, traction, contact.size)
+                np1.tractions(shape, contact.profile, active, contact.law, contact.work, traction, self._size)
                 self._forward()
                 self._move(modes, top)
                 contact.evaluations += 1
             self._shape(modes)
-            u[:] = shape
-            residual = contact.residual(u, active, loading.at(target), self._r)
+            self._take(u, shape, modes, loading.at(target))
+            residual = contact.residual(u, active, loading.at(target), self._r)  # passes over nan
+            if not (np.isfinite(u).all() and residual < DIVERGED):
+                return False
             if residual <= self.scene.tolerance:
-                return
-            if not np.isfinite(residual) or contact.evaluations > limit:
+                return True
+            if contact.evaluations > limit:
                 raise NotConverged(
-                    f"Not converged at {loading.name} = {target:.6g} nm: residual {residual:.2g} nm after {BUDGET}"
-                    " force evaluations of gfmd; try a larger tolerance, a smaller du_x or du_z, or method fast"
+                    f"Not converged at {loading.name} = {target:.6g} nm: residual {residual:.2g} nm after"
+                    f" {self._budget} force evaluations of damped motion; try {self._remedy}"
                 )
-            self._limit(self._time_step(u, active, loading.at(target)))
+            self._limit(self._time_step(u, active, loading.at(target)) / finer)
 
     def _begin(self, modes, limit):
         """At rest, with steps of the length `limit`."""
@@ -98,10 +130,23 @@ class Gfmd:
         self._motion *= limit / self._step
         self._step = limit
 
+    def _take(self, u, shape, modes, load):
+        """Fill u, in place, from the surface on the patch; under a held load, with the top that carries it there."""
+        if self._pressure is None:
+            u[:] = shape
+            return
+        u[:, :-1] = shape
+        u[:, -1] = load[0], modes[1, 0].real / self.scene.nodes - self._modes.compliance[1, 0] * self._pressure
+        self.contact.within_window(u)
+
+    def _top(self, u, load):
+        return load if self._pressure is None else u[:, -1]
+
     def _move(self, modes, top):
         """One step of all modes, in place, from the traction in self._spectrum."""
-        k = self._modes.stiffness
-        _verlet(modes, self._motion, self._spectrum, k, top, self._step, self._gamma)
+        if self._pressure is not None:
+            self._spectrum[1, 0] -= self._pressure * self.scene.nodes
+        _verlet(modes, self._motion, self._spectrum, self._stiffness, top, self._step, self._gamma)
 
     def _shape(self, modes):
         """Displacement of the surface from its modes."""
@@ -111,7 +156,7 @@ class Gfmd:
 
     def _equilibrium(self, u, active, load, traction):
         """Modes of the whole surface, U + C T(u)."""
-        np1.tractions(u, self.contact.profile, active, self.contact.law, self.contact.work, traction, self.contact.size)
+        np1.tractions(u, self.contact.profile, active, self.contact.law, self.contact.work, traction, self._size)
         self._forward()
         modes = self._modes.displacement(self._spectrum)
         modes[:, 0] += np.array(load) * self.scene.nodes
@@ -119,9 +164,7 @@ class Gfmd:
 
     def _time_step(self, u, active, load):
         """A stable step: bounded by the stiffest mode, plus the stiffest node of the interface."""
-        tangents = np.empty((4, self.contact.size))
-        np1.tangents(u, self.contact.profile, active, self.contact.law, self.contact.work, tangents)
-        tangents = np.abs(tangents)
+        tangents = np.abs(self.contact.tangents(u, active)[:, : self._size])
         interface = max((tangents[0] + tangents[1]).max(), (tangents[2] + tangents[3]).max())
         return SAFETY * 2.0 / np.sqrt(self._stiffest + interface)
 
@@ -133,9 +176,9 @@ class MassWeighted(Gfmd):
     the interface makes some faster. Masses as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRevB.99.144103.
     """
 
-    def __init__(self, scene, first, size, leave_out=frozenset(), damping=1.0):
+    def __init__(self, scene, first, size, leave_out=frozenset(), pressure=None, damping=1.0):
         """damping: in units of the critical damping of a free layer's mode."""
-        super().__init__(scene, first, size, leave_out)
+        super().__init__(scene, first, size, leave_out)  # holds no load: `variants` compares runs at held delta
         self._gamma = 2.0 * damping
         self._direction = None
 

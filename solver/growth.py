@@ -3,8 +3,6 @@
 import numpy as np
 from numba import njit
 
-from . import np1
-
 PRODUCTS = 16  # with the tangent: enough for a mode that stands out of the many at -1 (nodes on which nothing acts)
 MOST_PRODUCTS = 160  # where the first leave it open, as in stiff contacts
 
@@ -16,8 +14,7 @@ def growth_rate(contact, u, active):
     u: (2, size) nm. Each of the products counts as a force evaluation, though it needs no exponentials.
     """
     size = 2 * contact.size
-    tangents = np.empty((4, contact.size))
-    np1.tangents(u, contact.profile, active, contact.law, contact.work, tangents)
+    tangents = contact.tangents(u, active)
     most = min(MOST_PRODUCTS, size)
     basis, hessenberg = np.zeros((most + 1, size)), np.zeros((most + 1, most))
     first = np.random.default_rng(0).normal(size=size)

@@ -150,9 +150,9 @@ def reach(scene):
 def _extended(scene):
     longest = min(max(scene.u_x_max, reach(scene)), LARGEST_RUN * scene.du_x * scene.delta_t)
     try:
-        return scene.changed(u_x_max=longest)
+        return scene.changed(u_x_max=longest, path="shear")
     except SceneError:  # so long a run of so soft a layer is beyond its tolerance: as far as the scene goes
-        return scene
+        return scene.changed(path="shear")
 
 
 def figure_8():

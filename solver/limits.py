@@ -11,6 +11,7 @@ import numpy as np
 
 from .fast import Fast
 from .frame import contact_area, forces
+from .left_out import ALL
 from .loadpath import Checkpoint, next_frame
 from .scene import Scene
 from .state import Loading
@@ -53,25 +54,40 @@ def scene_of(lam, nodes):
 
 def retraction(lam, nodes=1024):
     """(P', half-width under repulsion as a') of every increment while the punch is raised again, until it is free."""
-    scene, checkpoint = scene_of(lam, nodes), Checkpoint()
-    while checkpoint.stage == "approach":
-        _, checkpoint = next_frame(scene, checkpoint)
-    state = checkpoint.state
-    state = replace(state, load=0.0, past=[(0.0, state.u)])
-    fast, lift = Fast(scene, checkpoint.first, state.active.size), Loading("height", (0.0, -scene.delta), (0.0, 1.0))
+    scene = scene_of(lam, nodes)
     stiff, R = scene.E / (1.0 - scene.nu**2), scene.radius * scene.width
     unit_P = (np.pi * stiff * scene.phi_n**2 * R) ** (1.0 / 3.0)
     unit_a = 2.0 * (scene.phi_n * R**2 / (np.pi * stiff)) ** (1.0 / 3.0)
+    pressure, area = raised(scene, LIFT)
+    return pressure * scene.width / unit_P, 0.5 * area * scene.width / unit_a
+
+
+def raised(scene, step):
+    """(mean pressure GPa, A_bar) of every increment, of `step` delta_n, while the punch is raised until it is free."""
     curve = []
-    for k in range(1, MOST_LIFTS + 1):
-        done = fast.increment(state, lift, LIFT * k * scene.delta_n)
-        state = done.state
-        load = forces(scene, done.traction)[1] * scene.E * scene.width / unit_P
-        half = 0.5 * contact_area(scene, done.traction, checkpoint.first)[0] * scene.width / unit_a
-        curve.append((load, half))
-        if half == 0.0 and load > 0.5 * min(curve)[0]:
+    for pressure, area in driven(scene, step * scene.delta_n * np.arange(1, MOST_LIFTS + 1)):
+        curve.append((pressure, area))
+        if area == 0.0 and pressure > 0.5 * min(curve)[0]:
             break
     return np.array(curve).T
+
+
+def driven(scene, heights, leave_out=ALL):
+    """Yield (mean pressure GPa, A_bar) at every height (nm) of the top above the end of the approach, in order.
+
+    Below it (negative, falling) where the scene's own range of indentation ends; then the patch must be the whole cell.
+    """
+    checkpoint = Checkpoint()
+    while checkpoint.stage == "approach":
+        _, checkpoint = next_frame(scene, checkpoint, leave_out=leave_out)
+    state, upwards = checkpoint.state, float(np.sign(heights[0]))
+    state = replace(state, load=0.0, past=[(0.0, state.u)])
+    fast = Fast(scene, checkpoint.first, state.active.size)
+    path = Loading("height", (0.0, -scene.delta), (0.0, upwards))
+    for height in heights:
+        done = fast.increment(state, path, upwards * height)
+        state = done.state
+        yield forces(scene, done.traction)[1] * scene.E, contact_area(scene, done.traction, checkpoint.first)[0]
 
 
 def cylinder():

@@ -22,12 +22,14 @@ class Record:
     """The states of one branch in order of the load, from where it was entered to its fold.
 
     loads: nm; states: (u, active) of each. After `close`: fold, its end, and sites, how far it slips there.
+    direction: of the top along x, +1 or -1.
     """
 
     loads: list = field(default_factory=list)
     states: list = field(default_factory=list)
     fold: Slip | None = None
     sites: int = 0
+    direction: float = 1.0
 
     def copy(self):
         """The same states in lists of their own, so that going on with one leaves the other as it is."""
@@ -36,7 +38,7 @@ class Record:
     def add(self, load, u, active, moved=0.0):
         """Insert a state that has moved on by that distance (nm) in order of its load, unless it is there already."""
         load = load - moved
-        u = u - np.array([[moved], [0.0]])
+        u = u - self._shift(moved)
         i = bisect_left(self.loads, load)
         if any(abs(other - load) < 1e-9 for other in self.loads[max(i - 1, 0) : i + 1]):
             return
@@ -54,12 +56,19 @@ class Record:
         near = slice(low, low + STENCIL)
         arcs = [-sqrt(max(self.fold.load - other, 0.0)) for other in self.loads[near]]
         weights = lagrange(arcs, -sqrt(max(self.fold.load - load, 0.0)))
-        u = np.array([[moved], [0.0]]) + combine(weights, [state for state, _ in self.states[near]])
+        u = self._shift(moved) + combine(weights, [state for state, _ in self.states[near]])
         return u, self.states[max(i - 1, 0)][1]
+
+    def slip(self, moved):
+        """The Slip that ends the branch, moved on by that distance (nm)."""
+        return replace(self.fold, load=self.fold.load + moved, before=self.fold.before + self._shift(moved))
+
+    def _shift(self, moved):
+        return np.array([[self.direction * moved], [0.0]])
 
     def close(self, fold, landed, spacing, unit):
         """End the branch with a Slip; True if the state landed in was passed before: then all that follows is known."""
-        sites = round(float(np.max(landed.u[0] - fold.before[0])) / spacing)
+        sites = round(float(np.max(self.direction * (landed.u[0] - fold.before[0]))) / spacing)
         home = fold.load - sites * spacing
         if sites < 1 or len(self.loads) < STENCIL or home < self.loads[0] - SAME * unit:
             return False

@@ -13,20 +13,26 @@ class NotConverged(RuntimeError):
 
 @dataclass(frozen=True)
 class Loading:
-    """A straight path of the rigid top: (U_x, U_z) = base + load * direction, nm."""
+    """A straight path of the rigid top: (U_x, U_z) = base + load * direction, nm; the load only ever increases."""
 
-    name: str  # of the load parameter, for messages: "delta" or "U_x"
+    name: str  # of the load parameter, for messages: "delta" or "U_x", with a minus where that falls
     base: tuple
     direction: tuple
+    upright: bool = False  # whether U_x = 0 from the start of the run on, so that a mirrored state stays mirrored
 
     def at(self, load):
         """(U_x, U_z) at that load, nm."""
         return self.base[0] + load * self.direction[0], self.base[1] + load * self.direction[1]
 
+    def coordinate(self, load):
+        """U_x or delta, whichever changes along the path, at that load, nm."""
+        U_x, U_z = self.at(load)
+        return U_x if self.direction[0] else -U_z
+
 
 def approach(scene):
     """Lowering the top: the load is delta."""
-    return Loading("delta", (0.0, 0.0), (0.0, -1.0))
+    return Loading("delta", (0.0, 0.0), (0.0, -1.0), True)
 
 
 def shear(scene):
@@ -42,10 +48,6 @@ class Slip:
     before: np.ndarray  # (2, m) displacement there, nm
     traction: np.ndarray  # (2, m) traction there, GPa
 
-    def moved(self, distance):
-        """The same slip a whole number of lattice periods (nm) farther on."""
-        return Slip(self.load + distance, self.before + np.array([[distance], [0.0]]), self.traction)
-
 
 @dataclass
 class State:
@@ -58,6 +60,7 @@ class State:
     secants: Secants | None = None
     record: object = None  # the Record of this branch, if sliding may repeat it
     sites: int = 0  # by which the state has moved on from the record; counts once that is closed
+    doubtful: bool = False  # whether it may be unstable, or no equilibrium, under the loading to come
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ import numpy as np
 from .contact import patch, wider
 from .fire import Fire
 from .gfmd import MassWeighted
+from .legs import legs_of
 from .loadpath import BULGE, METHODS, _frame, _widened, load_path
-from .state import Increment, approach, shear
+from .state import Increment
 
 SERIES = {
     "fast": "fast: secant steps on a branch, the overdamped flow between branches",
@@ -30,22 +31,25 @@ def _path(scene, variant):
     """As `load_path`, by a method that the command line does not offer."""
     first, size = patch(scene, BULGE)
     solver, state = variant(scene, first, size), None
-    approaching = [scene.approach_at(k) for k in range(scene.approach_increments + 1)]
-    shearing = [scene.shear_at(k) for k in range(scene.shear_increments + 1)]
-    for loading, loads in ((approach(scene), approaching), (shear(scene), shearing)):
-        state = state and replace(state, load=0.0)  # the end of the approach is the start of the shear
-        stage = "approach" if loads is approaching else "shear"
-        for k, load in enumerate(loads):
+    for leg in legs_of(scene):
+        loading = leg.loading
+        state = state and replace(state, load=leg.at(0))  # the end of the approach is the start of the shear
+        for k, load in enumerate(map(leg.at, range(leg.increments + 1))):
             count = -solver.contact.evaluations
             done = _increment(solver, state, loading, load)
-            while solver.contact.crowded(done.state.active):
+            while _too_narrow(solver.contact, done, loading.at(load)[1]):
                 count += solver.contact.evaluations
                 before, (first, size) = first, wider(scene, first, size)
-                state = state and _widened(scene, loading, state, before, first, size)
+                state = state and _widened(scene, leg, state, before, first, size)
                 solver = variant(scene, first, size)
                 done = _increment(solver, state, loading, load)
             state = done.state
-            yield _frame(scene, stage, k, load, first, done, count + solver.contact.evaluations)
+            yield _frame(scene, leg, k, load, first, done, count + solver.contact.evaluations)
+
+
+def _too_narrow(contact, done, height):
+    """Whether nodes outside the patch may act, as in `load_path`."""
+    return contact.crowded(done.state.active) or contact.overlooked(done.traction, height)
 
 
 def _increment(solver, state, loading, load):

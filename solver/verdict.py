@@ -3,7 +3,7 @@
 from dataclasses import asdict
 
 from .accuracy import LONGEST, SLIPS, SWEEPS, VISIBLE
-from .scene import LIMITS
+from .scene import LIMITS, changes
 from .workprecision import QUANTITIES, SAME_BRANCH
 
 # sweep: (what the other direction is called, whether a larger value is the cheaper one, stage of the slips it moves)
@@ -115,15 +115,12 @@ def _short(value):
 
 def title(report):
     """The scene's parameters that differ from the default, and how far the runs go."""
-    own, usual = asdict(report.scene), asdict(type(report.scene)())
-    changed = " ".join(f"{name}={value}" for name, value in own.items() if value != usual[name])
-    return f"{changed or 'default scene'}, up to U_x = {report.horizon:g} nm"
+    return f"{changes(report.scene) or 'default scene'}, up to U_x = {report.horizon:g} nm"
 
 
 def command(report):
     """The command that makes this report."""
-    own, usual = asdict(report.scene), asdict(type(report.scene)())
-    changed = " ".join(f"{name}={value}" for name, value in own.items() if value != usual[name])
+    changed = changes(report.scene)
     options = " --quick" if report.quick else ""
     options += f" --slips {report.slips}" if report.slips != SLIPS[report.quick] else ""
     return f"python -m solver accuracy{options}" + (f" --set {changed}" if changed else "")

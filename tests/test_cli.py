@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 import solver.__main__ as cli
-from solver import LIMITS, NotConverged, Scene, __version__, load_path
+from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
 from solver.progress import Progress
+from solver.scene import CHOICES
 
 ROOT = Path(__file__).parents[1]
 SMALL = ("nodes=64", "width=160", "u_x_max=2")
-HEADER = "U_x,F_bar,L_bar,A_bar,residual,evaluations,slip"
+HEADER = "U_x,delta,F_bar,L_bar,A_bar,residual,evaluations,slip,stage"
 
 
 @pytest.fixture
@@ -99,7 +100,8 @@ def test_npz_holds_curves_and_fields_that_agree(written):
         assert frames == 81
         assert data["u"].shape == data["T"].shape == (frames, 2, m)
         for name in HEADER.split(","):
-            assert data[name].tolist() == [float(row[name]) for row in rows(written.csv)]
+            kind = str if name == "stage" else float
+            assert data[name].tolist() == [kind(row[name]) for row in rows(written.csv)]
         # Outside the patch nothing acts: the sums over it are the forces (round-off of 64 terms).
         scale = scene.spacing / (scene.width * scene.E)
         assert np.allclose(-data["T"][:, 0].sum(1) * scale, data["F_bar"], rtol=1e-10, atol=1e-15)
@@ -111,6 +113,8 @@ def test_npz_pads_where_the_patch_grew(tmp_path):
     def frame(first, m):
         curves = {
             "U_x": 0.0,
+            "delta": 0.0,
+            "stage": "shear",
             "F_bar": 0.0,
             "L_bar": 0.0,
             "A_bar": 0.0,
@@ -162,7 +166,11 @@ def test_beyond_a_limit_one_line_names_parameter_value_and_range(call, name):
         ("nodes=" + "9" * 400, ("nodes", "inf", "4 .. 16384")),
         ("nodes=64.5", ("nodes", "64.5", "4 .. 16384")),
         ("nodes=16", ("nodes", "16", "nm must lie within")),
-        ("surface=bumpy", ("surface", "bumpy", "circular, flat")),
+        ("surface=bumpy", ("surface", "bumpy", "circular, flat, wave, rough, measured")),
+        ("surface=measured", ("surface", "measured", "profile=FILE")),
+        ("measured=file.csv", ("measured", "allowed", "surface")),
+        ("waves=1.5", ("waves", "1.5", "a whole number")),
+        ("seed=one", ("seed", "one", "0 .. 999999")),
         ("Ebar=3", ("Ebar", "allowed", "delta_bar")),
         ("foo", ("foo", "NAME=VALUE", "delta_bar")),
         ("=3", ("''", "allowed", "delta_bar")),
@@ -188,6 +196,31 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_run(call, tmp_path,
         assert (code, err.count("\n")) == (2, 1)
         assert option in err
         assert str(file) in err
+
+
+def test_a_measured_profile_is_read_told_and_written(call, tmp_path):
+    file = tmp_path / "hills.csv"
+    file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
+    settings = (f"profile={file}", "nodes=64", "du_z=0.5", "du_x=0.5", "u_x_max=2")
+    code, out, err = call("run", "--set", *settings, "--json", tmp_path / "j")
+    assert (code, err) == (0, "")
+    assert out.count("profile: ") == 4 and "a tilt of" in out
+    scene = strict(tmp_path / "j")["scene"]
+    again = Scene(**scene | {"measured": Profile(**scene["measured"])})
+    assert again == Scene(
+        surface="measured", measured=read_profile(file), width=160.0, nodes=64, du_z=0.5, du_x=0.5, u_x_max=2.0
+    )
+    assert call("run", "--set", *settings, "width=80", "nodes=32")[0] == 0
+
+
+@pytest.mark.parametrize(("text", "reason"), [("x,z\n1,2\n1,3\n", "line 3: x = 1 after 1"), (None, "is not a file")])
+def test_a_bad_profile_gives_one_line_and_exit_code_two(call, tmp_path, text, reason):
+    file = tmp_path / "bad.csv"
+    if text is not None:
+        file.write_text(text)
+    code, out, err = call("run", "--set", f"profile={file}")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"profile = {str(file)!r}: ") and reason in err
 
 
 def test_bad_input_leaves_files_as_they_are(call, tmp_path):
@@ -284,7 +317,7 @@ def test_progress_is_drawn_on_a_terminal_only():
 def test_help_lists_every_parameter(call):
     code, out, _ = call("run", "--help")
     assert code == 0
-    assert all(name in out for name in (*LIMITS, "surface"))
+    assert all(name in out for name in (*LIMITS, *CHOICES))
 
 
 def test_ci_runs_exactly_the_test_command_of_the_readme():

@@ -1,17 +1,20 @@
 """Forces, contact area and edges from the tractions."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from solver import Scene
-from solver.frame import contact_area, forces
+from solver.frame import contact_area, contact_edges, forces, peel_asymmetry
 
 SCENE = Scene(nodes=100, width=250.0)
 
 
 def test_area_interpolates_between_nodes():
     tz = 1.0 - (np.arange(100) - 50.3) ** 2 / 7.6**2  # changes sign at 50.3 -+ 7.6 nodes
-    area, trailing, leading = contact_area(SCENE, np.array([0 * tz, tz]), 0)
+    area, trailing, leading, patches = contact_area(SCENE, np.array([0 * tz, tz]), 0)
+    assert patches == 1
     # linear interpolation of a parabola: off by the sagitta over one spacing
     assert area * 100 == pytest.approx(15.2, abs=0.04)
     assert (trailing / 2.5, leading / 2.5) == pytest.approx((42.7, 57.9), abs=0.02)
@@ -36,18 +39,63 @@ def test_a_patch_gives_the_area_of_the_whole_surface():
 def test_no_contact_and_full_contact():
     free = contact_area(SCENE, np.full((2, 100), -1.0), 0)
     full = contact_area(SCENE, np.full((2, 100), 1.0), 0)
-    assert free[0] == 0.0 and np.isnan(free[1:]).all()
-    assert full[0] == 1.0 and np.isnan(full[1:]).all()
+    assert free[0] == 0.0 and np.isnan(free[1:3]).all()
+    assert full[0] == 1.0 and np.isnan(full[1:3]).all()
 
 
 def test_two_patches_add_up():
     tz = np.full(100, -1.0)
     tz[10:20] = tz[50:55] = 1.0
-    area, trailing, leading = contact_area(SCENE, np.array([0 * tz, tz]), 0)
-    assert area == pytest.approx(0.15)
+    area, trailing, leading, patches = contact_area(SCENE, np.array([0 * tz, tz]), 0)
+    assert (area, patches) == (pytest.approx(0.15), 2)
     assert (trailing, leading) == pytest.approx((9.5 * 2.5, 54.5 * 2.5))
 
 
 def test_attraction_is_negative_and_friction_opposes_the_pull():
     F_bar, L_bar = forces(SCENE, np.array([np.full(100, -0.7), np.full(100, -1.4)]))
     assert (F_bar, L_bar) == pytest.approx((0.01, -0.02))
+
+
+def test_edges_of_every_patch_come_in_order():
+    tz = np.full(100, -1.0)
+    tz[10:20] = tz[50:55] = 1.0
+    edges = contact_edges(SCENE, np.array([0 * tz, tz]), 0)
+    assert edges == pytest.approx(2.5 * np.array([[9.5, 19.5], [49.5, 54.5]]))
+
+
+@pytest.mark.parametrize("shift", [0, 45, 52, 80, 88, 95])
+def test_a_contact_across_the_ends_of_the_cell_is_one_patch_and_its_edges_go_on(shift):
+    """Moved around the cell, two patches stay two, as long, and as far apart; only their order starts elsewhere."""
+    tz = np.full(100, -1.0)
+    tz[10:20] = tz[25:30] = 1.0
+    T = np.array([0 * tz, np.roll(tz, shift)])
+    area, trailing, leading, patches = contact_area(SCENE, T, 0)
+    assert (area, patches) == (pytest.approx(0.15), 2)
+    edges = contact_edges(SCENE, T, 0)
+    assert (edges[:, 1] - edges[:, 0]).sum() == pytest.approx(15 * 2.5)
+    assert (np.diff(edges.ravel()) > 0.0).all()
+    if T[1, 0] > 0.0 and T[1, -1] > 0.0:  # across the ends: the order starts behind the widest gap
+        assert (trailing, leading) == pytest.approx(((9.5 + shift) % 100 * 2.5, ((9.5 + shift) % 100 + 20) * 2.5))
+    else:
+        assert 0.0 <= trailing < leading <= 250.0
+
+
+def test_full_contact_is_one_patch_without_edges():
+    assert contact_area(SCENE, np.full((2, 100), 1.0), 0)[3] == 1
+    assert contact_area(SCENE, np.full((2, 100), -1.0), 0)[3] == 0
+    assert np.isnan(contact_edges(SCENE, np.full((2, 100), 1.0), 0)).all()
+
+
+def test_peel_asymmetry_is_the_difference_over_the_sum_of_what_the_edges_moved():
+    def frame(*patches):
+        tz = np.full(100, -1.0)
+        for low, high in patches:
+            tz[low:high] = 1.0
+        return SimpleNamespace(T=np.array([0 * tz, tz]), first=0)
+
+    before = frame((10, 20), (50, 60))
+    assert peel_asymmetry(SCENE, before, frame((13, 20), (51, 60))) == pytest.approx(1.0)
+    assert peel_asymmetry(SCENE, before, frame((13, 19), (53, 59))) == pytest.approx(0.5)
+    assert peel_asymmetry(SCENE, before, frame((10, 17), (50, 60))) == pytest.approx(-1.0)
+    assert np.isnan(peel_asymmetry(SCENE, before, before))
+    assert np.isnan(peel_asymmetry(SCENE, before, frame((10, 20))))  # a patch has gone

@@ -131,3 +131,24 @@ def test_profile_touches_at_the_middle_and_is_periodic(nodes):
     assert np.allclose(scene.profile[1:], scene.profile[:0:-1], rtol=1e-12)
     assert scene.profile.min() <= scene.spacing**2 / (8.0 * scene.radius * scene.width) * (1 + 1e-9)
     assert not Scene(surface="flat", nodes=nodes, width=160.0).profile.any()
+
+
+def test_a_refusal_survives_the_way_back_from_a_worker():
+    with pytest.raises(SceneError) as refused:
+        Scene(E=-1.0)
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (again.name, str(again)) == (refused.value.name, str(refused.value))
+
+
+def test_a_punch_pressed_through_the_layer_is_refused_with_a_remedy():
+    assert Scene(delta_bar=0.9, width=100.0, nodes=64, height=0.1).delta == pytest.approx(9.0)
+    with pytest.raises(SceneError, match=r"delta_bar = 1.0: allowed: below 1, .* enlarge height or width"):
+        Scene(delta_bar=1.0, width=100.0, nodes=64, height=0.1)
+
+
+def test_a_tolerance_below_round_off_is_refused_with_a_remedy():
+    assert Scene(tolerance=1e-12).tolerance == 1e-12
+    with pytest.raises(SceneError, match="by round-off; enlarge it, or E"):
+        Scene(E=0.01, tolerance=1e-10)
+    with pytest.raises(SceneError, match=r"round-off alone .* lower height"):
+        Scene(E=0.01, height=100.0, nodes=4096, phi_n=1e3, delta_n=0.1, phi_ratio=100.0, surface="flat", tolerance=1e-3)

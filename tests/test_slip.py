@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from solver import Scene, advance, load_path
+from solver.closing import Closing, closed_up
 from solver.contact import Contact
 from solver.fast import Fast
 from solver.flow import Flow
 from solver.fold import follow
 from solver.growth import growth_rate
 from solver.loadpath import next_frame
-from solver.state import shear
+from solver.state import approach, shear
 
 CASES = [{}, {"delta_bar": -0.15}, {"delta_bar": 0.4, "phi_ratio": 0.1}]
 
@@ -84,3 +85,50 @@ def test_every_frame_is_a_stable_equilibrium(values):
     for frame in load_path(scene):
         contact = Contact(scene, frame.first, frame.u.shape[1])
         assert growth_rate(contact, frame.u, contact.within_window(frame.u)) < 1e-5
+
+
+def drawn_in(scene):
+    """(contact over the whole cell, the undeformed u, (U_x, U_z)) where the first node comes within the window."""
+    contact = Contact(scene, 0, scene.nodes)
+    load = approach(scene).at(scene.approach_at(0))
+    return contact, contact.undeformed(load), load
+
+
+@pytest.mark.parametrize(("E", "least"), [(0.1, 40.0), (1.0, 0.03)])
+def test_closing_reaches_the_rest_that_the_flow_reaches(E, least):
+    """A layer drawn in from ten delta_n away: shut at E = 0.1, hardly moved at E = 1; neither is fully at rest."""
+    scene = Scene(E=E, nodes=256, width=624.64)
+    contact, u, load = drawn_in(scene)
+    flow = Flow(contact, u, load, 0.02)
+    while flow.speed > 1e-6:
+        flow.advance()
+    closing = Closing(contact, u, load)
+    while closing.residual > 1e-6:
+        closing.advance()
+    assert np.abs(flow.u - u).max() > least
+    assert np.abs(closing.u - flow.u).max() < 1e-5
+
+
+def test_coarse_surfaces_lead_to_the_contact_of_the_fine_one():
+    """Every node of a soft punch is drawn in, with and without coarse surfaces; gaps to 1e-6 nm."""
+    scene = Scene(E=0.01, width=1250.0, nodes=512)
+    contact, u, load = drawn_in(scene)
+    rests = []
+    for start in (u, closed_up(contact, u, load, 1.0)):
+        closing = Closing(contact, start, load)
+        while closing.residual > 1e-6:
+            closing.advance()
+        rests.append(closing.u)
+    gaps = [scene.profile + rest[1] for rest in rests]
+    assert all(gap.max() < 0.1 for gap in gaps)
+    assert np.abs(gaps[1] - gaps[0]).max() < 1e-6
+
+
+def test_a_soft_layer_zips_shut_within_a_budget():
+    """At E = 0.01 GPa all 1024 nodes close at first touch: 20 evaluations a node, where the flow needs hundreds."""
+    frame = next(load_path(Scene(E=0.01, u_x_max=0.0)))
+    gap = Scene().profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
+    assert frame.u.shape[1] == 1024 and gap.max() < 0.1
+    assert frame.evaluations < 20 * 1024
+    contact = Contact(Scene(E=0.01), frame.first, 1024)
+    assert growth_rate(contact, frame.u, contact.within_window(frame.u)) < 1e-5

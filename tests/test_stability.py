@@ -4,13 +4,15 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solver import Scene, SceneError, load_path, stability
+from solver import Scene, SceneError, load_path, rest, stability
 from solver.__main__ import main
 from solver.atlas import AXES, REFUSED, Case, cases, scene_fields
 from solver.extended import opinion
@@ -91,6 +93,20 @@ def test_a_saddle_is_told_from_a_rest(frame):
     assert growth(scene, top) == pytest.approx(expected, rel=1e-6)
 
 
+def test_growth_without_a_matrix_agrees_with_the_dense_one(monkeypatch, frame):
+    dense = growth(SMALL, frame)
+    monkeypatch.setattr(rest, "MOST_NODES", 8)
+    monkeypatch.setattr(rest, "MOST_PRODUCTS", 2 * frame.u.shape[1])
+    assert growth(SMALL, frame) == pytest.approx(dense, abs=1e-6)
+
+
+def test_a_site_at_the_edge_of_the_window_may_be_in_or_out():
+    """At U_x = 15 a = 10 the next sites are just 5 delta_t away: exp(-25) of a spring, for either side or for none."""
+    values = {"E": 541.8, "phi_ratio": 0.0, "delta_bar": -1.0, "nu": 0.4999, "height": 100.0, "radius": 0.1}
+    grid = {"nodes": 8, "width": 80.0, "du_z": 1.0, "du_x": 1.0, "u_x_max": 20.0}
+    assert stability.judge(Case(0, "single", ("nodes",), values | grid))["verdict"] == "converged"
+
+
 def judged(monkeypatch, frames):
     """The verdict on a run that yields these frames, or raises them."""
 
@@ -126,6 +142,8 @@ def peculiar(item):
         raise ValueError(item)
     if item == "die":
         os.kill(os.getpid(), signal.SIGKILL)
+    if item == "pid":
+        return os.getpid()
     if item == "hang":
         time.sleep(600.0)
     return item
@@ -137,6 +155,40 @@ def test_a_call_that_crashes_or_hangs_costs_its_process_only():
     assert [found[k] for k in (0, 3, 5)] == ["a", "b", "c"]
     assert [found[k].kind for k in (1, 2, 4)] == ["crash", "error", "hang"]
     assert all(isinstance(found[k], Lost) for k in (1, 2, 4))
+
+
+KILLED = """
+import sys, time
+from solver.farm import outcomes
+from test_stability import peculiar
+for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
+    print(pid, flush=True)
+"""
+
+
+def test_processes_end_with_a_parent_that_is_killed():
+    """The worker is busy for ten minutes when its parent dies; it is gone long before (the poll ends after 20 s)."""
+    here = os.path.dirname(__file__)
+    program = f"import sys; sys.path.insert(0, {here!r})\nif __name__ == '__main__':\n" + "".join(
+        f"    {line}\n" for line in KILLED.strip().splitlines()
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as parent:
+        worker = int(parent.stdout.readline())
+        parent.kill()
+    for _ in range(200):
+        if not alive(worker):
+            break
+        time.sleep(0.1)
+    assert not alive(worker)
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    with open(f"/proc/{pid}/stat") as stat:
+        return stat.read().split()[2] != "Z"
 
 
 @pytest.mark.slow

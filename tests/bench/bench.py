@@ -25,18 +25,19 @@ from solver.fast import MEMORY
 from solver.layer import transforms
 from solver.left_out import ALL
 from solver.loadpath import BULGE
+from solver.presets import preset
 from solver.secants import Secants
 
 PRESETS = {
-    "Fig. 6": {},
-    "case I": {"delta_bar": -0.15},
-    "case II": {"delta_bar": 0.4},
-    "case III": {"delta_bar": 0.4, "phi_ratio": 0.1},
-    "deep compression": {"delta_bar": 1.0},
-    "stiff": {"E": 1000.0},
-    "soft": {"E": 10.0},
-    "low friction": {"phi_ratio": 0.05},
-    "high friction": {"phi_ratio": 2.0},
+    "Fig. 6": preset("fig6").scene,
+    "case I": preset("fig7-case1").scene,
+    "case II": preset("fig7-case2").scene,
+    "case III": preset("fig7-case3").scene,
+    "deep compression": Scene(delta_bar=1.0),
+    "stiff": Scene(E=1000.0),
+    "soft": Scene(E=10.0),
+    "low friction": Scene(phi_ratio=0.05),
+    "high friction": Scene(phi_ratio=2.0),
 }
 SOLVED = ALL - {"translation"}
 SLIPS = 3  # that gfmd has to compute
@@ -72,9 +73,8 @@ def force_error(scene, frames, reference):
     return float(np.abs(force[:, 0] - force[:, 1]).max() / np.abs(force[:, 1]).max())
 
 
-def preset(name, values, quick):
+def measured(name, scene, quick):
     """One row of the table."""
-    scene = Scene(**values)
     reused, t_reused = timed(scene)
     solved, t_solved = timed(scene, leave_out=SOLVED)
     branch = [f.evaluations for f in shear(solved) if not f.slip]
@@ -200,8 +200,8 @@ def main():
         + f"{'fast':>10}{'gfmd':>9}{'reused':>8}{'solved':>7}"
     )
     rows = []
-    for name, values in PRESETS.items():
-        rows.append(preset(name, values, arguments.quick))
+    for name, scene in PRESETS.items():
+        rows.append(measured(name, scene, arguments.quick))
         print(shown(rows[-1]), flush=True)
     report = {"machine": platform.machine(), "python": platform.python_version(), "presets": rows, "flat": flat()}
     if not arguments.quick:

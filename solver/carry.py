@@ -1,0 +1,93 @@
+"""Going on with a run under changed parameters, from the state it has reached in shear."""
+
+from dataclasses import replace
+from math import ceil
+
+import numpy as np
+
+from .contact import Contact
+from .held import joined, parted
+from .legs import Leg, legs_of
+from .loadpath import Checkpoint, owned, top_of
+from .record import Record
+from .scene import SceneError
+from .state import Loading
+
+GEOMETRY = ("surface", "nodes", "width", "radius", "amplitude", "waves", "rms_slope", "hurst", "roll_off", "cut_off",
+            "seed", "measured")  # fmt: skip
+
+
+def carry_on(checkpoint, scene, changed):
+    """The Checkpoint from which the run of `scene` that stands at `checkpoint` goes on as one of the Scene `changed`.
+
+    A new indentation is walked in steps of du_z at the same U_x (stage "press"); all else takes effect at once, in an
+    increment 0 at the same U_x, where the flow decides where the state goes. Then the leg goes on to u_x_max. A load
+    that is held stays the same, in N/m, unless the indentation changes: then it is the load found there.
+    Raises SceneError where `changed` has another surface or does not lead through here, ValueError out of shear.
+    """
+    if changed == scene:
+        return owned(checkpoint)
+    legs = checkpoint.legs or legs_of(scene)
+    leg = next(leg for leg in legs if leg.stage == checkpoint.stage)
+    sign = leg.loading.direction[0]
+    if not sign or checkpoint.state is None:
+        raise ValueError(f"stage = {leg.stage!r}: a run goes on with changed parameters in shear only; start it anew")
+    _refuse(scene, changed)
+    state, top = checkpoint.state, top_of(leg, checkpoint.state)
+    rest = _rest(leg.stage, changed, sign * top[0])
+    plain = replace(parted(state) if leg.held else state, secants=None, sites=0, doubtful=True)
+    press = _press(scene, changed, top, leg.held)
+    pressure = checkpoint.pressure if leg.held else _pressure(scene, checkpoint.first, plain, top)
+    if press is None and rest[0].held:
+        plain = joined(plain, top)
+    ahead = rest if press is None else (press, *rest)
+    load, record = ahead[0].at(0), Record(direction=sign) if press is None else None
+    begun = replace(plain, load=load, past=[(load, plain.u)], record=record)
+    return Checkpoint(ahead[0].stage, 0, checkpoint.first, begun, legs=ahead, pressure=pressure)
+
+
+def _refuse(scene, changed):
+    """Raises SceneError where `changed` is no scene that the state of `scene` can go on in."""
+    given = "allowed: its value while a run goes on", "start the run anew"
+    for name in GEOMETRY:
+        same = name not in ("nodes", "width") and np.array_equal(changed.profile, scene.profile)
+        if getattr(changed, name) != getattr(scene, name) and not same:
+            raise SceneError(name, getattr(changed, name), *given)
+    if scene.surface == "flat" and (scene.damping < 1.0) != (changed.damping < 1.0):
+        raise SceneError("damping", changed.damping, "allowed on the flat: the same side of 1", given[1])
+
+
+def _rest(stage, changed, load):
+    """The legs of `changed` from that load of that stage on."""
+    legs = legs_of(changed)
+    place = next((i for i, leg in enumerate(legs) if leg.stage == stage), None)
+    if place is None:
+        raise SceneError("path", changed.path, f"allowed: one with stage {stage!r}, in which the run is", "start anew")
+    leg = legs[place]
+    end = leg.at(leg.increments)
+    ahead = (end - load) / (leg.step * leg.unit)
+    if ahead < -1e-9:
+        raise SceneError(
+            "u_x_max", changed.u_x_max, f"allowed: {abs(load):g} nm or more, where the run is", "enlarge it"
+        )
+    return replace(leg, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *legs[place + 1 :]
+
+
+def _press(scene, changed, top, held):
+    """The Leg from the present indentation to that of `changed` at fixed U_x, or None where there is none to walk."""
+    now = -top[1]
+    wanted = changed.delta if not held or changed.hold == "delta" or changed.delta != scene.delta else now
+    if abs(wanted - now) <= 1e-12 * changed.delta_0:
+        return None
+    steps = ceil(abs(wanted - now) / (changed.du_z * changed.delta_n) - 1e-9)
+    sign = 1.0 if wanted > now else -1.0
+    loading = Loading("delta" if sign > 0.0 else "-delta", (top[0], 0.0), (0.0, -sign))
+    return Leg("press", loading, sign * now, changed.du_z, changed.delta_n, steps, sign * wanted)
+
+
+def _pressure(scene, first, state, top):
+    """Mean normal traction over the cell, GPa."""
+    alone = state.u.shape[1] == 1 < scene.nodes
+    contact = Contact(scene, first, state.u.shape[1], uniform=alone)
+    contact.residual(state.u, state.active, top, np.empty_like(state.u))
+    return float(contact.traction()[1].sum()) / (1 if alone else scene.nodes)

@@ -1,0 +1,57 @@
+"""The files a run leaves behind: curves as CSV, curves and fields as NPZ, anything as strict JSON."""
+
+import csv
+import json
+from math import isfinite, nan
+
+import numpy as np
+
+COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
+
+
+def write_csv(file, frames):
+    """A row per frame, numbers in full precision."""
+    with open(file, "w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow((*COLUMNS, "stage"))
+        writer.writerows([*(number(getattr(frame, name)) for name in COLUMNS), frame.stage] for frame in frames)
+
+
+def number(value):
+    """A plain int or float, whose text is exact; booleans become 0 and 1."""
+    return float(value) if isinstance(value, (float, np.floating)) else int(value)
+
+
+def write_npz(file, scene, frames):
+    """Curves and stage (frames,), x (m,) nm, u and T (frames, 2, m); nodes outside a frame's patch hold nan and 0."""
+    first = min((frame.first for frame in frames), default=0)
+    last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
+    u = np.full((len(frames), 2, last - first), nan)
+    T = np.zeros_like(u)
+    for k, frame in enumerate(frames):
+        patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
+        u[k, :, patch], T[k, :, patch] = frame.u, frame.T
+    curves = {name: np.array([number(getattr(frame, name)) for frame in frames]) for name in COLUMNS}
+    curves["stage"] = np.array([frame.stage for frame in frames], dtype=str)
+    with open(file, "wb") as out:  # an open file, or NumPy would append .npz to the name that was asked for
+        np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
+
+
+def write_json(file, report):
+    """Strict JSON: what is not a number becomes null."""
+    with open(file, "w", encoding="utf-8") as out:
+        json.dump(plain(report), out, indent=2, allow_nan=False)
+        out.write("\n")
+
+
+def plain(value):
+    """The same in types JSON knows."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(item) for item in value]
+    if isinstance(value, bytes):  # heights of a measured profile
+        return np.frombuffer(value, "<f8").tolist()
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not isfinite(value) else value

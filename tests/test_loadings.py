@@ -1,0 +1,455 @@
+"""Other loadings: unloading, loops, a held load, damping below critical, parameters changed on the way."""
+
+import pickle
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from solver import NotConverged, Scene, SceneError, advance, carry_on, load_path
+from solver.held import Held
+from solver.layer import Modes
+from solver.legs import legs_of
+from solver.limits import PULL_OFF_JKR, pull_off_maugis
+from solver.loadpath import _solver
+from solver.np1 import traction
+
+SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2, u_x_max=8.0)
+PATHS = [
+    {"path": "unload"},
+    {"path": "loop"},
+    {"hold": "load"},
+    {"hold": "load", "path": "loop"},
+    {"damping": 0.25, "delta_bar": 0.2},
+    {"surface": "flat", "phi_ratio": 0.1, "hold": "load", "delta_bar": 0.05},
+    {"surface": "flat", "phi_ratio": 0.1, "path": "loop"},
+]
+
+
+def stage(frames, name):
+    return [f for f in frames if f.stage == name]
+
+
+def same(a, b, error):
+    """Whether two frames agree on the nodes that both keep; the others carry no traction in either."""
+    first, last = max(a.first, b.first), min(a.first + a.u.shape[1], b.first + b.u.shape[1])
+    u, v = (f.u[:, first - f.first : last - f.first] for f in (a, b))
+    return bool(np.abs(u - v).max() < error)
+
+
+# Legs
+
+
+@pytest.mark.parametrize("values", PATHS)
+def test_every_leg_begins_where_the_one_before_ended(values):
+    frames = list(load_path(SMALL.changed(**values)))
+    names = list(dict.fromkeys(f.stage for f in frames))
+    assert names == [leg.stage for leg in legs_of(SMALL.changed(**values))]
+    for before, after in pairwise(names):
+        end, start = stage(frames, before)[-1], stage(frames, after)[0]
+        assert (start.index, start.U_x, start.delta) == (0, end.U_x, end.delta)
+        assert same(start, end, 10 * SMALL.tolerance) and not start.slip
+
+
+@pytest.mark.parametrize("values", PATHS)
+def test_slices_of_every_path_give_the_frames_of_an_uninterrupted_run(values):
+    scene = SMALL.changed(u_x_max=4.0, **values)
+    whole, sliced, checkpoint = list(load_path(scene)), [], None
+    while checkpoint is None or not checkpoint.done:
+        frames, checkpoint = advance(scene, pickle.loads(pickle.dumps(checkpoint)), budget=0.0)
+        sliced += frames
+    assert [(f.stage, f.index, f.U_x, f.slip) for f in sliced] == [(f.stage, f.index, f.U_x, f.slip) for f in whole]
+    assert all(same(a, b, 10 * scene.tolerance) for a, b in zip(sliced, whole, strict=True))
+
+
+def test_the_steps_of_a_leg_are_even_and_its_ends_exact():
+    scene = Scene(path="loop", u_x_max=1.05, du_x=0.1, delta_bar=0.013)
+    shear, back, forth = (leg for leg in legs_of(scene) if leg.stage != "approach")
+    assert [leg.loading.at(leg.at(leg.increments)) for leg in (shear, back, forth)] == [
+        (1.0, -scene.delta),
+        (-1.0, -scene.delta),
+        (1.0, -scene.delta),
+    ]
+    down = legs_of(scene)[0]
+    assert down.at(0) == -scene.delta_0 and down.at(down.increments) == scene.delta
+
+
+def test_a_held_load_and_unloading_exclude_each_other():
+    with pytest.raises(SceneError, match="hold = 'load': allowed with path 'unload': delta; choose path"):
+        Scene(path="unload", hold="load")
+
+
+@pytest.mark.parametrize("name", ["path", "hold"])
+def test_an_unknown_word_is_refused_with_those_known(name):
+    with pytest.raises(SceneError, match=f"{name} = 'up'; allowed".replace("; ", ": ")):
+        Scene(**{name: "up"})
+
+
+# Unloading
+
+
+def punch(lam, nodes=512, half_widths=20.0):
+    """(a frictionless cylinder of that lambda with one spring per node, the force P that is P' = 1)."""
+    phi_n, nu, R = 2.0, 0.4999, 200.0
+    stiff = np.sqrt((4.0 * phi_n / np.e / lam) ** 3 * R / (np.pi**2 * phi_n))
+    width = max(2.0 * half_widths * (phi_n * R**2 / (np.pi * stiff)) ** (1 / 3), 4.0 * np.sqrt(2.0 * R * 13.0))
+    scene = Scene(
+        path="unload", E=stiff * (1.0 - nu**2), nu=nu, phi_ratio=0.0, width=width, nodes=nodes, radius=R / width,
+        delta_t=width / nodes / 5.0, delta_bar=0.4,
+    )  # fmt: skip
+    return scene, (np.pi * stiff * phi_n**2 * R) ** (1 / 3)
+
+
+def pull_off(lam):
+    scene, unit = punch(lam)
+    return min(f.L_bar for f in load_path(scene) if f.stage == "unload") * scene.E * scene.width / unit
+
+
+def test_pull_off_follows_baney_and_hui_into_jkr_as_lambda_grows():
+    """NP1 pulls over a tail where Maugis-Dugdale pulls evenly; the difference dies out as lambda grows."""
+    lams = np.array([1.0, 2.0, 4.0])
+    found = np.array([pull_off(lam) for lam in lams])
+    exact = np.array([pull_off_maugis(lam) for lam in lams])
+    assert np.abs(found / exact - 1.0) == pytest.approx(0.0, abs=0.08)
+    assert (np.abs(found / exact - 1.0) < [0.08, 0.03, 0.01]).all()
+    # in that order towards JKR, and within a hundredth of it at lambda = 4
+    off = np.abs(found / PULL_OFF_JKR - 1.0)
+    assert off[0] > 2.0 * off[1] > 4.0 * off[2] and off[2] < 0.01
+
+
+def test_pull_off_runs_into_the_rigid_limit_as_lambda_falls():
+    """A rigid cylinder's pull-off is the law integrated over the gap: in two dimensions it depends on the law (DMT).
+
+    The deflection left is of the order of lambda, and the pull-off changes by a part of that.
+    """
+    off = []
+    for lam in (0.4, 0.1):
+        scene, unit = punch(lam)
+        depths = np.arange(-2.0, 0.5, 0.02)
+        gaps = scene.profile - depths[:, None]
+        tension = np.where(gaps <= scene.window_n, traction(scene, np.zeros_like(gaps), gaps)[1], 0.0)
+        rigid = tension.sum(axis=1).min() * scene.spacing / unit
+        off.append(abs(pull_off(lam) / rigid - 1.0))
+    assert off[1] < 0.01 and off[1] < 0.3 * off[0]
+
+
+def hysteresis(scene):
+    """(area between the curves of retraction and approach over the largest pull times delta_n, slips by stage)."""
+    frames = list(load_path(scene))
+    up, down = stage(frames, "unload"), stage(frames, "reload")
+    area = np.trapezoid([f.L_bar for f in up], [f.delta for f in up])
+    area += np.trapezoid([f.L_bar for f in down], [f.delta for f in down])
+    slips = {name: [e.load for f in stage(frames, name) for e in f.slips] for name in ("approach", "unload", "reload")}
+    return area / (scene.delta_n * abs(min(f.L_bar for f in up))), slips
+
+
+def softening(scene):
+    """The steepest fall of NP1's pull, phi_n/(delta_n e)^2, times the layer's largest compliance: below 1, stable."""
+    compliance = Modes.of(scene).compliance[1].max()
+    return compliance * scene.phi_n / (np.e * scene.delta_n) ** 2
+
+
+def test_no_hysteresis_where_no_instability_exists():
+    """A window of 30 delta_n: at 10, every node that enters or leaves it changes L by 5e-4 of its largest pull."""
+    scene = Scene(path="unload", E=1000.0, window_n=30.0)
+    area, slips = hysteresis(scene)
+    assert softening(scene) < 1.0 and not any(slips.values())
+    assert abs(area) < 1e-6
+
+
+@pytest.mark.parametrize("E", [20.0, 70.0])
+def test_hysteresis_where_jump_in_and_pull_off_differ(E):
+    scene = Scene(path="unload", E=E)
+    area, slips = hysteresis(scene)
+    assert softening(scene) > 1.0
+    # in contact to a larger height on the way up than on the way down; the second approach repeats the first
+    assert slips["unload"][0] < slips["approach"][0] - 0.1
+    assert slips["reload"] == pytest.approx(slips["approach"], abs=1e-6)
+    assert area > 0.05
+
+
+def test_a_punch_that_holds_is_retracted_until_it_is_free():
+    """At E = 10 it still adheres where the approach began."""
+    scene = Scene(path="unload", E=10.0, du_z=0.5, nodes=512, width=1250.0)
+    frames = list(load_path(scene))
+    up, down = stage(frames, "unload"), stage(frames, "reload")
+    assert up[-1].delta < -scene.delta_0 and abs(up[-1].L_bar) < 1e-4 * abs(min(f.L_bar for f in up))
+    assert down[0].delta == up[-1].delta and down[-1].delta == scene.delta
+    assert same(down[-1], stage(frames, "approach")[-1], 1e-5)
+
+
+# Loop
+
+
+@pytest.mark.parametrize("values", [{}, {"delta_bar": 0.2, "hold": "load"}, {"surface": "flat", "phi_ratio": 0.1}])
+def test_after_one_full_cycle_the_state_repeats(values):
+    """Both ends of a stroke slide steadily; near a fold u varies as the square root of an error of the tolerance."""
+    scene = SMALL.changed(path="loop", tolerance=1e-9, **values)
+    frames = list(load_path(scene))
+    there, back, again = (stage(frames, name)[-1] for name in ("shear", "back", "forth"))
+    assert any(f.slip for f in stage(frames, "shear"))
+    assert same(there, again, 1e-6)
+    stiffness = scene.phi_n / scene.delta_n**2 * (2.0 + 2.0 * scene.phi_ratio)
+    assert np.abs(there.T - again.T).max() < stiffness * 1e-6
+    assert again.F_bar == pytest.approx(there.F_bar, rel=1e-6)
+    assert back.F_bar == pytest.approx(-there.F_bar, rel=1e-6)
+
+
+def test_sliding_back_mirrors_sliding_forth():
+    """Slips lie at opposite loads; known from the record in both directions."""
+    frames = list(load_path(SMALL.changed(path="loop")))
+    back, forth = (stage(frames, name) for name in ("back", "forth"))
+    loads = [np.array([e.load for f in run for e in f.slips]) for run in (back, forth)]
+    assert len(loads[0]) >= 4 and loads[0] == pytest.approx(-loads[1], abs=1e-6)
+    assert [f.F_bar for f in back] == pytest.approx([-f.F_bar for f in forth], abs=1e-6 * max(f.F_bar for f in forth))
+    assert sum(f.repeated for f in back) > 0.3 * len(back) and sum(f.repeated for f in forth) > 0.3 * len(forth)
+
+
+# Held load
+
+
+@pytest.mark.parametrize("values", [{}, {"delta_bar": 0.2}, {"path": "loop"}, {"nu": 0.4999}, {"E": 20.0}])
+def test_the_load_is_held_in_every_frame(values):
+    """To 1e-8 of phi_n/delta_n, the largest pull times e: the mobility of the top makes the tolerance mean that."""
+    scene = SMALL.changed(hold="load", **values)
+    frames = list(load_path(scene))
+    held = stage(frames, "approach")[-1].L_bar
+    after = [f for f in frames if f.stage != "approach"]
+    assert max(abs(f.L_bar - held) for f in after) * scene.E <= 1e-8 * scene.phi_n / scene.delta_n
+    assert max(f.residual for f in frames) <= scene.tolerance
+    assert np.ptp([f.delta for f in after]) > 1e-3 * scene.delta_n
+
+
+@pytest.mark.parametrize("values", [{}, {"delta_bar": 0.3, "phi_ratio": 0.3}])
+def test_stuck_at_held_load_is_stuck_at_the_indentation_that_followed(values):
+    """One equilibrium, found twice: F, A, L equal those of a run at constant delta through the same (delta, U_x).
+
+    A residual of 1e-9 nm, as contact magnifies it some hundred times towards the end of a branch; a window of 20
+    delta_n, as whether a node at its edge still counts is remembered from the way there (at 10, that is 1e-6 of F).
+    """
+    scene = SMALL.changed(hold="load", tolerance=1e-9, window_n=20.0, **values)
+    held = stage(list(load_path(scene)), "shear")
+    stuck = next(i for i, f in enumerate(held) if f.slip)
+    assert stuck > 8
+    for frame in held[2:stuck:4]:
+        other = scene.changed(hold="delta", delta_bar=frame.delta / scene.delta_0, u_x_max=frame.U_x + 1e-9)
+        last = list(load_path(other))[-1]
+        assert (last.U_x, last.delta) == pytest.approx((frame.U_x, frame.delta), abs=1e-9)
+        assert last.F_bar == pytest.approx(frame.F_bar, rel=1e-6)
+        assert last.L_bar == pytest.approx(frame.L_bar, abs=1e-6 * abs(held[0].L_bar))
+        assert last.A_bar == pytest.approx(frame.A_bar, rel=1e-6)
+
+
+def test_a_soft_machine_slips_earlier_under_tension():
+    """What delta holds back, a held pull lifts: the branch ends before that at constant delta."""
+    first = [next(e.load for f in load_path(SMALL.changed(hold=hold)) if f.stage == "shear" for e in f.slips)
+             for hold in ("delta", "load")]  # fmt: skip
+    assert first[1] < first[0] - 0.05
+
+
+def test_gfmd_finds_the_same_states_at_held_load():
+    scene = SMALL.changed(hold="load", u_x_max=5.0)
+    fast, gfmd = list(load_path(scene)), list(load_path(scene, "gfmd"))
+    assert any(f.slip for f in stage(fast, "shear"))
+    assert all(same(a, b, 1e-6) and a.slip == b.slip for a, b in zip(fast, gfmd, strict=True))
+    assert max(abs(a.delta - b.delta) for a, b in zip(fast, gfmd, strict=True)) < 1e-6
+
+
+def test_which_mobility_the_top_has_changes_no_equilibrium(monkeypatch):
+    """Ten times slower or faster: the same branches, the same folds, and in this scene the same slips."""
+    runs, built = [], Held.__init__
+    for factor in (0.1, 1.0, 10.0):
+
+        def slower(self, *arguments, factor=factor, **named):
+            built(self, *arguments, **named)
+            self.mobility *= factor
+            self.compliance.share *= factor
+
+        monkeypatch.setattr(Held, "__init__", slower)
+        _solver.cache_clear()
+        runs.append(list(load_path(SMALL.changed(hold="load"))))
+    _solver.cache_clear()
+    assert sum(f.slip for f in stage(runs[0], "shear")) >= 2
+    assert all(same(a, b, 1e-5) and same(a, c, 1e-5) for a, b, c in zip(*runs, strict=True))
+
+
+def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
+    """All nodes alike: T_z(u_x, gap) = p_0 gives the gap for every u_x, and U_z follows without deflection's change."""
+    scene = SMALL.changed(surface="flat", phi_ratio=0.1, hold="load", delta_bar=0.05, u_x_max=30.0)
+    shear = stage(list(load_path(scene)), "shear")
+    p_0, compliance = shear[0].L_bar * scene.E, Modes.of(scene).compliance[1, 0]
+    assert any(f.slip for f in shear)
+    for frame in shear[::10]:
+        ux, uz = frame.u[:, 0]
+        assert traction(scene, ux, uz)[1] == pytest.approx(p_0, abs=1e-8 * scene.phi_n / scene.delta_n)
+        assert -frame.delta + compliance * p_0 == pytest.approx(uz, abs=1e-7)
+
+
+@pytest.mark.parametrize("method", ["fast", "gfmd"])
+def test_under_too_large_a_pull_the_contact_comes_off_and_the_message_says_so(method):
+    scene = SMALL.changed(hold="load", delta_bar=-0.1)
+    frames = []
+    with pytest.raises(NotConverged) as caught:
+        frames.extend(load_path(scene, method))
+    assert "has pulled off at U_x = " in str(caught.value) and "nothing holds the punch" in str(caught.value)
+    assert "hold delta instead, or press harder" in str(caught.value)
+    checkpoint, frames = None, []
+    while checkpoint is None or not checkpoint.done:
+        more, checkpoint = advance(scene, checkpoint, method=method)
+        frames += more
+    assert checkpoint.failure == str(caught.value)
+    assert any(f.stage == "shear" for f in frames) and all(f.residual <= scene.tolerance for f in frames)
+
+
+# Damping
+
+
+def sites(scene, method="fast"):
+    """By how many sites the contact moves in each slip of the shear: the largest displacement of a node."""
+    shear = stage(list(load_path(scene, method)), "shear")
+    moved = [(b.u[0] - a.u[0]).max() for a, b in pairwise(shear) if b.slip]
+    return [round(float(m) / scene.spacing) for m in moved]
+
+
+def test_inertia_carries_one_slip_over_two_sites():
+    scene = Scene(u_x_max=16.5)
+    assert sites(scene) == [1, 1, 1]
+    assert sites(scene.changed(damping=0.25)) == [2, 2]
+
+
+def test_a_slip_with_inertia_is_one_slip():
+    """Started too close to the end of the branch, the motion would fall back, and slip at the next increment."""
+    shear = stage(list(load_path(Scene(u_x_max=13.0, hold="load", damping=0.25))), "shear")
+    slips = [f.slips for f in shear if f.slip]
+    assert [len(s) for s in slips] == [1, 1] and sites(Scene(u_x_max=13.0, hold="load", damping=0.25)) == [1, 1]
+    assert slips[1][0].load - slips[0][0].load == pytest.approx(Scene().spacing, abs=1e-6)
+
+
+def test_at_critical_damping_the_reference_method_slips_as_the_fast_one():
+    scene = SMALL.changed(u_x_max=5.0)
+    fast, gfmd = (list(load_path(scene.changed(damping=1.0), method)) for method in ("fast", "gfmd"))
+    assert any(f.slip for f in stage(fast, "shear"))
+    assert all(same(a, b, 1e-6) for a, b in zip(fast, gfmd, strict=True))
+
+
+def test_below_critical_damping_branches_are_the_same_and_only_slips_differ():
+    scene = SMALL.changed(u_x_max=3.0)
+    for a, b in zip(load_path(scene), load_path(scene.changed(damping=0.2)), strict=True):
+        assert same(a, b, 1e-6)
+
+
+def test_a_motion_that_never_rests_says_that_the_damping_is_too_small(monkeypatch):
+    """NP1 has no potential: with hardly any damping it may feed an oscillation, here for as long as is waited."""
+    monkeypatch.setattr("solver.inertia.BUDGET", 1000)
+    _solver.cache_clear()
+    scene = Scene(u_x_max=7.0, phi_ratio=0.3, damping=0.05, nodes=512, width=1250.0)
+    with pytest.raises(NotConverged, match=r"try a damping larger than 0\.05"):
+        list(load_path(scene))
+
+
+# Carrying on
+
+
+def until(scene, increments, name="shear"):
+    """(frames, checkpoint) up to that many increments of a stage."""
+    frames, checkpoint = [], None
+    while sum(f.stage == name for f in frames) < increments:
+        more, checkpoint = advance(scene, checkpoint, budget=0.0)
+        frames += more
+    return frames, checkpoint
+
+
+def rest_of(scene, checkpoint):
+    frames = []
+    while not checkpoint.done:
+        more, checkpoint = advance(scene, pickle.loads(pickle.dumps(checkpoint)))
+        frames += more
+    assert checkpoint.failure is None
+    return frames
+
+
+@pytest.mark.parametrize("values", [{}, {"hold": "load"}, {"surface": "flat", "phi_ratio": 0.1}])
+def test_carrying_on_unchanged_is_the_uninterrupted_run(values):
+    scene = SMALL.changed(**values)
+    frames, checkpoint = until(scene, 12)
+    frames += rest_of(scene, carry_on(checkpoint, scene, scene))
+    for a, b in zip(frames, load_path(scene), strict=True):
+        assert np.array_equal(a.u, b.u) and a.slips == b.slips
+
+
+@pytest.mark.parametrize("hold", ["delta", "load"])
+@pytest.mark.parametrize("values", [{"E": 100.0}, {"E": 40.0}, {"phi_n": 2.5}, {"phi_ratio": 0.5}, {"nu": 0.3}])
+def test_changed_parameters_take_effect_where_the_run_is(values, hold):
+    scene = SMALL.changed(hold=hold)
+    frames, checkpoint = until(scene, 12)
+    changed = scene.changed(**values)
+    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    U_x = [f.U_x for f in ahead]
+    assert U_x == pytest.approx(np.arange(frames[-1].U_x, scene.u_x_max + 0.1, 0.2))
+    assert max(f.residual for f in ahead) <= changed.tolerance
+    if hold == "load":
+        L = frames[-1].L_bar * scene.E
+        assert np.array([f.L_bar * changed.E for f in ahead]) == pytest.approx(L, abs=2e-8 * scene.phi_n)
+
+
+def test_changed_stiffness_leads_to_the_branch_of_a_run_with_it_from_the_start():
+    """While stuck, equilibria do not depend on the way there."""
+    scene = SMALL.changed(u_x_max=2.0)
+    _, checkpoint = until(scene, 6)
+    changed = scene.changed(E=100.0)
+    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    assert same(ahead[-1], list(load_path(changed))[-1], 1e-6)
+
+
+@pytest.mark.parametrize("delta_bar", [0.13, -0.07])
+def test_a_changed_indentation_is_walked_at_the_same_place(delta_bar):
+    scene = SMALL.changed(u_x_max=2.0)
+    frames, checkpoint = until(scene, 6)
+    changed = scene.changed(delta_bar=delta_bar)
+    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    press, shear = stage(ahead, "press"), stage(ahead, "shear")
+    assert {f.U_x for f in press} == {frames[-1].U_x} and shear[0].U_x == frames[-1].U_x
+    assert np.abs(np.diff([f.delta for f in press])).max() <= scene.du_z * scene.delta_n + 1e-12
+    assert {f.delta for f in shear} == {changed.delta} and press[0].delta == scene.delta
+    assert same(shear[-1], list(load_path(changed))[-1], 1e-6)
+
+
+def test_a_run_goes_on_from_held_indentation_to_held_load_and_back():
+    scene = SMALL.changed(u_x_max=3.0)
+    frames, checkpoint = until(scene, 6)
+    soft = scene.changed(hold="load")
+    begun = carry_on(checkpoint, scene, soft)
+    ahead, checkpoint = advance(soft, begun, budget=0.0)
+    assert ahead[0].L_bar == pytest.approx(frames[-1].L_bar, rel=1e-7) and ahead[0].delta == pytest.approx(
+        0.0, abs=1e-7
+    )
+    _, checkpoint = advance(soft, checkpoint, budget=0.0)
+    back = rest_of(scene, carry_on(checkpoint, soft, scene))
+    assert stage(back, "shear")[0].delta == scene.delta
+    assert same(back[-1], list(load_path(scene))[-1], 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "name"), [({"nodes": 64}, "nodes"), ({"radius": 2.0}, "radius"), ({"surface": "flat"}, "surface")]
+)
+def test_another_surface_needs_a_run_of_its_own(values, name):
+    _, checkpoint = until(SMALL, 2)
+    with pytest.raises(SceneError, match=f"{name} = .*start the run anew"):
+        carry_on(checkpoint, SMALL, SMALL.changed(**values))
+
+
+def test_a_run_is_carried_on_in_shear_only_and_not_beyond_its_end():
+    _, checkpoint = until(SMALL, 2, "approach")
+    with pytest.raises(ValueError, match="stage = 'approach'"):
+        carry_on(checkpoint, SMALL, SMALL.changed(E=80.0))
+    _, checkpoint = until(SMALL, 12)
+    with pytest.raises(SceneError, match=r"u_x_max = 1\.0: allowed: 2\.2 nm or more"):
+        carry_on(checkpoint, SMALL, SMALL.changed(u_x_max=1.0))
+
+
+def test_carrying_on_leaves_the_given_checkpoint_as_it_is():
+    _, checkpoint = until(SMALL, 6)
+    before = pickle.dumps(checkpoint)
+    rest_of(SMALL.changed(E=90.0), carry_on(checkpoint, SMALL, SMALL.changed(E=90.0)))
+    rest_of(SMALL, carry_on(checkpoint, SMALL, SMALL))
+    assert pickle.dumps(checkpoint) == before

@@ -1,0 +1,206 @@
+"""Measured profiles: what is read, what is done to it and said, and that every refusal names line and reason."""
+
+import pickle
+import re
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+from solver import Profile, ProfileError, Scene, SceneError, load_path, read_profile
+from solver.measured import FEWEST_POINTS, MOST_BYTES, MOST_POINTS, STEEPEST
+
+X = np.linspace(0.0, 640.0, 257)
+HILLS = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # two whole waves: highest at x = 0, 320, 640
+
+
+def table(x, z, separator=", ", heading=""):
+    return heading + "\n".join(f"{a!r}{separator}{b!r}" for a, b in zip(x.tolist(), z.tolist(), strict=True))
+
+
+def shown(profile, nodes=256):
+    """The gap that a scene makes of it."""
+    return Scene(surface="measured", measured=profile, width=profile.length, nodes=nodes).profile
+
+
+@pytest.mark.parametrize("separator", [",", ", ", ";", "\t", " ", "   ", " ; "])
+@pytest.mark.parametrize("heading", ["", "x,z\n", "x [nm] z [nm]\n", "# by hand\n\nx;z\n"])
+def test_columns_may_be_separated_and_headed_in_any_usual_way(separator, heading):
+    assert read_profile(table(X, HILLS, separator, heading)) == read_profile(table(X, HILLS))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_text_bytes_and_files_are_the_same_to_it(tmp_path, end):
+    file = tmp_path / "p.csv"
+    text = table(X, HILLS).replace("\n", end)
+    file.write_bytes(b"\xef\xbb\xbf" + text.encode())
+    assert read_profile(file) == read_profile(text.encode()) == read_profile(text)
+
+
+def test_a_periodic_profile_at_equal_distances_is_kept_as_it_is():
+    profile = read_profile(table(X, HILLS))
+    assert profile.length == 640.0
+    # summits of z touch first: the gap is the highest z less z; the deepest valley, half a wave on, is brought to x = 0
+    expected = 4.0 - np.roll(HILLS[:-1], -64)
+    # the line of least squares through so many points of a cosine is level to 1e-15, z to round-off
+    assert shown(profile) == pytest.approx(expected, abs=1e-12)
+    assert not any("resampled" in note for note in profile.notes)
+
+
+def test_tilt_and_offset_are_removed_and_told():
+    # a line added to whole waves is not quite the line of least squares of the sum: 2 % of the height remain
+    tilted = read_profile(table(X, HILLS + 0.01 * X - 7.0))
+    assert shown(tilted) == pytest.approx(shown(read_profile(table(X, HILLS))), abs=0.05)
+    assert any("tilt of 0.01 was removed" in note for note in tilted.notes)
+
+
+def test_ends_that_do_not_meet_are_joined_near_the_ends_only_and_told():
+    z = 3.0 * np.sin(np.pi * 1.5 * X / 640.0)
+    profile = read_profile(table(X, z))
+    assert any(re.search(r"the ends, \d\.\d+ nm apart, were joined over 32 nm", note) for note in profile.notes)
+    shift = float(re.search(r"shifted by ([\d.]+) nm", profile.notes[-1])[1])
+    heights = np.roll(profile.z, round(shift / 2.5))
+    inside = (X[:-1] > 32.0) & (X[:-1] < 608.0)
+    # within, heights are those of the file less one straight line
+    rest = (heights - z[:-1])[inside]
+    assert np.ptp(np.diff(rest)) < 1e-12
+    # and across the ends, 3 nm apart in the file, they go on as smoothly as there
+    assert abs(heights[0] - heights[-1]) < np.abs(np.diff(z)).max()
+
+
+def test_unequal_distances_are_resampled_linearly_and_told():
+    x = np.sort(np.append(np.random.default_rng(0).uniform(0.0, 640.0, 2000), [0.0, 640.0]))
+    profile = read_profile(table(x, 4.0 * np.cos(2.0 * np.pi * 2.0 * x / 640.0)))
+    assert any("2002 points were resampled linearly to 8004" in note for note in profile.notes)
+    # gaps of up to 3 nm between points: the sagitta of a wave of curvature 4 (2 pi/320)^2 over them, 2e-3 nm; the line
+    # of least squares through points at random tilts by less than 1e-3, but leaves up to 0.1 nm at the ends
+    assert shown(profile) == pytest.approx(shown(read_profile(table(X, HILLS))), abs=0.2)
+
+
+def test_more_points_than_nodes_can_show_are_thinned_out():
+    x = np.arange(40_001) * 0.016
+    profile = read_profile(table(x, np.cos(2.0 * np.pi * x / 640.0)))
+    assert profile.z.size == MOST_POINTS
+    assert any("40001 points were resampled" in note for note in profile.notes)
+
+
+def test_a_width_takes_the_middle_part():
+    profile = read_profile(table(X, HILLS), width=320.0)
+    assert profile.length == 320.0
+    assert any("of 640 nm the 320 nm in the middle are used" in note for note in profile.notes)
+    assert np.ptp(shown(profile)) == pytest.approx(8.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "reason"),
+    [
+        ("", 1, "no points"),
+        ("\n\n# nothing\n", 4, "no points"),
+        ("x,z\n", 2, "no points"),
+        ("a fairy tale\nin two lines\n", 2, "3 columns"),
+        ("x,z\n1,2\n2,three\n", 3, "z = 'three' is not a number"),
+        ("1,2\n2,\n", 2, "z = '' is not a number"),
+        ("1,2\n2,nan\n", 2, "z = nan"),
+        ("1,2\ninf,3\n", 2, "x = inf"),
+        ("1,2\n2,1e300\n", 2, "z = 1e300: allowed"),
+        ("1,2\n2," + "9" * 400 + "\n", 2, "z = 9999"),
+        ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; x must ascend"),
+        ("x z\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; x must ascend"),
+        ("1\n2\n3\n", 1, "one column, two are needed"),
+        ("1,2,3\n", 1, "3 columns, two are needed"),
+        ("1,5;2,0\n", 1, "4 columns, two are needed: x, z in nm, with decimal points, not commas"),
+        ("1,2\n\0\0\0\n", 2, "a zero byte"),
+        (table(X[:9], HILLS[:9]), 9, f"only 9 points, at least {FEWEST_POINTS} are needed"),
+        (table(1e-4 * X, 1e-4 * HILLS), 257, "0.064 nm long, allowed: 1 .. 1e+06 nm"),
+        (table(1e7 * X, HILLS), 42, "x = 1025000000.0: allowed: -1e+09 .. 1e+09 nm"),
+        (table(1e4 * X, HILLS), 257, "6.4e+06 nm long, allowed: 1 .. 1e+06 nm"),
+        (table(X, HILLS + 0.5 * X), 257, "tilted by 0.5, allowed: up to 0.3; level it"),
+        (
+            table(X, np.where(X < 300.0, 0.0, 5.0)),
+            121,
+            "from the point before, allowed: up to 0.3; smooth or rescale it",
+        ),
+    ],
+)
+def test_bad_text_is_refused_with_line_and_reason(text, line, reason):
+    with pytest.raises(ProfileError) as caught:
+        read_profile(text)
+    message = str(caught.value)
+    assert isinstance(caught.value, ValueError) and caught.value.line == line
+    assert message.startswith(f"line {line}: ")
+    assert reason in message and "\n" not in message
+
+
+def test_ends_too_far_apart_to_be_joined_are_refused():
+    # a parabola's flank: level as a whole, but one end stands 45 nm above the other
+    z = np.where(X < 600.0, 0.0, 0.28 * (X - 600.0))
+    z[:60] -= 0.28 * (X[60] - X[:60])
+    with pytest.raises(
+        ProfileError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3"
+    ):
+        read_profile(table(X, z))
+    assert STEEPEST == 0.3
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (bytes(range(256)), "line 2: not UTF-8 text"),
+        ("1,2\n2,3\n".encode("utf-16"), "line 1: not UTF-8 text"),
+        ("1,2\n2,3\n".encode("utf-16-le"), "line 1: a zero byte"),
+        (b"x,z\n1,2\n3,\xb5\n", "line 3: not UTF-8 text"),
+        (b"\0" * 100, "line 1: a zero byte"),
+        (b"7" * (MOST_BYTES + 1), "more than 10 MB"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path, content, reason):
+    file = tmp_path / "p.csv"
+    file.write_bytes(content)
+    for source in (file, content):
+        with pytest.raises(ProfileError, match=reason):
+            read_profile(source)
+
+
+def test_what_is_not_a_file_is_refused(tmp_path):
+    for path in (tmp_path, tmp_path / "missing.csv"):
+        with pytest.raises(ProfileError, match="is not a file"):
+            read_profile(path)
+
+
+@pytest.mark.parametrize("width", [641.0, float("nan"), float("inf")])
+def test_a_width_beyond_the_profile_is_refused(width):
+    with pytest.raises(ProfileError, match="the profile is 640 nm long, the width asked for is"):
+        read_profile(table(X, HILLS), width)
+
+
+def test_junk_never_raises_anything_else():
+    random = np.random.default_rng(0)
+    for count in random.integers(1, 120, 400):
+        for junk in (
+            bytes(random.integers(0, 256, count, dtype=np.uint8)),
+            "".join(random.choice(list("0123456789.,;e-+ \n\tnaix#_"), count)),
+        ):
+            with pytest.raises(ProfileError):
+                read_profile(junk)
+
+
+def test_a_measured_scene_is_hashable_picklable_and_runs():
+    profile = read_profile(table(X, HILLS))
+    scene = Scene(surface="measured", measured=profile, width=640.0, nodes=256, du_z=0.5, du_x=0.5, u_x_max=5.0)
+    assert pickle.loads(pickle.dumps(scene)) == scene
+    assert len({scene, scene.changed(delta_bar=0.1), pickle.loads(pickle.dumps(scene))}) == 2
+    assert "heights" not in repr(scene)
+    assert Profile(**asdict(profile)) == Profile(640.0, profile.z.tolist()) == profile
+    frames = list(load_path(scene))
+    assert max(f.residual for f in frames) <= scene.tolerance
+    assert frames[-1].patches == 2
+
+
+def test_a_measured_surface_needs_its_profile_at_its_width():
+    profile = read_profile(table(X, HILLS))
+    with pytest.raises(SceneError, match=r"surface = 'measured': it needs a profile; give one: profile=FILE"):
+        Scene(surface="measured")
+    with pytest.raises(SceneError, match=r"width = 2500\.0: allowed: the profile's 640\.0 nm; set that width"):
+        Scene(surface="measured", measured=profile)
+    with pytest.raises(SceneError, match="measured = 3: allowed: a Profile or None"):
+        Scene(measured=3)

@@ -1,0 +1,114 @@
+"""Named experiments: the app's file is valid, each of them runs, and the command line knows them."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import solver.__main__ as cli
+from solver import Scene, load_path
+from solver.laws import INTERFACES
+from solver.presets import PresetError, preset, presets, read
+
+ROOT = Path(__file__).parents[1]
+NAMES = tuple(presets())
+EXPECTED = ["fig6", "fig4a-blue", "fig4a-red", "fig4a-green", "fig4b-weak", "fig4b-stiff"]
+EXPECTED += ["fig7-case1", "fig7-case2", "fig7-case3", "fig8-black", "fig8-red", "fig8-blue"]
+
+
+def test_every_figure_has_its_presets():
+    assert list(NAMES) == EXPECTED
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_preset_holds_only_what_differs_from_the_default(name):
+    table = tomllib.loads((ROOT / "app" / "presets.toml").read_text(encoding="utf-8"))[name]
+    known = preset(name)
+    assert known.differences == {key: value for key, value in table.items() if key not in ("title", "look")}
+    assert known.look.endswith(".") and known.look.count(". ") == 0  # one sentence
+
+
+def test_presets_are_told_apart():
+    assert len({known.scene for known in presets().values()}) == len({p.title for p in presets().values()}) == 12
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_preset_runs(name):
+    """To its end, and beyond the onset of sliding where there is one."""
+    scene = preset(name).scene
+    frames = list(load_path(scene))
+    assert len(frames) == scene.approach_increments + scene.shear_increments + 2
+    assert max(f.residual for f in frames) <= scene.tolerance
+    assert any(f.slip for f in frames if f.stage == "shear") is not name.startswith("fig4b")
+
+
+def test_interfaces_of_figure_8_are_those_of_the_presets():
+    for name, values in INTERFACES.items():
+        assert preset(name).scene == Scene(delta_bar=0.2, **values)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("[a]\ntitle = 'A'\nlook = 'B.'\nEbar = 3", ("'a'", "'Ebar'", "allowed", "delta_bar")),
+        ("[a]\ntitle = 'A'\nlook = 'B.'\nE = -3.0", ("'a'", "'E'", "E = -3.0", "0.01 .. 1e+06")),
+        ("[a]\ntitle = 'A'\nlook = 'B.'\nE = 'soft'", ("'a'", "'E'", "soft", "0.01 .. 1e+06")),
+        ("[a]\nlook = 'B.'", ("'a'", "'title'", "None")),
+        ("[a]\ntitle = 'A'\nlook = 3", ("'a'", "'look'", "3")),
+        ("a = 3", ("'a'", "3", "table")),
+        ("[a", ("presets.toml", "correct the line")),
+    ],
+)
+def test_bad_preset_is_refused_by_name_and_key(text, named):
+    with pytest.raises(PresetError) as refused:
+        read(text)
+    assert all(word in str(refused.value) for word in named)
+
+
+def test_run_starts_from_a_preset_and_takes_overrides(capsys, tmp_path):
+    """Few nodes make it quick; what is not overridden comes from the preset."""
+    small = ("--set", "nodes=64", "width=160", "delta_bar=0.3", "u_x_max=1")
+    assert cli.main(["run", *small, "--preset", "fig7-case3", "--json", str(tmp_path / "j")]) == 0
+    scene = Scene(**json.loads((tmp_path / "j").read_text())["scene"])
+    assert scene == Scene(nodes=64, width=160.0, delta_bar=0.3, phi_ratio=0.1, u_x_max=1.0)
+
+
+def test_run_with_an_unknown_preset_lists_the_names_in_one_line(capsys):
+    assert cli.main(["run", "--preset", "fig9"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert all(name in err for name in ("'fig9'", *NAMES))
+
+
+def test_help_lists_the_presets(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["run", "--help"])
+    out = capsys.readouterr().out
+    assert all(f"{name} " in out for name in NAMES)
+
+
+@pytest.fixture
+def anew():
+    """Presets are read once per process: read again within the test, and again after it."""
+    presets.cache_clear()
+    yield
+    presets.cache_clear()
+
+
+@pytest.mark.usefixtures("anew")
+def test_solver_does_without_the_app(monkeypatch, capsys):
+    monkeypatch.setattr("solver.presets.PACKAGE", "no_such_package")
+    assert presets() == {}
+    assert cli.main(["run", "--preset", "fig6"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "come with the app" in err and "--set" in err
+    assert cli.main(["run", "--set", "nodes=64", "width=160", "u_x_max=1"]) == 0
+
+
+@pytest.mark.usefixtures("anew")
+def test_a_broken_file_of_presets_is_one_line(monkeypatch, capsys):
+    monkeypatch.setattr("solver.presets.FILE", "style.css")
+    assert cli.main(["run"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "style.css" in err
