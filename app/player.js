@@ -59,7 +59,7 @@ function heard() {
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
     if (frames > 0 && !me.dragging) writeAddress()
     by("preset").value = me.status.preset
-    by("look").textContent = plain(looks)[me.status.preset]
+    by("look").textContent = presetSaid()
   }
   by("notes").hidden = notes.length === 0
   by("notes").textContent = notes.join(" ")
@@ -80,6 +80,13 @@ function place(name, value) {
   const nearest = list.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(list[best] - value) ? i : best), 0)
   slider.value = nearest
   slider.setAttribute("aria-valuetext", `${value}`)
+}
+
+// What to look for, where the scene is still that of the preset
+function presetSaid() {
+  const { preset, address } = me.status
+  const changed = Object.keys(address).filter((name) => name !== "preset")
+  return changed.length ? `changed: ${changed.map((name) => `${name} = ${address[name]}`).join(", ")}` : plain(looks)[preset]
 }
 
 // What brings this scene back: what differs from the preset
