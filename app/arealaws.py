@@ -53,8 +53,8 @@ def compose():
 
 
 def series_of(scene):
-    """The scene that stands for its series: whatever the indentation and the length of the run."""
-    return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max)
+    """The scene that stands for its series: whatever the indentation, the path and its length."""
+    return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max, path="shear", damping=1.0)
 
 
 def named(scene):

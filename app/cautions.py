@@ -1,5 +1,7 @@
 """When a result depends on a choice: what the visitor is told beside the curves once a run has ended."""
 
+import numpy as np
+
 COARSE = 1.25  # a / delta_t: below, the springs of neighbouring nodes overlap so far that they feel no lattice
 WIDE = 0.6  # of w between the outermost nodes that act: the gap to the next punch is the smaller part
 STRAIN = 0.1  # (|delta| + u_x_max) / h, a bound of the layer's mean strain
@@ -20,7 +22,19 @@ def cautions(scene, widest):
         found.append(
             f"The layer is strained by up to {100 * strain:.0f} %: beyond {100 * STRAIN:.0f} % it is no longer linear."
         )
-    return found if scene.surface == "flat" else found + _of_the_punch(scene, widest)
+    if scene.surface == "circular":
+        found += _of_the_punch(scene, widest)
+    elif scene.surface != "flat":
+        found += _of_the_profile(scene)
+    return found
+
+
+def _of_the_profile(scene):
+    """Whether the surface is too steep for a theory of small slopes."""
+    steepest = float(np.abs(np.diff(scene.profile)).max()) / scene.spacing
+    if steepest <= SLOPE:
+        return []
+    return [f"The surface is as steep as {steepest:.2g} in places: beyond {SLOPE:g} slopes are not small."]
 
 
 def _of_the_punch(scene, widest):

@@ -4,8 +4,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from solver import LIMITS, SURFACES, Scene, SceneError
+from solver import LIMITS, Scene, SceneError
+from solver.legs import legs_of
 from solver.presets import presets
+from solver.scene import CHOICES
 
 INCREMENTS, NUMBERS = 5000, 2_000_000  # of one run, and times nodes: what a browser holds and draws with ease
 MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
@@ -74,11 +76,11 @@ CONTROLS = (
     ),
 )
 NAMES = tuple(control.name for control in CONTROLS)
-ENTERED = tuple(f.name for f in fields(Scene) if f.name in LIMITS or f.name == "surface")  # what can be typed
+ENTERED = tuple(f.name for f in fields(Scene) if f.name in LIMITS or f.name in CHOICES)  # what can be typed
 GROUPS = {
     "Interface": ("phi_n", "delta_n", "delta_t", "window_n", "window_t"),
     "Layer": ("nu", "height", "width", "nodes"),
-    "Load path": ("u_x_max", "du_x", "du_z", "tolerance"),
+    "Load path": ("path", "hold", "u_x_max", "damping", "du_x", "du_z", "tolerance"),
 }
 
 
@@ -107,9 +109,9 @@ def limits(name):
 
 def read(name, text):
     """What was entered for parameter `name`, checked against its range; raises EntryError."""
-    if name == "surface":
-        if text not in SURFACES:
-            raise EntryError(name, f"surface = “{str(text)[:40]}”; allowed: {', '.join(SURFACES)}")
+    if name in CHOICES:
+        if text not in tuple(CHOICES[name]):
+            raise EntryError(name, f"{name} = “{str(text)[:40]}”; allowed: {', '.join(CHOICES[name])}")
         return text
     low, high = limits(name)
     allowed = f"allowed: {low:g} to {high:g}"
@@ -142,9 +144,14 @@ def changed_scene(scene, entries):
         return scene, errors | {error.name: str(error)}
 
 
+def increments_of(scene):
+    """How many increments a run of the scene takes, as far as is known before."""
+    return sum(leg.increments + 1 for leg in legs_of(scene))
+
+
 def _of_a_size(scene, values):
     """Raise EntryError for a run that is more than a browser should have to hold."""
-    increments = scene.approach_increments + scene.shear_increments
+    increments = increments_of(scene)
     nodes = 1 if scene.surface == "flat" else scene.nodes
     if increments > INCREMENTS or increments * nodes > NUMBERS:
         most = min(INCREMENTS, NUMBERS // nodes)

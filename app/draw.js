@@ -62,23 +62,40 @@ const extent = (...lists) => lists.reduce(([a, b], list) => {
 }, [0, 0])
 
 function drawCurves(run, ghost) {
+  if (ghost?.head.abscissa !== run.head.abscissa) ghost = null // drawn along something else
   if (ghost !== drawnGhost) drawGhost(ghost)
-  const U_x = run.shear("U_x"), F = run.shear("F", THOUSAND), L = run.shear("L", THOUSAND), A = run.shear("A", THOUSAND)
+  const U_x = run.shear(run.head.abscissa), F = run.shear("F", THOUSAND), L = run.shear("L", THOUSAND), A = run.shear("A", THOUSAND)
   fill("forces", "F", { U_x, value: F })
   fill("forces", "L", { U_x, value: L })
   fill("area", "A", { U_x, value: A })
   drawSlips(run)
-  figure.forces.x_range.setv({ start: 0, end: run.head.U_end }, here)
+  const [start, end] = run.extent
+  figure.forces.x_range.setv({ start, end }, here)
+  nameAxis(run.head.abscissa)
   const old = (name) => ghost?.shear(name, THOUSAND) ?? []
   fit(figure.forces.y_range, ...extent([-0.01, 0.02], F, L, old("F"), old("L")))
   fit(figure.area.y_range, 0, Math.max(extent(A, old("A"))[1], 5))
+}
+
+// Curves are drawn along U_x, or along delta
+let named = "U_x"
+function nameAxis(abscissa) {
+  if (abscissa === named) return
+  named = abscissa
+  const [symbol, label] = abscissa === "delta" ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
+  for (const view of ["forces", "area", "map"]) {
+    figure[view].below[0].setv({ axis_label: label }, here)
+    for (const tool of figure[view].toolbar.tools) {
+      if (tool.tooltips?.[0]) tool.setv({ tooltips: [[symbol, tool.tooltips[0][1]], ...tool.tooltips.slice(1)] }, here)
+    }
+  }
 }
 
 let drawnGhost = null
 function drawGhost(ghost) {
   drawnGhost = ghost
   for (const [view, name] of [["forces", "F"], ["forces", "L"], ["area", "A"]]) {
-    fill(view, `ghost_${name}`, { U_x: ghost?.shear("U_x") ?? [], value: ghost?.shear(name, THOUSAND) ?? [] })
+    fill(view, `ghost_${name}`, { U_x: ghost?.shear(ghost.head.abscissa) ?? [], value: ghost?.shear(name, THOUSAND) ?? [] })
   }
 }
 
@@ -107,12 +124,12 @@ const nice = (value) => {
   return [1, 1.5, 2, 3, 4, 5, 6, 8, 10].map((m) => m * ten).find((v) => v >= value * 0.999)?.toPrecision(3) * 1
 }
 
-function drawMap(run) {
+function drawMap(run, shown) {
   if (run.sheared < 0) return
-  const { image, rows, columns, low } = run.map()
+  const { image, rows, columns, start, low } = run.map(shown)
   const array = plainData(part.map.map.data_source).image[0].constructor
-  const { spacing, increment } = run.head
-  fill("map", "map", { image: [new array(image, [rows, columns])], x: [-increment / 2], y: [low], dw: [columns * increment], dh: [rows * spacing] })
+  const { spacing, step } = run.head
+  fill("map", "map", { image: [new array(image, [rows, columns])], x: [start - step / 2], y: [low], dw: [columns * step], dh: [rows * spacing] })
   shadeMap(run)
   const [U_x] = run.slips("F")
   fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figure.map.y_range.start) })
@@ -153,7 +170,7 @@ function drawFrame(run, k) {
   }
   fill("traction", "T_n", { x, T: T_n })
   fill("traction", "T_t", { x, T: T_t })
-  drawCursor(run.curves.U_x[k])
+  drawCursor(run.along[k])
 }
 
 function drawCursor(location) {

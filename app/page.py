@@ -12,8 +12,9 @@ from app.controls import CONTROLS, drawer, limits, values_of
 from app.pages import TITLES
 from app.plots import views
 from app.session import VISITORS, Session, visitors
-from solver import LIMITS, SURFACES
+from solver import LIMITS
 from solver.presets import presets
+from solver.scene import CHOICES
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
@@ -74,7 +75,7 @@ def _page(session):
     template.add_variable("drawer", drawer())
     template.add_variable("meaning", _meaning)
     template.add_variable("unit", lambda name: LIMITS[name][2] if name in LIMITS else "")
-    template.add_variable("surfaces", SURFACES)
+    template.add_variable("choices", CHOICES)
     template.add_variable("presets", presets().values())
     template.add_variable("pages", TITLES.items())
     template.add_variable("speeds", SPEEDS)
@@ -85,8 +86,10 @@ def _page(session):
 
 def _meaning(name):
     """What a parameter of the drawer is, with its range."""
-    if name not in LIMITS:
-        return "undeformed profile of the surface"
+    if name in CHOICES:
+        if name == "surface":
+            return "undeformed profile of the surface"
+        return "; ".join(f"{choice}: {what}" for choice, what in CHOICES[name].items())
     low, high = limits(name)
     return f"{LIMITS[name][3]}; {low:g} to {high:g}"
 

@@ -8,15 +8,15 @@ const me = { run: null, ghost: null, anchor: null, at: 0, preview: null, playing
   freshAt: 0, mapped: true, mappedAt: 0, bornAt: 0, clock: 0, begun: 0, quiet: 0 }
 window.punch = me // for the console, and for tests
 
-function order(what, values) {
-  wire.order = JSON.stringify({ do: what, values, n: me.orders++ })
+function order(what, values, more) {
+  wire.order = JSON.stringify({ do: what, values, n: me.orders++, ...more })
 }
 
 // receiving
 
 function receive() {
   const chunk = unpack(wire.chunk)
-  if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head))
+  if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head), me.status.run === chunk.run ? me.status.after : null)
   me.run.add(chunk)
   if (me.following) me.at = me.run.length - 1
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
@@ -38,7 +38,8 @@ function drawFresh(now) {
 }
 
 // A new run takes the screen; what was there when the change began stays behind, pale
-function begin(run) {
+function begin(run, after) {
+  if (after && me.origin?.number === after[0]) run.takeOver(me.origin, after[1])
   if (me.anchor !== null) me.ghost = me.anchor.sheared >= 0 ? me.anchor : me.ghost
   me.anchor = me.dragging ? me.anchor : null
   me.run = run
@@ -58,6 +59,8 @@ function heard() {
   if (me.status.heard === me.orders - 1 && !waiting) { // not the echo of a position the slider has left
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
     if (frames > 0 && !me.dragging) writeAddress()
+    by("profile-error").hidden = !errors.profile
+    by("profile-error").textContent = errors.profile ?? ""
     by("preset").value = me.status.preset
     by("look").textContent = presetSaid()
   }
@@ -107,7 +110,8 @@ function tellState() {
     paused: `after ${frames} of ${total} increments`,
     failed: why,
   }
-  const done = `${frames} increments, ${evaluations} evaluations, ${known ? "computed before" : `${seconds} s`} · all increments converged to ${tolerance.toExponential(0)} nm`
+  const cycle = me.run?.dissipated ?? null
+  const done = `${frames} increments, ${evaluations} evaluations, ${known ? "computed before" : `${seconds} s`} · all increments converged to ${tolerance.toExponential(0)} nm${cycle === null ? "" : ` · dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`}`
   by("status").dataset.state = shown
   by("status").firstElementChild.textContent = shown === "warming" ? "warming up" : shown
   by("status").lastElementChild.textContent = state === "finished" ? done : text[state]
@@ -117,8 +121,9 @@ function tellState() {
 
 // The dearest of the views, in a picture of the screen of its own
 function drawLate(now) {
-  drawMap(me.run)
+  drawMap(me.run, me.drawn)
   me.mapped = true
+  me.stage = me.run.stageOfMap(me.drawn)
   me.mappedAt = now
 }
 
@@ -132,16 +137,18 @@ function showFrame() {
   const k = Math.min(Math.floor(me.preview ?? me.at), run.length - 1)
   drawFrame(run, k)
   me.drawn = k
+  if (run.sheared >= 0 && k >= run.sheared && me.begun === run.number && me.stage !== run.stageOfMap(k)) me.mapped = false
   framePage()
   me.drawnAt = performance.now()
   if (me.preview === null) by("scrub").value = k
   const v = run.values(k), fixed = (x, d) => x.toFixed(d).replace("-", "−")
-  by("scrub").setAttribute("aria-valuetext", `${v.stage ? "shear" : "approach"} increment ${v.index}`)
+  const stage = run.stage(k)
+  by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
   const said = [
-    `${v.stage ? "shear" : "approach"} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
+    `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
     `F̄ = ${fixed(v.F * 1000, 3)}·10⁻³,`, `L̄ = ${fixed(v.L * 1000, 3)}·10⁻³,`,
     `Ā = ${fixed(v.A * 1000, 1)}·10⁻³${v.slip ? ", SLIP" : ""}`,
-    `residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations`,
+    `${stage !== "approach" && run.head.span[0] < 0 && run.head.abscissa === "U_x" ? `W = ${fixed(v.work, 1)} nJ/m, ` : ""}residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations`,
   ]
   said.forEach((text, i) => { by("readout").children[i].textContent = text })
   stateStretch()
@@ -155,9 +162,9 @@ function tick(now) {
   else if (!me.mapped && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
   if (me.playing && !me.following && me.run?.sheared >= 0 && me.preview === null) {
     me.clock += passed
-    me.at += (passed * me.speed) / me.run.head.increment
+    me.at += (passed * me.speed) / me.run.head.step
     const last = me.run.length - 1
-    if (me.at > last + me.speed / me.run.head.increment && me.status.state === "finished") me.at = me.run.sheared // after a second at the end
+    if (me.at > last + me.speed / me.run.head.step && me.status.state === "finished") me.at = me.run.sheared // after a second at the end
     if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && now - me.drawnAt > PICTURE && now > me.quiet) show()
   }
   requestAnimationFrame(tick)
@@ -203,7 +210,10 @@ function reset() {
 
 let waiting = null, last = 0
 function enter(name, value) {
-  if (me.anchor === null) me.anchor = me.run
+  if (me.anchor === null) {
+    me.anchor = me.run
+    goOnFrom()
+  }
   waiting = { ...waiting, [name]: value }
   me.quiet = performance.now() + QUIET
   const rest = 30 - (performance.now() - last)
@@ -213,8 +223,17 @@ function enter(name, value) {
 function send() {
   if (!waiting) return
   last = performance.now()
-  order("scene", waiting)
+  order("scene", waiting, me.from && { from: me.from })
   waiting = null
+}
+
+// With "carry on" a change takes effect at the increment shown, and the run goes on from there
+function goOnFrom() {
+  const k = Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
+  me.from = null
+  if (!by("carry").checked || !(me.run?.sheared >= 0) || k < me.run.sheared) return
+  me.origin = me.run
+  me.from = [me.run.number, k]
 }
 
 function letGo() {
@@ -240,6 +259,16 @@ for (const entry of document.querySelectorAll("[id$=-entry]")) {
 by("preset").addEventListener("change", (event) => {
   if (me.anchor === null) me.anchor = me.run
   order("preset", { preset: event.target.value })
+})
+const LARGEST_FILE = 10e6 // bytes, as the server
+by("profile").addEventListener("change", async (event) => {
+  const file = event.target.files[0]
+  event.target.value = "" // so that the same file can be chosen again
+  if (!file) return
+  if (file.size > LARGEST_FILE) {
+    by("profile-error").textContent = `profile: ${file.name} has ${(file.size / 1e6).toFixed(1)} MB, allowed: 10 MB; thin it out. The run on screen stays.`
+    by("profile-error").hidden = false
+  } else order("profile", { text: await file.text() })
 })
 by("more").addEventListener("click", () => (by("drawer").open ? by("drawer").close() : by("drawer").show()))
 for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
@@ -282,7 +311,7 @@ document.addEventListener("keydown", (event) => {
 
 // hovering a curve shows that increment in every view while playback rests; a click goes there
 for (const name of ["forces", "area", "map"]) {
-  const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x) : null)
+  const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
   figure[name].on_event("mousemove", (event) => { if (!me.playing) { me.preview = there(event); show() } })
   figure[name].on_event("mouseleave", () => { if (me.preview !== null) { me.preview = null; show() } })
   figure[name].on_event("tap", (event) => { const k = there(event); if (k !== null) goto(k) })

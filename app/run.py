@@ -15,6 +15,9 @@ class Run:
     state: str
     started: float  # s, monotonic
     checkpoint: object = None
+    last: object = None  # of the slice before, for the next
+    history: tuple = ()  # ((Scene, frames), ...) of the runs that this one goes on from
+    after: tuple = ()  # (number of the run, frame) from which this one goes on, as the browser knows them
     frames: int = 0
     evaluations: int = 0
     residual: float = 0.0
@@ -29,6 +32,7 @@ class Run:
         return {
             "state": self.state,
             "run": self.number,
+            "after": self.after or None,
             "frames": self.frames,
             "total": self.total,
             "evaluations": self.evaluations,

@@ -10,15 +10,17 @@ from concurrent.futures.process import BrokenProcessPool
 from bokeh.core.properties import Bytes, Nullable, String
 from bokeh.model import DataModel
 
-from app import worker
+from app import tasks, worker
 from app.bench import Bench
 from app.cautions import cautions
-from app.controls import DEFAULT, address_of, changed_scene, scene_from_address, values_of
+from app.controls import DEFAULT, address_of, changed_scene, increments_of, scene_from_address, values_of
 from app.finished import Finished
 from app.finished import shelf as shared_shelf
 from app.pages import Pages
 from app.pool import pool as shared_pool
 from app.run import Run
+from solver import SceneError
+from solver.carry import GEOMETRY
 from solver.presets import presets
 
 log = logging.getLogger("app")
@@ -26,6 +28,7 @@ FIRST = 0.025  # s of work in the first slice: the approach and a little of the 
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
 SPARE = 0.09  # s for which a superseded run may go on if that is enough to finish it: whole curves in a drag
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+CHAINS = 300  # runs from which a later one may go on
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
 
@@ -57,7 +60,8 @@ class Session:
         self.pages = Pages(self)
         self.heard = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
-        self.wanted = None  # a newer scene, while a slice of the old one is still in flight
+        self.chains = {}  # number of a run: its history with itself, ((Scene, frames), ...)
+        self.wanted = None  # a newer (scene, run and frame to go on from), while a slice of the old one is in flight
         self.flight = None
         self.last = None  # the slice before: the worker that did it is the best for the next
         self.closed = False
@@ -83,9 +87,11 @@ class Session:
             order = json.loads(new)
             name, self.heard = order["do"], order.get("n", self.heard)
             if name == "scene":
-                self.change(dict(order["values"]))
+                self.change(dict(order["values"]), order.get("from"))
             elif name in ("hello", "pause", "go", "one", "reset"):
                 getattr(self, name)()
+            elif name == "profile":
+                self.read_profile(str(order["values"]["text"]))
             elif name == "preset":
                 self.choose(order["values"]["preset"])
             elif name == "ask":
@@ -105,15 +111,47 @@ class Session:
         """The page is drawn and listens."""
         self._want(self.scene)
 
-    def change(self, entries):
-        """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays."""
+    def change(self, entries, after=None):
+        """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
+
+        after: (number of a run, frame) whose state the new run goes on from, rather than starting anew.
+        """
         scene, self.errors = changed_scene(self.scene, entries)
         self.notes = []
         if scene == self.scene:
             self.tell()
         else:
+            after = self._usable(scene, after)
             self.scene = scene
+            self._want(scene, after)
+
+    def _usable(self, scene, after):
+        """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
+        if not after or int(after[0]) not in self.chains:
+            return None
+        if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
+            self.notes = ["A run goes on with the same surface and path only: this one starts anew."]
+            return None
+        return int(after[0]), int(after[1])
+
+    def read_profile(self, text):
+        """Show the surface that a CSV describes; one of no use leaves a message, and what is on screen stays."""
+        task = self.pool.submit(tasks.profile_of, text)
+
+        def taken():
+            profile, why = task.result() if not task.exception() else (None, "the worker was lost; try again")
+            if profile is None:
+                self.errors = {"profile": f"profile: {why}. The run on screen stays."}
+                return self.tell()
+            try:
+                scene = self.scene.changed(surface="measured", measured=profile, width=profile.length)
+            except SceneError as error:
+                self.errors = {"profile": f"{error}. The run on screen stays."}
+                return self.tell()
+            self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
             self._want(scene)
+
+        task.add_done_callback(lambda task: self.closed or self.doc.add_next_tick_callback(taken))
 
     def choose(self, preset):
         """Everything as in a preset."""
@@ -148,22 +186,22 @@ class Session:
 
     # the run
 
-    def _want(self, scene):
+    def _want(self, scene, after=None):
         """The latest wish wins: at once, or after a run that seems to end soon, whether it does or not."""
         self.bench.cancel("the scene has changed")
         self.pages.scene_changed()
         if self.flight is None or self.flight.cancel() or self._far_from_done():
-            self._begin(scene)
+            self._begin(scene, after)
             return
         if self.wanted is None:
             number = self.run.number
             self.doc.add_timeout_callback(lambda: self._lose_patience(number), round(1000 * SPARE))
-        self.wanted = scene
+        self.wanted = scene, after
 
     def _lose_patience(self, number):
         """The run had its time and is still not done: its slice may end unseen."""
         if not self.closed and self.wanted is not None and self.run.number == number:
-            self._begin(self.wanted)
+            self._begin(*self.wanted)
 
     def _far_from_done(self):
         """Whether at its pace until now the run would need much longer than SPARE; False before its first slice."""
@@ -180,24 +218,43 @@ class Session:
             self.pool.abandon(self.flight)
             self.flight = None
 
-    def _begin(self, scene):
+    def _begin(self, scene, after=None):
         self._abandon()
         number = self.run.number + 1 if self.run else 1
-        total = scene.approach_increments + scene.shear_increments + 2
         state = "warming" if self.pool.status != "ready" else "running"
-        self.run = Run(number, scene, total, state, time.monotonic())
+        self.run = Run(number, scene, increments_of(scene), state, time.monotonic())
         self.wanted = None
-        known = self.shelf.get(scene)
+        if after:
+            self.run.after, self.run.history = after, self._history(*after)
+            self.run.frames = after[1] + 1
+        self._remember()
+        known = None if after else self.shelf.get(scene)
         if known is not None:
             self._show_known(known)
         else:
             self._submit(FIRST)
         self.tell()
 
+    def _remember(self):
+        """Keep what a later run needs to go on from this one: which scenes it went through, not its frames."""
+        self.chains[self.run.number] = (*self.run.history, (self.run.scene, None))
+        if len(self.chains) > CHAINS:
+            del self.chains[min(self.chains)]
+
+    def _history(self, number, frame):
+        """((Scene, frames), ...) that lead to a frame of a run, that frame included."""
+        found, left = [], frame + 1
+        for scene, count in self.chains[number]:
+            if count is None or left <= count:
+                return (*found, (scene, left))
+            found.append((scene, count))
+            left -= count
+
     def _submit(self, budget):
         if self.flight is None:
             run = self.run
-            self.flight = self.pool.submit(worker.compute, run.scene, run.checkpoint, budget, near=self.last)
+            call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history)
+            self.flight = self.pool.submit(*call, near=self.last)
             self.last = self.flight
             self.flight.add_done_callback(self._arrived)
 
@@ -215,6 +272,8 @@ class Session:
             self._show(future.result())
         except (BrokenProcessPool, CancelledError):
             self._compute_again()
+        except SceneError as error:  # the state does not lead on into this scene
+            self.run.state, self.run.why = "failed", str(error)
         except Exception as error:
             self._fail_unexpectedly(error)
         try:
@@ -224,15 +283,16 @@ class Session:
 
     def _go_on(self):
         if self._gives_way():
-            self._begin(self.wanted)
+            self._begin(*self.wanted)
         elif self.run.state == "running":
             self._submit(BUDGET)
         self.tell()
 
     def _show(self, piece):
         run = self.run
-        run.checkpoint = piece.checkpoint
+        run.checkpoint, run.last = piece.checkpoint, piece.last
         run.frames += piece.frames
+        run.total = run.frames + piece.ahead
         run.evaluations += piece.evaluations
         run.residual = max(run.residual, piece.residual)
         run.widest = max(run.widest, piece.widest)
@@ -243,7 +303,7 @@ class Session:
         if piece.done:
             run.state, run.why = ("failed", piece.failure) if piece.failure else ("finished", "")
             run.total = run.frames if run.state == "finished" else run.total
-            run.checkpoint = None
+            run.checkpoint = run.last = None
             self._keep()
         if piece.done or not self._gives_way():
             self._send(piece.blocks)
@@ -252,7 +312,7 @@ class Session:
         """A finished run goes on the shelf."""
         run = self.run
         self.cautions = cautions(run.scene, run.widest)
-        if run.state == "finished":
+        if run.state == "finished" and not run.history:
             whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
             self.shelf.put(run.scene, whole)
             run.blocks = []
@@ -285,12 +345,13 @@ class Session:
     def tractions(self, number, k):
         """(scene, first node, T (2, m) GPa) of frame k of the run on screen, as sent; None if that is gone."""
         run = self.run
-        if run is None or number != run.number or k < 0:
+        if run is None or number != run.number:
             return None
         known = self.shelf.get(run.scene)
-        for block in run.blocks or (known.blocks if known else ()):
+        k -= sum(frames for _, frames in run.history)  # those of the runs before are not kept
+        for block in run.blocks or (known.blocks if known and not run.history else ()):
             head = worker.header(block)
-            if k < head["frames"]:
+            if 0 <= k < head["frames"]:
                 return run.scene, head["first"], worker.tractions(block, k)
             k -= head["frames"]
         return None

@@ -87,7 +87,7 @@ def _map():
 
 def flat(scene):
     """The scene on screen, flat on flat at zero gap."""
-    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END)
+    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=1.0)
 
 
 class Page:

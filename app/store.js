@@ -1,7 +1,7 @@
 // The frames of a run, as they arrive from the server (format: worker.pack) and as they are asked for by the views.
 
 const by = (id) => document.getElementById(id)
-const COLUMNS = ["stage", "index", "U_x", "delta", "F", "L", "A", "residual", "evaluations", "slip", "U_slip"]
+const COLUMNS = ["stage", "index", "U_x", "delta", "F", "L", "A", "residual", "evaluations", "slip", "slip_at", "work"]
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 
@@ -87,46 +87,90 @@ class Run {
     return Object.fromEntries(COLUMNS.map((name) => [name, this.curves[name][k]]))
   }
 
-  // A curve of the shear frames, times `factor`
+  // A curve of the frames after the approach, times `factor`
   shear(name, factor = 1) {
     return this.sheared < 0 ? [] : Float32Array.from(this.curves[name].slice(this.sheared), (value) => value * factor)
   }
 
-  // [U_x, value] at every slip, times `factor`
+  // What curves are drawn along: U_x, or delta where that is what changes; nm
+  get along() {
+    return this.curves[this.head.abscissa]
+  }
+
+  stage(k) {
+    return this.head.stages[this.curves.stage[k]]
+  }
+
+  // The frames of another run up to k, as the beginning of this one that goes on from there
+  takeOver(other, k) {
+    this.places = other.places.slice(0, k + 1)
+    for (const name of COLUMNS) this.curves[name] = other.curves[name].slice(0, k + 1)
+    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "reach"]) this[name] = other[name]
+  }
+
+  // Work of the top over the closed cycle of a loop, nJ/m, once it is closed
+  get dissipated() {
+    const { stage, work } = this.curves
+    const end = (name) => stage.lastIndexOf(this.head.stages.indexOf(name))
+    return this.whole && end("forth") > 0 ? work[end("forth")] - work[end("shear")] : null
+  }
+
+  // [place along the path, value] at every slip, times `factor`
   slips(name, factor = 1) {
     const at = [[], []]
     this.curves.slip.forEach((slipped, k) => {
       if (!slipped || k < this.sheared) return
-      at[0].push(this.curves.U_slip[k])
+      at[0].push(this.stage(k) === "press" ? this.curves.U_x[k] : this.curves.slip_at[k])
       at[1].push(this.curves[name][Math.max(k - 1, this.sheared)] * factor)
     })
     return at
   }
 
-  // The frame nearest to a displacement of the top, nm
-  nearest(U) {
-    const k = this.sheared + Math.round(U / this.head.increment)
-    return Math.max(this.sheared, Math.min(this.length - 1, k))
+  // The frame nearest to a place along the path, nm; of several the one closest to frame `now`
+  nearest(place, now) {
+    const { along } = this, close = this.head.step / 2
+    let best = this.sheared
+    for (let k = this.sheared; k < this.length; k++) {
+      const nearer = Math.abs(along[k] - place) - Math.abs(along[best] - place)
+      if (nearer < -close || (nearer < close && Math.abs(k - now) < Math.abs(best - now))) best = k
+    }
+    return best
   }
 
-  // Normal traction (GPa) over place and displacement; free places and increments still to come are NaN
-  map() {
-    const start = Math.max(this.sheared, 0)
-    const blocks = new Set(this.places.slice(start).map(([block]) => block.head))
+  // Normal traction (GPa) over place and displacement, of the stage of frame `shown`; free places and increments
+  // still to come are NaN
+  map(shown) {
+    const stage = this.stageOfMap(shown)
+    const frames = this.places.map((_, k) => k).filter((k) => this.curves.stage[k] === stage)
+    const blocks = new Set(frames.map((k) => this.places[k][0].head))
     const from = Math.min(...[...blocks].map((head) => head.first))
     const to = Math.max(...[...blocks].map((head) => head.first + head.nodes))
-    const columns = Math.round(this.head.U_end / this.head.increment) + 1
+    const [start, end] = this.extent, { step } = this.head
+    const columns = Math.round((end - start) / step) + 1
     const rows = to - from
     const image = new Float32Array(rows * columns).fill(NaN)
     const free = this.free
-    for (let k = start, c = 0; k < this.length; k++, c++) {
+    for (const k of frames) {
       const [{ head, fields }, row] = this.places[k]
+      const c = Math.round((this.along[k] - start) / step)
       for (let i = 0; i < head.nodes; i++) {
         const value = fields[2][row * head.nodes + i] * head.scales[2]
         if (value > 0 || value < free) image[(head.first - from + i) * columns + c] = value
       }
     }
-    return { image, rows, columns, low: (from - 0.5) * this.head.spacing - this.head.middle }
+    return { image, rows, columns, start, low: (from - 0.5) * this.head.spacing - this.head.middle }
+  }
+
+  stageOfMap(shown) {
+    const now = this.curves.stage[Math.max(shown, this.sheared)]
+    return this.head.stages[now] === "press" ? this.head.stages.indexOf("shear") : now
+  }
+
+  // What the curves extend over: what was planned, and farther where a punch that still adheres is retracted on
+  get extent() {
+    const { span, step } = this.head
+    const low = this.along.reduce((a, b) => Math.min(a, b), span[0])
+    return [this.sheared >= 0 && low < span[0] - 0.5 * step ? low : span[0], span[1]]
   }
 }
 

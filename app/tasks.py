@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver import NotConverged, load_path
+from solver import NotConverged, ProfileError, load_path, read_profile
 from solver.laws import friction_force, onset
 from solver.picture import fringes, mesh, picture
 
@@ -76,3 +76,11 @@ def _deformed(scene, first, traction, window):
         return np.concatenate([part for line in (*rows, *columns) for part in (line, gap)], axis=1)[0].astype("<f4")
 
     return drawn(x), drawn(z), factor
+
+
+def profile_of(text):
+    """(Profile, None) of the text of a CSV, or (None, why it is of no use)."""
+    try:
+        return read_profile(text), None
+    except ProfileError as error:
+        return None, str(error)

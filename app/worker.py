@@ -12,18 +12,27 @@ import struct
 import threading
 import time
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import e
 from typing import Any
 
 import numpy as np
 import pyfftw
 
-from solver import Scene, advance
+from solver import Checkpoint, Scene, advance
+from solver.carry import carry_on
 from solver.layer import transforms
+from solver.legs import legs_of
+from solver.loadpath import next_frame
 from solver.picture import QUANTITIES, picture
+from solver.work import work_of
 
 NICENESS = 10  # the event loop must win against the physics
-CURVES = ("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip", "U_slip")
+CURVES = (
+    *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
+    *("residual", "evaluations", "slip", "slip_at", "work"),
+)
+STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
 FIELDS = ("gap", "u_x", "T_z", "T_x")
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
@@ -33,14 +42,19 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 
 @dataclass(frozen=True)
 class Slice:
-    """The outcome of one task: packed frames (bytes, one block per patch), their number, the sums over them."""
+    """The outcome of one task: packed frames (bytes, one block per patch), their number, the sums over them.
+
+    ahead: frames still to come, as far as is known; last: the Frame and the work up to it, if the next slice needs it.
+    """
 
     blocks: tuple
     frames: int
+    ahead: int
     evaluations: int
     residual: float  # nm, the largest of the slice
     widest: float  # part of w over which anything acts, the largest of the slice
     checkpoint: Any
+    last: Any
     done: bool
     failure: str | None
 
@@ -92,27 +106,67 @@ def learn(wisdom):
         pyfftw.import_wisdom(wisdom)
 
 
-def compute(scene, checkpoint, budget):
-    """Advance `scene` for about `budget` seconds, somewhat longer if that ends in the approach, and pack the frames."""
+def compute(scene, checkpoint, budget, last=None, history=()):
+    """Advance `scene` for about `budget` seconds, somewhat longer if that ends in the approach, and pack the frames.
+
+    last: that of the Slice before; history: ((Scene, frames), ...) of the runs that this one goes on from.
+    """
+    if checkpoint is None and history:
+        checkpoint = carried((*history, (scene, 0)))
     latest = time.perf_counter() + APPROACH * budget
     frames, checkpoint = advance(scene, checkpoint, budget)
     while checkpoint.stage == "approach" and not checkpoint.done and time.perf_counter() < latest:
         more, checkpoint = advance(scene, checkpoint, budget / APPROACH)
         frames += more
     widest = max((_width(scene, frame) for frame in frames), default=0.0)
+    works, last = _works(scene, frames, last)
     if scene.surface == "flat":
         frames = [_middle(scene, frame) for frame in frames]
-    blocks = list(_same_patch(frames))
+    blocks = list(_same_patch(list(zip(frames, works, strict=True))))
     return Slice(
-        blocks=tuple(pack(scene, block, checkpoint.done and block[-1] is frames[-1]) for block in blocks),
+        blocks=tuple(pack(scene, block, checkpoint.done and block[-1][0] is frames[-1]) for block in blocks),
         frames=len(frames),
+        ahead=_ahead(scene, checkpoint),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
         widest=widest,
         checkpoint=checkpoint,
+        last=last,
         done=checkpoint.done,
         failure=checkpoint.failure,
     )
+
+
+def carried(history):
+    """The checkpoint from which a run goes on as the last scene of history [(scene, frames), ...]: see `carry_on`.
+
+    Every run before is computed again up to the frame at which its successor took over: nothing has to be kept of it.
+    """
+    checkpoint = Checkpoint()
+    for (scene, count), (changed, _) in pairwise(history):
+        for _ in range(count):
+            _, checkpoint = next_frame(scene, checkpoint)
+        checkpoint = carry_on(checkpoint, scene, changed)
+    return checkpoint
+
+
+def _works(scene, frames, last):
+    """The work of the top up to every frame, nJ/m, and (last frame, work up to it); a loop only has use for it."""
+    if scene.path != "loop" or not frames:
+        return [0.0] * len(frames), None
+    before, done = last or (None, 0.0)
+    known = [before] if before else []
+    works = done + work_of(scene, known + frames).top[len(known) :]
+    return works, (frames[-1], works[-1])
+
+
+def _ahead(scene, checkpoint):
+    """Frames still to come."""
+    if checkpoint.done:
+        return 0
+    legs = checkpoint.legs or legs_of(scene)
+    place = next(k for k, leg in enumerate(legs) if leg.stage == checkpoint.stage)
+    return sum(leg.increments + 1 for leg in legs[place:]) - checkpoint.index
 
 
 def _middle(scene, frame):
@@ -129,33 +183,37 @@ def _width(scene, frame):
     return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0
 
 
-def _same_patch(frames):
-    """Cut a list of frames where the patch changes, so that every block is a rectangle."""
+def _same_patch(rows):
+    """Cut a list of (frame, work) where the patch changes, so that every block is a rectangle."""
     block = []
-    for frame in frames:
-        if block and (frame.first, frame.u.shape[1]) != (block[0].first, block[0].u.shape[1]):
+    for frame, work in rows:
+        if block and (frame.first, frame.u.shape[1]) != (block[0][0].first, block[0][0].u.shape[1]):
             yield block
             block = []
-        block.append(frame)
+        block.append((frame, work))
     if block:
         yield block
 
 
-def pack(scene, frames, last):
-    """Bytes of frames of one patch: uint32 length, JSON header, float32 curves (columns, n), int16 fields (4, n, m).
+def pack(scene, rows, last):
+    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 curves (columns, n), int16 fields.
+
+    Fields are (4, n, m): gap, u_x, T_z, T_x.
 
     What goes to a browser has the number of its run in front (uint32, `numbered`).
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
     at half the bytes of float32. A default run takes 1.3 MB.
     """
+    frames = [frame for frame, _ in rows]
     first, nodes = frames[0].first, frames[0].u.shape[1]
     profile = scene.profile[np.arange(first, first + nodes) % scene.nodes]
     u = np.array([frame.u for frame in frames])
     traction = np.array([frame.T for frame in frames])
     fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
     scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
-    curves = np.array([_numbers(frame) for frame in frames], dtype=np.float32).T
+    curves = np.array([_numbers(frame, work) for frame, work in rows], dtype=np.float32).T
+    normal = scene.path == "unload"
     header = {
         "last": last,
         "frames": len(frames),
@@ -164,8 +222,10 @@ def pack(scene, frames, last):
         "spacing": scene.spacing,
         "middle": scene.width / 2,
         "scales": scales,
-        "increment": scene.du_x * scene.delta_t,
-        "U_end": scene.shear_at(scene.shear_increments),
+        "stages": STAGES,
+        "abscissa": "delta" if normal else "U_x",
+        "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
+        "span": _span(scene),
         "adhesion": scene.phi_n / (e * scene.delta_n),
         "reach": REACH,
     }
@@ -198,10 +258,17 @@ def numbered(run, block):
     return struct.pack("<I", run) + block
 
 
-def _numbers(frame):
-    slip_at = frame.U_slip if frame.slip and frame.U_slip is not None else frame.U_x
+def _span(scene):
+    """[lowest, highest] of what is drawn along: U_x, or delta of a path that unloads; nm."""
+    if scene.path == "unload":
+        return [-scene.delta_0, scene.delta]
+    end = scene.shear_at(scene.shear_increments)
+    return [-end if scene.path == "loop" else 0.0, end]
+
+
+def _numbers(frame, work):
     return (
-        frame.stage == "shear",
+        STAGES.index(frame.stage),
         frame.index,
         frame.U_x,
         frame.delta,
@@ -211,5 +278,6 @@ def _numbers(frame):
         frame.residual,
         frame.evaluations,
         frame.slip,
-        slip_at,
+        frame.U_slip if frame.slip else frame.U_x,
+        work,
     )

@@ -1,0 +1,134 @@
+"""Other loadings and surfaces in the app, without a browser: runs that go on, loops, profiles that are uploaded."""
+
+import numpy as np
+import pytest
+from test_app import Page, pool  # noqa: F401  a fixture
+
+from app import worker
+from app.controls import values_of
+from solver import Checkpoint, Scene, load_path
+from solver.carry import carry_on
+from solver.loadpath import next_frame
+from solver.work import work_of
+
+SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
+
+
+@pytest.fixture
+def page(pool):  # noqa: F811
+    visit = Page(pool, SHORT)
+    visit.order("hello")
+    visit.until("finished")
+    yield visit
+    visit.session.close()
+
+
+def carried_frames(scene, count, changed):
+    checkpoint = Checkpoint()
+    for _ in range(count):
+        _, checkpoint = next_frame(scene, checkpoint)
+    checkpoint = carry_on(checkpoint, scene, changed)
+    frames = []
+    while not checkpoint.done:
+        frame, checkpoint = next_frame(changed, checkpoint)
+        frames.append(frame)
+    return frames
+
+
+def change(page, after, **values):
+    page.session.change({name: str(value) for name, value in values.items()}, after)
+    page.session.tell()
+    page.until("finished")
+
+
+def test_a_run_goes_on_from_the_increment_on_screen(page):
+    frame = page.status()["frames"] - 20
+    change(page, (1, frame), E=90)
+    expected = carried_frames(SHORT, frame + 1, SHORT.changed(E=90.0))
+    assert page.status()["after"] == [1, frame]
+    assert page.curve("F_bar") == pytest.approx([f.F_bar for f in expected], rel=1e-6)
+    assert page.status()["frames"] == frame + 1 + len(expected) == page.status()["total"]
+
+
+def test_a_run_that_went_on_can_go_on_again_from_before_and_after_that(page):
+    first = page.status()["frames"] - 20
+    change(page, (1, first), E=90)
+    change(page, (2, first + 5), E=100)
+    assert page.session.run.history == ((SHORT, first + 1), (SHORT.changed(E=90.0), 5))
+    change(page, (3, first - 5), E=110)
+    assert page.session.run.history == ((SHORT, first - 4),)
+
+
+def test_a_run_that_went_on_is_not_taken_for_one_from_the_start(page):
+    change(page, (1, page.status()["frames"] - 10), E=90)
+    assert page.session.shelf.get(SHORT.changed(E=90.0)) is None
+
+
+def test_another_surface_starts_anew_and_says_so(page):
+    change(page, (1, page.status()["frames"] - 10), nodes=250)
+    assert page.status()["after"] is None and "starts anew" in page.status()["notes"][0]
+
+
+def test_where_a_state_does_not_lead_on_the_reason_is_shown(page):
+    page.session.change({"u_x_max": "2"}, (1, page.status()["frames"] - 1))
+    page.session.tell()
+    page.until("failed")
+    assert "u_x_max" in page.status()["why"]
+
+
+def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
+    scene = SHORT.changed(path="loop", u_x_max=4.0)
+    frames = list(load_path(scene))
+    expected = work_of(scene, frames).top
+    checkpoint, last, works = None, None, []
+    while checkpoint is None or not checkpoint.done:
+        piece = worker.compute(scene, checkpoint, 0.005, last)
+        checkpoint, last = piece.checkpoint, piece.last
+        for block in piece.blocks:
+            head = worker.header(block)
+            start = len(block) - 8 * head["frames"] * head["nodes"] - 4 * len(worker.CURVES) * head["frames"]
+            curves = np.frombuffer(block, "<f4", len(worker.CURVES) * head["frames"], start)
+            works += list(curves.reshape(len(worker.CURVES), -1)[worker.CURVES.index("work")])
+    assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
+
+
+def test_a_loop_needs_no_work_elsewhere():
+    piece = worker.compute(SHORT, None, 60.0)
+    assert piece.last is None
+
+
+WAVY = "\n".join(["x, z"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.6f}" for x in range(0, 601, 3)])
+
+
+def upload(page, text):
+    page.order("profile", text=text)
+    while page.session.scene.surface != "measured" and "profile" not in page.status()["errors"]:
+        page.calls.get(timeout=60)()
+
+
+def test_an_uploaded_profile_is_shown_with_what_was_done_to_it(page):
+    upload(page, WAVY)
+    page.until("finished")
+    assert page.session.scene.width == 600.0 and page.session.scene.surface == "measured"
+    assert any("201 points" in note for note in page.status()["notes"])
+    assert values_of(page.session.scene)["surface"] == "measured"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x, z\n1, two\n", "line 2"),
+        (WAVY.replace("30, ", "30, nan #", 1), "line"),
+        (WAVY.replace("\n30, ", "\n3, ", 1), "line 12"),
+        ("1\n2\n3\n", "line"),
+        ("\n".join(f"{x}, {x % 2 * 5}" for x in range(40)), "line"),
+        ("x" * 10_000_001, "MB"),
+        ("", "points"),
+    ],
+    ids=["text", "nan", "descending", "one column", "steep", "10 MB", "empty"],
+)
+def test_a_bad_profile_is_refused_with_line_and_reason_and_the_run_stays(page, text, said):
+    upload(page, text)
+    assert said in page.status()["errors"]["profile"] and "stays" in page.status()["errors"]["profile"]
+    assert page.session.run.number == 1 and page.status()["state"] == "finished"
+    assert page.session.scene == SHORT
