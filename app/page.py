@@ -28,6 +28,7 @@ SCRIPTS = (  # read as one function, in this order
     "arealaws.js",
     "solid.js",
     "player.js",
+    "entries.js",
 )
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4

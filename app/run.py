@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from app import worker
 from solver import Scene
 
 
@@ -27,6 +28,16 @@ class Run:
     why: str = ""
     blocks: list = field(default_factory=list)  # packed frames so far
 
+    def tractions(self, k, blocks):
+        """(first node, T (2, m) GPa) of frame k as the browser numbers them, from packed blocks; None if it is gone."""
+        k -= sum(frames for _, frames in self.history)  # those of the runs before are not kept
+        for block in blocks:
+            head = worker.header(block)
+            if 0 <= k < head["frames"]:
+                return head["first"], worker.tractions(block, k)
+            k -= head["frames"]
+        return None
+
     def told(self):
         """The numbers for the browser, as plain data."""
         return {
@@ -42,3 +53,29 @@ class Run:
             "why": self.why,
             "known": self.state == "finished" and self.seconds == 0.0,
         }
+
+
+class Chains:
+    """Which scenes a visitor's runs went through: all that a later run needs to go on from a frame of one of them."""
+
+    def __init__(self, most=300):
+        self.most, self._of = most, {}  # number of a run: ((Scene, frames), ..., (its own Scene, None))
+
+    def __contains__(self, number):
+        return number in self._of
+
+    def add(self, run):
+        """Remember a run, and forget the oldest of too many."""
+        self._of[run.number] = (*run.history, (run.scene, None))
+        if len(self._of) > self.most:
+            del self._of[min(self._of)]
+
+    def history(self, number, frame):
+        """((Scene, frames), ...) that lead to a frame of a run, that frame included."""
+        found, left = [], frame + 1
+        for scene, count in self._of[number]:
+            if count is None or left <= count:
+                break
+            found.append((scene, count))
+            left -= count
+        return (*found, (scene, left))

@@ -7,9 +7,6 @@ import time
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 
-from bokeh.core.properties import Bytes, Nullable, String
-from bokeh.model import DataModel
-
 from app import tasks, worker
 from app.bench import Bench
 from app.cautions import cautions
@@ -18,7 +15,8 @@ from app.finished import Finished
 from app.finished import shelf as shared_shelf
 from app.pages import Pages
 from app.pool import pool as shared_pool
-from app.run import Run
+from app.run import Chains, Run
+from app.wire import Wire
 from solver import SceneError
 from solver.carry import GEOMETRY
 from solver.presets import presets
@@ -28,20 +26,8 @@ FIRST = 0.025  # s of work in the first slice: the approach and a little of the 
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
 SPARE = 0.09  # s for which a superseded run may go on if that is enough to finish it: whole curves in a drag
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
-CHAINS = 300  # runs from which a later one may go on
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
-
-
-class Wire(DataModel):
-    """What passes between server and browser: packed frames and status to the browser, orders (JSON) from it."""
-
-    chunk = Nullable(Bytes)
-    status = String(default="{}")
-    accuracy = String(default="")  # JSON, only when a measurement was asked for
-    page = String(default="{}")  # JSON, about the page beside the experiment that is open
-    picture = Nullable(Bytes)
-    order = String(default="")
 
 
 class Session:
@@ -60,7 +46,7 @@ class Session:
         self.pages = Pages(self)
         self.heard = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
-        self.chains = {}  # number of a run: its history with itself, ((Scene, frames), ...)
+        self.chains = Chains()
         self.wanted = None  # a newer (scene, run and frame to go on from), while a slice of the old one is in flight
         self.flight = None
         self.last = None  # the slice before: the worker that did it is the best for the next
@@ -136,22 +122,16 @@ class Session:
 
     def read_profile(self, text):
         """Show the surface that a CSV describes; one of no use leaves a message, and what is on screen stays."""
-        task = self.pool.submit(tasks.profile_of, text)
+        task = self.pool.submit(tasks.measured, self.scene, text)
+        task.add_done_callback(lambda task: self.closed or self.doc.add_next_tick_callback(lambda: self._read(task)))
 
-        def taken():
-            profile, why = task.result() if not task.exception() else (None, "the worker was lost; try again")
-            if profile is None:
-                self.errors = {"profile": f"profile: {why}. The run on screen stays."}
-                return self.tell()
-            try:
-                scene = self.scene.changed(surface="measured", measured=profile, width=profile.length)
-            except SceneError as error:
-                self.errors = {"profile": f"{error}. The run on screen stays."}
-                return self.tell()
-            self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
-            self._want(scene)
-
-        task.add_done_callback(lambda task: self.closed or self.doc.add_next_tick_callback(taken))
+    def _read(self, task):
+        scene, why = (None, "the worker was lost; try again") if task.exception() else task.result()
+        if scene is None:
+            self.errors = {"profile": f"profile: {why}. The run on screen stays."}
+            return self.tell()
+        self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(scene.measured.notes)}"]
+        self._want(scene)
 
     def choose(self, preset):
         """Everything as in a preset."""
@@ -225,30 +205,15 @@ class Session:
         self.run = Run(number, scene, increments_of(scene), state, time.monotonic())
         self.wanted = None
         if after:
-            self.run.after, self.run.history = after, self._history(*after)
+            self.run.after, self.run.history = after, self.chains.history(*after)
             self.run.frames = after[1] + 1
-        self._remember()
+        self.chains.add(self.run)
         known = None if after else self.shelf.get(scene)
         if known is not None:
             self._show_known(known)
         else:
             self._submit(FIRST)
         self.tell()
-
-    def _remember(self):
-        """Keep what a later run needs to go on from this one: which scenes it went through, not its frames."""
-        self.chains[self.run.number] = (*self.run.history, (self.run.scene, None))
-        if len(self.chains) > CHAINS:
-            del self.chains[min(self.chains)]
-
-    def _history(self, number, frame):
-        """((Scene, frames), ...) that lead to a frame of a run, that frame included."""
-        found, left = [], frame + 1
-        for scene, count in self.chains[number]:
-            if count is None or left <= count:
-                return (*found, (scene, left))
-            found.append((scene, count))
-            left -= count
 
     def _submit(self, budget):
         if self.flight is None:
@@ -341,20 +306,6 @@ class Session:
             self.run.state = "failed"
             self.run.why = f"{type(error).__name__}: {error}. Press Reset to start again"
         self.tell()
-
-    def tractions(self, number, k):
-        """(scene, first node, T (2, m) GPa) of frame k of the run on screen, as sent; None if that is gone."""
-        run = self.run
-        if run is None or number != run.number:
-            return None
-        known = self.shelf.get(run.scene)
-        k -= sum(frames for _, frames in run.history)  # those of the runs before are not kept
-        for block in run.blocks or (known.blocks if known and not run.history else ()):
-            head = worker.header(block)
-            if 0 <= k < head["frames"]:
-                return run.scene, head["first"], worker.tractions(block, k)
-            k -= head["frames"]
-        return None
 
     def tell(self):
         """Send status, values, notes and errors to the browser."""

@@ -65,10 +65,11 @@ class Page:
         if self.task is not None or self.waiting is None:
             return
         values, self.waiting = self.waiting, None
-        found = self.session.tractions(int(values["run"]), int(values["frame"]))
-        if found is None:
+        run, known = self.session.run, self.session.shelf.get(self.session.run.scene)
+        found = run.tractions(int(values["frame"]), run.blocks or (known.blocks if known else ()))
+        if found is None or int(values["run"]) != run.number:
             return
-        scene, first, traction = found
+        scene, (first, traction) = run.scene, found
         half, thickness = min(abs(float(values["half"])), 0.5 * scene.width), scene.height * scene.width
         window = (0.5 * scene.width - half, 0.5 * scene.width + half, min(DEPTH * half, thickness))
         quantity = values["quantity"] if values["quantity"] in QUANTITIES else QUANTITIES[0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver import NotConverged, ProfileError, load_path, read_profile
+from solver import NotConverged, ProfileError, SceneError, load_path, read_profile
 from solver.laws import friction_force, onset
 from solver.picture import fringes, mesh, picture
 
@@ -78,9 +78,10 @@ def _deformed(scene, first, traction, window):
     return drawn(x), drawn(z), factor
 
 
-def profile_of(text):
-    """(Profile, None) of the text of a CSV, or (None, why it is of no use)."""
+def measured(scene, text):
+    """(the scene with the surface that the text of a CSV describes, None), or (None, why it is of no use)."""
     try:
-        return read_profile(text), None
-    except ProfileError as error:
+        profile = read_profile(text)
+        return scene.changed(surface="measured", measured=profile, width=profile.length), None
+    except (ProfileError, SceneError) as error:
         return None, str(error)

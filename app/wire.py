@@ -1,0 +1,15 @@
+"""What passes between server and browser of one visitor."""
+
+from bokeh.core.properties import Bytes, Nullable, String
+from bokeh.model import DataModel
+
+
+class Wire(DataModel):
+    """What passes between server and browser: packed frames and status to the browser, orders (JSON) from it."""
+
+    chunk = Nullable(Bytes)
+    status = String(default="{}")
+    accuracy = String(default="")  # JSON, only when a measurement was asked for
+    page = String(default="{}")  # JSON, about the page beside the experiment that is open
+    picture = Nullable(Bytes)
+    order = String(default="")
