@@ -115,6 +115,31 @@ SHAPE_BASES = (
     {"phi_ratio": 0.0, "delta_bar": -0.5},
     {"nodes": 1024, "step": 1.0},
 )
+LOADINGS = (
+    {"path": "unload"},
+    {"path": "loop"},
+    {"hold": "load"},
+    {"path": "loop", "hold": "load"},
+    {"damping": 0.5},
+    {"damping": 0.25, "path": "loop"},
+    {"damping": 0.05},
+    {"damping": 4.0, "hold": "load"},
+)
+LOADING_BASES = (
+    {},
+    {"nodes": 61, "delta_bar": 0.5},
+    {"nodes": 97, "E": 1.0},
+    {"E": 1e4},
+    {"E": 1e6, "delta_bar": 0.1},
+    {"delta_bar": 1.0, "nu": 0.4999},
+    {"phi_ratio": 10.0, "normal": 0.3},
+    {"phi_ratio": 0.0, "delta_bar": -0.5},
+    {"surface": "flat"},
+    {"surface": "wave", "delta_bar": 0.3},
+    {"surface": "rough", "cut_off": 0.2, "seed": 3},
+    {"nodes": 1024, "step": 1.0},
+    {"delta_bar": 1.5, "height": 0.03},
+)
 
 
 @dataclass(frozen=True)
@@ -158,7 +183,7 @@ def scene_fields(surface="circular", scale=1.0, **point):
 def cases(quick=False):
     """Every Case of the atlas, about 2,300, or a tenth of them, spread evenly, the same ones each time."""
     chosen = {"single": _singles(), "pair": _pairs(), "random": _corners(), "other": _others(), "refused": _refused()}
-    chosen["shape"] = _shapes()
+    chosen |= {"shape": _shapes(), "loading": _loadings()}
     if quick:
         chosen = {kind: _thinned(list(points), QUICK.get(kind, 20)) for kind, points in chosen.items()}
     points = [(kind, probed, scene_fields(**point)) for kind, group in chosen.items() for probed, point in group]
@@ -234,6 +259,10 @@ def _shapes():
                 wavelength = point.get("nodes", CENTRE["nodes"]) * CENTRE["spacing"] / point["waves"]
                 point["amplitude"] = float(f"{0.999 * point.pop('slope') * wavelength / (2.0 * np.pi):.4g}")
             yield ("surface", *base), point
+
+
+def _loadings():
+    yield from (((*base, *loading), base | loading) for base in LOADING_BASES for loading in LOADINGS)
 
 
 def _refused():

@@ -8,7 +8,8 @@ place (in overclosure by its tangent),
 
 and the layer with these springs is solved for: (I + C S) du = U + C T(u) - u. As the law softens with the square of
 the opening, the linear springs' energy lies above that of the real ones: no step passes over a barrier that the flow
-would not pass (half-quadratic majorization, Geman & Reynolds 1992, doi:10.1109/34.120331).
+would not pass (half-quadratic majorization, Geman & Reynolds 1992, doi:10.1109/34.120331). That is strict for
+phi_t = 0 and open springs; elsewhere it is a guide, as NP1 has no potential, and tests compare with the flow.
 A surface of every r-th node first zips r times as fast; it is followed for r = 2^k, .. 2, 1.
 """
 
@@ -61,6 +62,8 @@ class Closing:
         self.active, self.r = contact.within_window(u), np.empty_like(self.u)
         self._changes = np.zeros(contact.size, int)
         self.quiet = 0  # steps since a node last came into the window or left it
+        self.idle = 0  # steps since more of them were within it than ever before
+        self._most = int(self.active.sum())
         self._closed = closed_stiffness(contact.scene)
         self._unit = min(contact.scene.delta_n, contact.scene.delta_t)
         self._moved = self._unit
@@ -106,7 +109,7 @@ class Closing:
                 break
             _scale(root, direction, layer.field)
             layer.apply()
-            self.contact.evaluations += 1  # a product, which needs no exponentials
+            self.contact.evaluations += 2  # two products, which need no exponentials
             before = product
             if _step(root, direction, layer.product, product, y, rest) <= least:
                 break
@@ -122,6 +125,9 @@ class Closing:
         self._changes += changed
         self.active = active
         self.quiet = 0 if changed.any() else self.quiet + 1
+        inside = int(active.sum())
+        self.idle = 0 if inside > self._most else self.idle + 1
+        self._most = max(self._most, inside)
 
 
 def closed_stiffness(scene):

@@ -33,10 +33,11 @@ MOST_LANDING_STEPS = 150
 SUSPECT = 11  # secant steps after which a state may lie beyond the fold of its branch
 UNSTABLE = 1e-6  # growth rate, per unit of time, above which an equilibrium is a saddle
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
-BUDGET, WORK = 1_500_000, 1e9  # force evaluations of one increment, and times nodes
+BUDGET, WORK = 1_500_000, 1.5e9  # force evaluations of one increment, and times nodes
 FAR = 100.0  # of min(delta_n, delta_t): a slip that has moved a node that far goes on by `closing`,
 PATIENCE, PATIENT_WORK = 30_000, 1e8  # and so does one that has taken as many evaluations, or times nodes,
 STIFFEST = 5e3  # or whose fastest mode decays that much faster than a free surface moves, as on a soft layer
+CIRCLING = 1000  # steps of `closing` without another node in the window, after which the flow takes over again
 SETTLED = 0.1  # of min(delta_n, delta_t): residual at which secant steps may finish such a slip
 
 
@@ -208,6 +209,8 @@ class Fast:
                 self._check_budget(way, loading, fold.load, limit)
                 if isinstance(way, Flow) and self._far(way, fold, patience):
                     way = self._closing(way)
+                elif isinstance(way, Closing) and way.idle > CIRCLING:
+                    way, patience, landed = Flow(self.contact, way.u, way.load, STEP_ERROR * self.unit), None, 1.0
                 if self.contact.crowded(way.active):
                     return State(fold.load, way.u, way.active)
             found = self._land(way, loading, fold.load)
@@ -251,7 +254,7 @@ class Fast:
         if self.contact.evaluations > limit:
             raise NotConverged(
                 f"Not converged at {loading.name} = {load:.6g} nm: residual {way.residual:.2g} nm after {self.budget}"
-                " force evaluations of the slip; try a smaller du_x or du_z, or method gfmd"
+                " force evaluations of the slip; try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
             )
 
     def _land(self, way, loading, load):

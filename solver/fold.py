@@ -42,6 +42,8 @@ def follow(method, state, loading, target):
     for _ in range(MOST_POINTS):
         chord = points[0][1] - points[1][1]
         length = np.abs(chord).max()
+        if length == 0.0:  # an edge in the way of the nodes, or nothing acts yet
+            return _unstable_from(method, state, target)
         chord /= np.sqrt(dot(chord.ravel(), chord.ravel()))
         here = [(dot(chord.ravel(), u.ravel()), load, u) for load, u in points[:3]]
         step = min(step, GROWTH * length)

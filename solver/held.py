@@ -18,7 +18,7 @@ from . import np1
 from .contact import Contact
 from .layer import Convolution
 from .secants import Secants
-from .state import NotConverged
+from .state import PulledOff
 
 BEYOND = 1e9  # nm: the top's gap, far outside any window
 
@@ -58,10 +58,10 @@ class Held(Contact):
         return WithTop(Convolution(self.modes.shifted(sigma), self.nodes, self.free), self.free, 0.0, carried=False)
 
     def within_window(self, u):
-        """As in `Contact`; raises NotConverged once nothing holds the top."""
+        """As in `Contact`; raises PulledOff once nothing holds the top."""
         active = super().within_window(u)
         if self.pressure < 0.0 and not active.any():
-            raise NotConverged(
+            raise PulledOff(
                 f"The contact has pulled off at U_x = {round(u[0, -1], 6) + 0.0:g} nm: under L_bar ="
                 f" {self.pressure / self.scene.E:.4g} nothing holds the punch; hold delta instead, or press harder"
             )

@@ -158,8 +158,8 @@ class Scene:
 
         A displacement u known to eps u makes a traction error of the interface's stiffness times that; errors of the
         nodes are independent, so the layer answers to all of them with the root mean square of its compliance over the
-        modes, (h/G) ((1 + 4 k)/nodes)^1/2 with k the number of waves longer than h. Flat on flat they are all alike, but
-        only one unknown is to be rounded, at a gap where the interface is a tenth as stiff as it can be.
+        modes, (h/G) ((1 + 4 k)/nodes)^1/2 with k the number of waves longer than h. Flat on flat they are all alike,
+        but only one unknown is to be rounded, at a gap where the interface is a tenth as stiff as it can be.
         """
         stiffness = max(self.phi_n / self.delta_n**2, 2.0 * self.phi_t / self.delta_t**2)
         h, nu = self.height * self.width, self.nu

@@ -11,10 +11,11 @@ import numpy as np
 from .atlas import CENTRE, cases
 from .extended import DROPPED, opinion
 from .farm import Lost, outcomes
+from .legs import legs_of
 from .loadpath import load_path
 from .rest import growth
 from .scene import SceneError
-from .state import NotConverged
+from .state import NotConverged, PulledOff
 
 GOOD = ("converged", "refused", "gave up")  # what a scene may come to
 BAD = ("wrong", "non-finite", "warning", "error", "crash", "hang")  # what it must not
@@ -61,14 +62,17 @@ def _judged(case, found):
         "frames": 0,
         "evaluations": 0,
         "slips": 0,
-        "asked": scene.approach_increments + scene.shear_increments + 2,
+        "asked": sum(leg.increments + 1 for leg in legs_of(scene)),
     }
-    kept, failure, work = Sample(), None, 0
+    kept, failure, work, end = Sample(), None, 0, ""
     with suppress(StopIteration):
         frames = load_path(scene)
         while work < WORK:
             try:
                 frame = next(frames)
+            except PulledOff as error:  # what a soft machine does under tension: no failure of the solver
+                end = str(error)
+                break
             except NotConverged as error:
                 failure = str(error)
                 break
@@ -86,7 +90,7 @@ def _judged(case, found):
     wrong = _second_opinions(scene, kept, found)
     if wrong:
         return "wrong", wrong
-    return ("gave up", failure) if failure else ("converged", "")
+    return ("gave up", failure) if failure else ("converged", end)
 
 
 def _finite(frame):

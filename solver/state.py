@@ -11,6 +11,10 @@ class NotConverged(RuntimeError):
     """An increment ended without an equilibrium; the message names the place, the residual and a remedy."""
 
 
+class PulledOff(NotConverged):
+    """A load is held under which the contact has come apart: the end of the run, as there is no equilibrium left."""
+
+
 @dataclass(frozen=True)
 class Loading:
     """A straight path of the rigid top: (U_x, U_z) = base + load * direction, nm; the load only ever increases."""
