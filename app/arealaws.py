@@ -72,6 +72,7 @@ class Page:
         self.views = {name.removeprefix("arealaws_"): view for name, view in views(compose).items()}
         self.sweep = Sweep(session, self._take)
         self.series = {}  # scene: {delta_bar: result}
+        self.marks = {series_of(Scene(**values)): k for k, values in enumerate(INTERFACES.values())}  # as in the paper
         self.shown = None
 
     def start(self):
@@ -111,12 +112,19 @@ class Page:
         if scene.surface == "flat":
             return
         if scene not in self.series:
-            if len(self.series) == MOST:
-                self.series.pop(next(s for s in self.series if s is not self.shown))
+            own = [s for s in self.series if self.marks[s] >= len(INTERFACES)]
+            if scene not in self.marks and len(own) == MOST - len(INTERFACES):
+                self._drop(next(s for s in own if s is not self.shown))
+            taken = {self.marks[s] for s in self.series}
+            self.marks.setdefault(scene, next(k for k in range(len(INTERFACES), MOST + 1) if k not in taken))
             self.series[scene] = {}
         if not self.shown:
             self.shown = scene
         self.sweep.add([(tasks.onset_of, each) for each in scenes])
+
+    def _drop(self, scene):
+        """Take a series off the page; what is known of it is kept (sweep.py)."""
+        del self.series[scene], self.marks[scene]
 
     def _take(self, call, result):
         scene = call[1]
@@ -141,7 +149,7 @@ class Page:
             rows += [(F, A, np.full(F.size, depth)), ([np.nan],) * 3]
             if result["F_s"] is not None:
                 onsets.append((THOUSAND * result["F_s"], THOUSAND * result["A_s"]))
-            law = _quadratic(result)
+            law = _quadratic(self.shown, result)
             if law:
                 fits += [(F, THOUSAND * (law.A_0 - law.zeta * result["F"] ** 2)), ([np.nan],) * 2]
         F, A, depth = _joined(rows, 3)
@@ -154,7 +162,9 @@ class Page:
     def _draw_threshold(self):
         """The onsets of all series with the extended threshold law."""
         most_F = most_A = 0.0
-        for k, results in enumerate([*self.series.values(), *[{}] * (MOST - len(self.series))]):
+        drawn = {self.marks[scene]: results for scene, results in self.series.items()}
+        for k in range(MOST):
+            results = drawn.get(k, {})
             points = [(d, THOUSAND * r["F_s"], THOUSAND * r["A_s"]) for d, r in sorted(_found(results)) if r["F_s"]]
             inside = [p for p in points if p[0] < BEYOND]
             self._draw(
@@ -181,8 +191,16 @@ class Page:
     def _fit(self, slot, F, A):
         figure = self.views[slot].figure
         for axis, values in ((figure.x_range, F), (figure.y_range, A)):
-            high = float(np.nanmax(values)) if len(values) and np.isfinite(values).any() else 1.0
-            axis.update(start=-0.03 * high, end=1.07 * max(high, 1e-3))
+            known = np.asarray(values, float)
+            known = known[np.isfinite(known)]
+            low, high = min([0.0, *known]), max([1e-3, *known])
+            axis.update(start=low - 0.03 * (high - low), end=high + 0.07 * (high - low))
+
+    def _own(self):
+        """Why the scene on screen is no series, if it is none."""
+        if self.session.scene.surface == "flat":
+            return "The surface on screen is flat, without an edge that could peel: it has no series here."
+        return ""
 
     def _tell(self):
         try:
@@ -192,12 +210,19 @@ class Page:
             addable = False
         self.tell(
             busy=self.sweep.part,
+            texts={"arealaws-of": f"of {named(self.shown)}" if self.shown else "", "arealaws-own": self._own()},
             series=[
-                {"name": named(scene), "done": len(results), "of": len(DEPTHS), "shown": scene is self.shown}
+                {
+                    "name": named(scene),
+                    "mark": self.marks[scene],
+                    "done": len(results),
+                    "of": len(DEPTHS),
+                    "shown": scene is self.shown,
+                }
                 | _threshold_row(results)
                 for scene, results in self.series.items()
             ],
-            rows=[_row(depth, result) for depth, result in sorted(_found(self.series[self.shown]))]
+            rows=[_row(self.shown, depth, result) for depth, result in sorted(_found(self.series[self.shown]))]
             if self.shown
             else [],
             failures=[
@@ -222,11 +247,13 @@ def _joined(rows, columns):
     return tuple(np.concatenate([np.asarray(row[c], float) for row in rows]) for c in range(columns))
 
 
-def _quadratic(result):
+def _quadratic(scene, result):
+    """The fitted law, or None where the area does not fall by as much as a node spacing."""
     try:
-        return quadratic_law(result["F"], result["A"])
+        law = quadratic_law(result["F"], result["A"])
     except ValueError:
         return None
+    return law if law.zeta > 0.0 and result["A"][0] - result["A"].min() > 1.0 / scene.nodes else None
 
 
 def _threshold(results, beyond=False):
@@ -248,7 +275,7 @@ def _threshold_row(results):
     return row
 
 
-def _row(depth, result):
-    law = _quadratic(result)
+def _row(scene, depth, result):
+    law = _quadratic(scene, result)
     row = {"delta_bar": depth, "L_0": result["L_0"], "A_0": result["A_0"], "F_s": result["F_s"], "A_s": result["A_s"]}
     return row | ({"zeta": law.zeta, "r2": law.r2, "worst": law.worst, "rise": law.rise} if law else {})

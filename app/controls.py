@@ -7,9 +7,9 @@ import numpy as np
 from solver import LIMITS, Scene, SceneError
 from solver.legs import legs_of
 from solver.presets import presets
-from solver.scene import CHOICES
+from solver.scene import CHOICES, WHOLE
 
-INCREMENTS, NUMBERS = 5000, 2_000_000  # of one run, and times nodes: what a browser holds and draws with ease
+INCREMENTS, NUMBERS = 5000, 2_500_000  # of one run, and times nodes: what a browser holds and draws with ease
 MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
 
 
@@ -78,9 +78,10 @@ CONTROLS = (
 NAMES = tuple(control.name for control in CONTROLS)
 ENTERED = tuple(f.name for f in fields(Scene) if f.name in LIMITS or f.name in CHOICES)  # what can be typed
 GROUPS = {
+    "Load path": ("path", "hold", "u_x_max", "damping", "du_x", "du_z", "tolerance"),
+    "Surface": (),  # those named nowhere else
     "Interface": ("phi_n", "delta_n", "delta_t", "window_n", "window_t"),
     "Layer": ("nu", "height", "width", "nodes"),
-    "Load path": ("path", "hold", "u_x_max", "damping", "du_x", "du_z", "tolerance"),
 }
 
 
@@ -119,6 +120,8 @@ def read(name, text):
         number = float(text)
     except (TypeError, ValueError):
         raise EntryError(name, f"{name} = “{str(text)[:40]}” is not a number; {allowed}") from None
+    if low <= number <= high and name in WHOLE and number != int(number):
+        raise EntryError(name, f"{name} = {number:g} is not a whole number; {allowed}")
     if not low <= number <= high:  # false for NaN as well
         raise EntryError(name, f"{name} = {number:g} is out of range; {allowed}")
     return number

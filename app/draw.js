@@ -6,6 +6,7 @@ for (const name in part) part[name] = plain(part[name])
 const THOUSAND = 1000
 const tints = plain(colours)
 for (const name in tints) tints[name] = plain(tints[name])
+const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 
 // The views of all figures, those of a page as soon as they are made
@@ -74,7 +75,8 @@ function drawCurves(run, ghost) {
   nameAxis(run.head.abscissa)
   const old = (name) => ghost?.shear(name, THOUSAND) ?? []
   fit(figure.forces.y_range, ...extent([-0.01, 0.02], F, L, old("F"), old("L")))
-  fit(figure.area.y_range, 0, Math.max(extent(A, old("A"))[1], 5))
+  const areas = [...A, ...old("A")], least = Math.min(...areas), most = Math.max(...areas, 5)
+  fit(figure.area.y_range, least > NARROW * most ? least : 0, most) // a few per cent of peeling must be seen
 }
 
 // Curves are drawn along U_x, or along delta
@@ -82,6 +84,7 @@ let named = "U_x"
 function nameAxis(abscissa) {
   if (abscissa === named) return
   named = abscissa
+  for (const said of document.querySelectorAll(".slips")) said.textContent = abscissa === "delta" ? "jump" : "slip"
   const [symbol, label] = abscissa === "delta" ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
   for (const view of ["forces", "area", "map"]) {
     figure[view].below[0].setv({ axis_label: label }, here)
@@ -91,6 +94,7 @@ function nameAxis(abscissa) {
   }
 }
 
+const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 let drawnGhost = null
 function drawGhost(ghost) {
   drawnGhost = ghost
@@ -100,23 +104,32 @@ function drawGhost(ghost) {
 }
 
 function drawSlips(run) {
-  for (const [view, name] of [["forces", "F"], ["area", "A"]]) {
+  for (const [view, name] of [["forces", run.head.abscissa === "delta" ? "L" : "F"], ["area", "A"]]) {
     const [U_x, value] = run.slips(name, THOUSAND)
-    fill(view, `slips_${name}`, { U_x, value })
+    fill(view, view === "area" ? "slips_A" : "slips_F", { U_x, value })
   }
 }
 
-// Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt
-function shades(low, high) {
-  const size = 256
-  const pulls = Math.max(1, Math.round((size * -low) / (high - low)))
+// Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a whole
+// number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
+function shades(low, high, [below, above] = ["pull", "push"]) {
+  const step = Math.max(Math.min(-low, high) / SHADES, (high - low) / MOST)
   const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
-  const ramp = (name, n) => {
+  const ramp = (name, end) => {
     const from = digits(colour(`--${name}-0`)), to = digits(colour(`--${name}-1`))
     const mixed = (t) => from.map((v, i) => Math.round(v * (1 - t) + to[i] * t).toString(16).padStart(2, "0")).join("")
-    return Array.from({ length: n }, (_, i) => `#${mixed(i / Math.max(1, n - 1))}`)
+    const mixtures = Array.from({ length: SHADES }, (_, i) => `#${mixed(i / (SHADES - 1))}`)
+    return Array.from({ length: Math.ceil(end / step - 1e-9) }, (_, i) => mixtures[Math.min(SHADES - 1, Math.floor(((i + 0.5) * step * SHADES) / end))])
   }
-  return [...ramp("pull", pulls).reverse(), ...ramp("push", size - pulls)]
+  const under = ramp(below, -low), over = ramp(above, high)
+  return { low: -step * under.length, high: step * over.length, palette: [...under.reverse(), ...over], nan_color: "rgba(0,0,0,0)" }
+}
+const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
+
+// The limits of the colours of a view, in its key
+function tellLimits(view, low, high) {
+  by(`${view}-low`).textContent = `${Number(low.toPrecision(2))}`.replace("-", "−")
+  by(`${view}-high`).textContent = `+${Number(high.toPrecision(2))} GPa`
 }
 
 const nice = (value) => {
@@ -131,7 +144,7 @@ function drawMap(run, shown) {
   const { spacing, step } = run.head
   fill("map", "map", { image: [new array(image, [rows, columns])], x: [start - step / 2], y: [low], dw: [columns * step], dh: [rows * spacing] })
   shadeMap(run)
-  const [U_x] = run.slips("F")
+  const [U_x] = run.slips("F", 1, run.stageOfMap(shown))
   fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figure.map.y_range.start) })
 }
 
@@ -142,9 +155,8 @@ function shadeMap(run) {
   const key = [low, high, document.documentElement.dataset.theme].join()
   if (key === shaded) return
   shaded = key
-  mapper.setv({ low, high, palette: shades(low, high), nan_color: "rgba(0,0,0,0)" }, here)
-  document.getElementById("low").textContent = `${low} GPa`.replace("-", "−")
-  document.getElementById("high").textContent = `+${high} GPa`
+  mapper.setv(shades(low, high), here)
+  tellLimits("map", low, high)
 }
 
 function drawFrame(run, k) {
@@ -160,10 +172,9 @@ function drawFrame(run, k) {
   }
   fill("punch", "body", outline)
   fill("punch", "surface", { x, gap })
-  const free = run.free
-  const state = (T) => (T > 0 ? "repulsive" : T < free ? "adhering" : "free")
-  const nodes = { repulsive: [], adhering: [], free: [] }
-  for (let i = 0; i < n; i++) nodes[state(T_n[i])].push(i)
+  const nodes = { repulsive: [], adhering: [], free: [], contact: [] }
+  for (let i = 0; i < n; i++) nodes[run.state(T_n[i], gap[i])].push(i)
+  if (run.head.flat) tellFlat(run.state(T_n[0], gap[0]))
   for (const label in nodes) {
     const pick = (list) => Float32Array.from(nodes[label], (i) => list[i])
     fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
@@ -171,6 +182,14 @@ function drawFrame(run, k) {
   fill("traction", "T_n", { x, T: T_n })
   fill("traction", "T_t", { x, T: T_t })
   drawCursor(run.along[k])
+}
+
+// The key of the nodes of a flat surface, which are all alike
+const FLAT_KEYS = { repulsive: ["dot repulsive", "repulsive"], adhering: ["wedge", "adhering"], free: ["dot free", "free"], contact: ["dot contact", "in contact, Tₙ = 0"] }
+function tellFlat(state) {
+  const [mark, said] = FLAT_KEYS[state]
+  by("flat-mark").className = mark
+  by("flat-state").textContent = said
 }
 
 function drawCursor(location) {
@@ -189,21 +208,27 @@ function drawSites({ spacing, middle }) {
 
 // What stays the same while a run is played: ranges that hold all of its frames
 function fitFrames(run) {
-  const half = Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
+  const { flat, nodes, spacing } = run.head
+  const half = flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
+  document.querySelector(".page").dataset.flat = flat
   figure.map.y_range.setv({ start: -half, end: half }, here)
   figure.punch.x_range.setv({ start: -half, end: half }, here)
+  figure.punch.y_range.setv({ start: Math.min(BELOW, 1.15 * run.lowest) }, here)
   fit(figure.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)
 }
 
-// The vertical exaggeration as it is on this screen now
+// The vertical exaggerations as it is on this screen now
 function stateStretch() {
-  const { inner_width, inner_height, x_range, y_range } = figure.punch
-  if (!inner_width || !inner_height) return
-  const times = (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
-  const said = document.getElementById("stretch"), text = `vertical ×${times.toPrecision(2)}`
-  if (said.textContent !== text) said.textContent = text
+  for (const view of ["punch", "solid_field"]) {
+    const { inner_width, inner_height, x_range, y_range } = figure[view] ?? {}
+    if (!inner_width || !inner_height) continue
+    const times = (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
+    const said = by(`${view}-stretch`), text = Math.abs(times - 1) < TO_SCALE ? "to scale" : `vertical ×${Number(times.toPrecision(2))}`
+    if (said.textContent !== text) said.textContent = text
+  }
 }
+const TO_SCALE = 0.02 // a difference that nobody sees
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim()
 

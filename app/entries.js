@@ -53,6 +53,7 @@ for (const entry of document.querySelectorAll("[id$=-entry]")) {
 by("preset").addEventListener("change", (event) => {
   if (me.anchor === null) me.anchor = me.run
   order("preset", { preset: event.target.value })
+  event.target.blur() // so that Space plays
 })
 const LARGEST_FILE = 10e6 // bytes, as the server
 by("profile").addEventListener("change", async (event) => {
@@ -77,7 +78,10 @@ by("help").addEventListener("click", () => by("keys").showModal())
 by("accuracy").addEventListener("click", openBench)
 for (const box of [by("keys"), by("bench")]) box.addEventListener("click", (event) => { if (event.target === box) box.close() }) // beside it
 by("scrub").addEventListener("input", (event) => goto(Number(event.target.value)))
-by("speed").addEventListener("change", (event) => { me.speed = Number(event.target.value) })
+by("speed").addEventListener("change", (event) => {
+  me.speed = Number(event.target.value)
+  event.target.blur()
+})
 by("theme").addEventListener("click", () => {
   const root = document.documentElement
   root.dataset.theme = root.dataset.theme === "dark" ? "light" : "dark"
@@ -90,6 +94,7 @@ by("theme").addEventListener("click", () => {
 })
 
 document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape" && by("drawer").open && !document.querySelector("dialog[open]:not(#drawer)")) by("drawer").close()
   const on = (what) => event.target.matches?.(what)
   const taken = on("input[type=text], select") || (on("input") && !" rR".includes(event.key)) || (on("button") && event.key === " ")
   if (event.ctrlKey || event.metaKey || event.altKey || taken || document.querySelector("dialog[open]:not(#drawer)")) return
@@ -124,4 +129,4 @@ play(me.playing)
 requestAnimationFrame(tick)
 order("hello")
 const asked = new URLSearchParams(location.search).get("page")
-if (asked && by(asked)?.classList.contains("sheet")) openPage(asked)
+if (asked) openPage(by(asked)?.classList.contains("sheet") ? asked : "")

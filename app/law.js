@@ -16,8 +16,7 @@ sheets.law = {
       let sum = 0
       for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++) sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
       normal[i] = (T_n[i] * delta_n) / phi_n / sum
-      const held = gap[i] < 4 * delta_n // farther off, both tractions have fallen below a tenth
-      states[!held ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip"].push(i)
+      states[run.state(T_n[i], gap[i]) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip"].push(i)
     }
     for (const state in states) {
       const pick = (list) => Float32Array.from(states[state], (i) => list[i])

@@ -13,10 +13,10 @@ from solver import np1
 
 OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
 GAP = hv.Dimension("gap", label="gap", unit="nm")
-FINE = 161  # points along an axis
+FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # gaps shown, in delta_n
 STATES = {
-    "stick": ("circle", 6, "--stick"),
+    "stick": ("circle", 6, "--stick"),  # another colour than the maps have
     "slip": ("diamond", 9, "--slip"),
     "open": ("circle", 4, "--free"),
 }
@@ -51,7 +51,7 @@ def _law(name, x, value, span):
 
 def compose():
     shear = hv.Dimension("value", label="Tₜ exp(gap/δₙ) δₜ/φₜ")
-    normal = hv.Dimension("value", label="Tₙ δₙ/φₙ / Σexp(−Δₜ²/δₜ²)")
+    normal = hv.Dimension("value", label="Tₙ δₙ/(φₙ Σ)")
     made = (
         _map("law_shear_map", "Tₜ"),
         _map("law_normal_map", "Tₙ"),
@@ -76,8 +76,9 @@ class Page:
         """Draw the law if it is another one than before."""
         scene = self.session.scene
         a, d_n, d_t = scene.spacing, scene.delta_n, scene.delta_t
-        s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE)
-        shear, normal = np1.traction(scene, *np.meshgrid(s, gap))
+        s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE + 1), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE + 1)
+        middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (s, gap)]  # of the pixels: T_t is 0 at the borders
+        shear, normal = np1.traction(scene, *np.meshgrid(*middles))
         shear = -shear  # as in the traction plot: what holds the punch back is positive
         limits = {}
         for slot, field in (("shear_map", shear), ("normal_map", normal)):

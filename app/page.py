@@ -12,6 +12,7 @@ from app.controls import CONTROLS, drawer, limits, values_of
 from app.pages import TITLES
 from app.plots import views
 from app.session import VISITORS, Session, visitors
+from app.worker import FREE
 from solver import LIMITS
 from solver.presets import presets
 from solver.scene import CHOICES
@@ -68,8 +69,9 @@ def _page(session):
     made["punch"].figure.tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
     template = pn.Template(_file("page.html").replace("<!-- pages -->", _file("pages.html")))
     roots = {name: view.figure for name, view in made.items()} | session.pages.slots
-    for name, model in roots.items():
-        template.add_panel(name, pn.pane.Bokeh(model, sizing_mode="stretch_both"))
+    for name, model in roots.items():  # as they are: a pane around each would cost a visitor 4 ms
+        model.name = name
+        pn.state.curdoc.add_root(model)
     template.add_variable("style", _file("style.css"))
     template.add_variable("controls", CONTROLS)
     template.add_variable("values", values_of(session.scene))
@@ -79,6 +81,7 @@ def _page(session):
     template.add_variable("choices", CHOICES)
     template.add_variable("presets", presets().values())
     template.add_variable("pages", TITLES.items())
+    template.add_variable("free", FREE)
     template.add_variable("speeds", SPEEDS)
     template.add_variable("plain_speed", PLAIN_SPEED)
     pn.state.curdoc.js_on_event("document_ready", _player(session, made))

@@ -1,16 +1,20 @@
 // The pages beside the experiment: opened and closed here, filled by the server (pages.py); a page's script joins in.
 
-const sheets = {} // page: {opened(), told(news), frame(run, k), closed()}, whatever it needs of these
+const sheets = {} // page: {opened(), told(news), frame(run, k), painted(), closed()}, whatever it needs of these
 let sheet = { open: "" } // what the server said last of the page that is open
 const busy = () => by(sheet.open)?.querySelector("progress")
 
 function openPage(name) {
   showSheet(name)
+  if (name) by(name).dataset.drawing = ""
   const address = new URL(location.href)
   name ? address.searchParams.set("page", name) : address.searchParams.delete("page")
   history.replaceState(null, "", address)
-  order("page", { page: name })
+  clearTimeout(picking)
+  picking = setTimeout(() => order("page", { page: name }), SETTLE)
 }
+const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
+let picking = 0
 
 // Ask the page that is open for something
 let asks = 0
@@ -31,6 +35,7 @@ function toldOfPage() {
     if (sheet.open) {
       findFigures()
       sheets[sheet.open]?.opened?.()
+      awaitFigures(sheet.open)
     }
   }
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
@@ -55,6 +60,13 @@ function findFigures() {
   paint()
 }
 
+// Until the figures are on screen, the page says so
+function awaitFigures(name) {
+  if (sheet.open !== name) return
+  const there = Object.keys(sheet.parts).every((view) => Bokeh.index.find_one(figure[view])?.has_finished())
+  there ? delete by(name).dataset.drawing : requestAnimationFrame(() => awaitFigures(name))
+}
+
 function forgetFigures({ parts }) {
   for (const view in parts) {
     delete figure[view]
@@ -70,7 +82,8 @@ function shadeImage(name, [low, high]) {
   const key = [low, high, document.documentElement.dataset.theme, mapper?.id].join()
   if (!mapper || shadesOf[name] === key) return
   shadesOf[name] = key
-  mapper.setv({ low, high, palette: shades(low, high), nan_color: "rgba(0,0,0,0)" }, here)
+  mapper.setv(shades(low, high), here)
+  tellLimits(view, low, high)
 }
 
 // The increment on screen, for the page
@@ -80,4 +93,5 @@ function framePage() {
 
 function paintPage() {
   for (const name in sheet.images) shadeImage(name, sheet.images[name])
+  sheets[sheet.open]?.painted?.()
 }

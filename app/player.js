@@ -89,7 +89,12 @@ function place(name, value) {
 function presetSaid() {
   const { preset, address } = me.status
   const changed = Object.keys(address).filter((name) => name !== "preset")
-  return changed.length ? `changed: ${changed.map((name) => `${name} = ${address[name]}`).join(", ")}` : plain(looks)[preset]
+  const said = changed.map((name) => `${name} = ${address[name]}`).join(", ")
+  const { after } = me.status
+  if (after && me.origin?.number === after[0]) {
+    return `carried on from increment ${after[1]} (Uₓ = ${me.origin.curves.U_x[after[1]].toFixed(1)} nm) with ${said || "the preset's values"}; the address holds the parameters only`
+  }
+  return changed.length ? `changed: ${said}` : plain(looks)[preset]
 }
 
 // What brings this scene back: what differs from the preset
@@ -104,6 +109,7 @@ function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known } = me.status
   if (!state) return
   const shown = state === "finished" && !me.playing ? "paused" : state
+  const word = { warming: "warming up", finished: "computed" }[shown] ?? shown
   const text = {
     warming: "the solver gets ready; the first time takes up to a minute",
     running: `${frames} of ${total} increments`,
@@ -113,7 +119,7 @@ function tellState() {
   const cycle = me.run?.dissipated ?? null
   const done = `${frames} increments, ${evaluations} evaluations, ${known ? "computed before" : `${seconds} s`} · all increments converged to ${tolerance.toExponential(0)} nm${cycle === null ? "" : ` · dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`}`
   by("status").dataset.state = shown
-  by("status").firstElementChild.textContent = shown === "warming" ? "warming up" : shown
+  by("status").firstElementChild.textContent = word
   by("status").lastElementChild.textContent = state === "finished" ? done : text[state]
 }
 
@@ -141,14 +147,14 @@ function showFrame() {
   framePage()
   me.drawnAt = performance.now()
   if (me.preview === null) by("scrub").value = k
-  const v = run.values(k), fixed = (x, d) => x.toFixed(d).replace("-", "−")
+  const v = run.values(k), fixed = (x, d) => (Math.round(x * 10 ** d) / 10 ** d).toFixed(d).replace("-", "−")
   const stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
   const said = [
     `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
     `F̄ = ${fixed(v.F * 1000, 3)}·10⁻³,`, `L̄ = ${fixed(v.L * 1000, 3)}·10⁻³,`,
-    `Ā = ${fixed(v.A * 1000, 1)}·10⁻³${v.slip ? ", SLIP" : ""}`,
-    `${stage !== "approach" && run.head.span[0] < 0 && run.head.abscissa === "U_x" ? `W = ${fixed(v.work, 1)} nJ/m, ` : ""}residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations`,
+    `Ā = ${fixed(v.A * 1000, 1)}·10⁻³${v.slip ? (run.head.abscissa === "delta" ? ", JUMP" : ", SLIP") : ""}`,
+    `${stage !== "approach" && run.head.span[0] < 0 && run.head.abscissa === "U_x" ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m, ` : ""}residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations`,
   ]
   said.forEach((text, i) => { by("readout").children[i].textContent = text })
   stateStretch()

@@ -14,8 +14,11 @@ from bokeh.core.serialization import Deserializer, Serializer
 from bokeh.models import HoverTool
 from bokeh.util.serialization import make_id
 
+from app.worker import FREE
+
 hv.extension("bokeh", logo=False)
-POSITION = hv.Dimension("x", label="x from the middle of the punch", unit="nm")
+POSITION = hv.Dimension("x", label="x on the substrate, from the middle", unit="nm")  # where a node is
+NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where it was in the undeformed layer
 SHEAR = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm")
 LEFT, RIGHT = 64, 14  # px beside the frame, the same in every view so that shared axes line up
 EMPTY = ([], [])
@@ -24,7 +27,10 @@ NODES = {
     "free": ("circle", 3, "--free"),
     "adhering": ("inverted_triangle", 5, "--adhering"),
     "repulsive": ("circle", 5, "--repulsive"),
+    "contact": ("square", 5, "--shear"),
 }
+# how the node pointed at is described
+MEANT = {"free": f"attraction below {100 * FREE:.0f} % of its peak", "contact": "Tₙ = 0"}
 
 
 @dataclass
@@ -95,7 +101,11 @@ def punch():
         nodes = hv.Scatter(([], [], [], []), POSITION, [gap, "T_n", "T_t"], label=label)
         elements.append(
             nodes.opts(
-                default_tools=[], marker=marker, size=size, tools=["hover"], hover_tooltips=[(label, ""), *hover]
+                default_tools=[],
+                marker=marker,
+                size=size,
+                tools=["hover"],
+                hover_tooltips=[(label, MEANT.get(label, "")), *hover],
             )
         )
     colours = {"substrate": "--text", "body": "--body", "surface": "--body", "sites": "--text"}
@@ -158,7 +168,8 @@ def area():
 def contact_map():
     """Normal traction over displacement and place: where the contact repels, adheres or is open, at every moment."""
     blank = np.zeros((2, 2), dtype=np.float32)
-    image = hv.Image(blank, [SHEAR, hv.Dimension("x", label="x", unit="nm")], "T_n", bounds=(0, -1, 1, 1), label="map")
+    place = hv.Dimension("x", label="x, undeformed", unit="nm")
+    image = hv.Image(blank, [SHEAR, place], "T_n", bounds=(0, -1, 1, 1), label="map")
     hover = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
     elements = [
         image.opts(default_tools=[], tools=["hover"], hover_tooltips=hover, clipping_colors={"NaN": "transparent"}),

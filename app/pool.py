@@ -42,9 +42,9 @@ def bare_main():
 class Task(Future):
     """A call to be made by a worker; `seat` is where it runs or ran, `abandoned` says that nobody waits for it."""
 
-    def __init__(self, call):
+    def __init__(self, call, background=False):
         super().__init__()
-        self.call, self.seat, self.abandoned = call, None, False
+        self.call, self.background, self.seat, self.abandoned = call, background, None, False
 
 
 class Seat:
@@ -73,7 +73,7 @@ class Seat:
 class Pool:
     """Tasks in order of arrival for a few workers that may die; `status` is 'closed', 'warming' or 'ready'.
 
-    What runs on somebody's screen goes first; sweeps, which fill a page in the background, take the workers between.
+    What runs on somebody's screen goes first; sweeps, which fill a page in the background, never take the last worker.
     """
 
     def __init__(self, size=None):
@@ -146,11 +146,11 @@ class Pool:
     def submit(self, call, *arguments, near=None, background=False):
         """A Task, done by the worker that did the task `near` if that is idle: it still has the plans.
 
-        background: only when no other task waits. It raises BrokenProcessPool if its worker died: submit again.
-        Cancel it while it waits, `abandon` it when not.
+        background: only when no other task waits, and on all workers but one. It raises BrokenProcessPool if its worker
+        died: submit again. Cancel it while it waits, `abandon` it when not.
         """
         self.start()
-        task = Task((call, *arguments))
+        task = Task((call, *arguments), background)
         task.seat = near and near.seat
         with self._lock:
             (self._later if background else self._queue).append(task)
@@ -161,11 +161,18 @@ class Pool:
         """Give waiting tasks to idle workers."""
         with self._lock:
             while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
-                if not (self._queue or self._later):
+                task = self._next()
+                if task is None:
                     break
-                task = (self._queue or self._later).popleft()
                 if task.set_running_or_notify_cancel():
                     self._place(task, task.seat if task.seat in idle else idle[0])
+
+    def _next(self):
+        """The task whose turn it is, taken from its queue, or None."""
+        if self._queue:
+            return self._queue.popleft()
+        busy = sum(seat.task is not None and seat.task.background for seat in self._seats)
+        return self._later.popleft() if self._later and busy < max(1, len(self._seats) - 1) else None
 
     def _place(self, task, seat):
         try:

@@ -14,7 +14,7 @@ import numpy as np
 from bokeh.palettes import cividis
 
 from app import tasks
-from app.plots import POSITION, rendered, views
+from app.plots import NODE, rendered, views
 
 SIZE = (400, 150)  # columns, rows
 DEPTH = 1.0  # of half the width shown
@@ -26,10 +26,10 @@ def compose():
     """The picture, and over it the mesh of lines that deforms with the layer."""
     z = hv.Dimension("z", label="height z in the layer", unit="nm")
     blank = np.zeros((2, 2), dtype=np.float32)
-    image = hv.Image(blank, [POSITION, z], "stress", bounds=(0, 0, 1, 1), label="field")
+    image = hv.Image(blank, [NODE, z], "stress", bounds=(0, 0, 1, 1), label="field")
     tip = [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000}")]
     image.opts(default_tools=[], tools=["hover"], hover_tooltips=tip)
-    lines = hv.Curve(([], []), POSITION, z, label="mesh").opts(default_tools=[], line_width=1, alpha=0.7)
+    lines = hv.Curve(([], []), NODE, z, label="mesh").opts(default_tools=[], line_width=1, alpha=0.7)
     view = rendered("solid_field", [image, lines], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))
     return {view.name: view}
 

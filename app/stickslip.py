@@ -158,14 +158,13 @@ class Page:
         """Mean friction depends on E/tau_max alone: one curve makes the map."""
         own = self.own.changed(phi_n=2.0, phi_ratio=0.1)
         critical = critical_modulus(own) / tau_max(own)
-        ratios = critical * np.geomspace(1e-2, 10.0, RATIOS)
+        ratios = critical * np.geomspace(1e-4, 10.0, RATIOS)
         low, high = LIMITS["E"][:2]
         ratios = ratios[(ratios * tau_max(own) >= low) & (ratios * tau_max(own) <= high)]
         mean = np.array([_mean(own, ratio) for ratio in ratios])
         self.curve = ratios, mean
         self._draw("mean", "exact", ratio=ratios, mean=mean)
         self.views["mean"].parts["low"].update(left=critical, right=ratios[-1] * 10)
-        self.views["mean"].figure.x_range.update(start=ratios[0], end=ratios[-1])
         E, phi_t = np.geomspace(*MODULI, ROWS), np.geomspace(*STRENGTHS, ROWS)
         over = E / (phi_t[:, None] * tau_max(own) / own.phi_t)
         image = np.interp(np.log(over), np.log(ratios), mean, left=mean[0], right=0.0).astype(np.float32)
@@ -183,9 +182,11 @@ class Page:
         self._draw("map", "own", E=[np.log10(own.E)] if inside else [], phi_t=[np.log10(own.phi_t)] if inside else [])
         ratio = own.E / tau_max(own) if own.phi_t > 0 else np.inf
         mean = float(np.interp(np.log(ratio), np.log(self.curve[0]), self.curve[1], right=0.0))
-        self._draw(
-            "mean", "own", ratio=[ratio] if np.isfinite(ratio) else [], mean=[mean] if np.isfinite(ratio) else []
-        )
+        at = {"ratio": [ratio], "mean": [mean]} if np.isfinite(ratio) else {"ratio": [], "mean": []}
+        self._draw("mean", "own", **at)
+        ratios = self.curve[0]
+        start = min(1e-3 * ratios[-1], 0.7 * ratio)
+        self.views["mean"].figure.x_range.update(start=max(start, ratios[0]), end=ratios[-1])
         self._draw("forces", "own", U_x=[], F=[])
         self.runs = {}
         self._draw("mean", "runs", ratio=[], mean=[])
@@ -215,14 +216,20 @@ class Page:
         low = min(float(np.min(values, initial=0.0)) for values in drawn)
         self.views["forces"].figure.y_range.update(start=low - 0.08 * high, end=1.1 * high + 1e-6)
 
-    def _say(self, first=""):
+    def _say(self, before=""):
         own = self.own
         sticks = critical_modulus(own) > own.E
-        regime = "it sticks and slips" if sticks else "it slides continuously, almost without friction"
+        first = friction(own).F_s * own.E * own.height * own.width / own.shear_modulus if sticks else 0.0
+        regime = (
+            f"it sticks, and slips first at about Uₓ = {first:.0f} nm"
+            if sticks
+            else "it slides continuously, almost without friction"
+        )
         text = (
-            f"{first}Flat on flat with the parameters on screen (Ē = {own.E:g} GPa, φₜ = {own.phi_t:g} N/m): {regime}."
-            f" Sliding is continuous from E = {critical_modulus(own):.4g} GPa on, where max dT/dx = G/h; the mean of"
-            f" Eq. 7 is zero already from {ZERO_MEAN:g} of that on, where every slip swings back to the opposite force."
+            f"{before}This interface, flat on flat (Ē = {own.E:g} GPa, φₜ = {own.phi_t:g} N/m): {regime}."
+            f" Sliding is continuous from E = {critical_modulus(own):,.0f} GPa on, where the layer (G/h) is as stiff as"
+            f" the interface softens (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"
+            " where every slip swings back to the opposite force."
         )
         self.tell(texts={"stickslip-said": text}, busy=self.sweep.part)
 

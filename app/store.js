@@ -3,6 +3,7 @@
 const by = (id) => document.getElementById(id)
 const COLUMNS = ["stage", "index", "U_x", "delta", "F", "L", "A", "residual", "evaluations", "slip", "slip_at", "work"]
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
+const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 
 class Run {
@@ -17,6 +18,7 @@ class Run {
     this.T_low = 0
     this.T_most = 0 // GPa, strongest traction of either kind, and the most negative
     this.T_least = 0
+    this.lowest = 0 // nm, the smallest gap
     this.reach = 0 // nm from the middle within which anything acts while sheared
   }
 
@@ -34,9 +36,16 @@ class Run {
     })
     for (let k = 0; k < frames; k++) {
       this.places.push([chunk, k])
+      this.dip(chunk, k)
       if (this.sheared < 0 && this.curves.stage[start + k] > 0) this.sheared = start + k
       if (this.sheared >= 0) this.measure(chunk, k)
     }
+  }
+
+  dip({ head, fields: [gap] }, row) {
+    let lowest = 0
+    for (let i = row * head.nodes; i < (row + 1) * head.nodes; i++) if (gap[i] < lowest) lowest = gap[i]
+    this.lowest = Math.min(this.lowest, lowest * head.scales[0])
   }
 
   measure({ head, fields: [, , normal, tangential] }, row) {
@@ -64,19 +73,30 @@ class Run {
     }
   }
 
-  // attraction weaker than this (GPa, negative) counts as free
-  get free() {
-    return -this.head.reach * this.head.adhesion
+  // Weak attraction counts as free beyond the peak of the law, not where it passes through zero
+  acts(T_n, gap) {
+    const { adhesion, free, delta_n } = this.head
+    return gap <= delta_n || T_n <= -free * adhesion
   }
 
-  // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 holds the punch back
+  // How a node is drawn
+  state(T_n, gap) {
+    const { adhesion, flat } = this.head
+    if (!this.acts(T_n, gap)) return "free"
+    if (flat && Math.abs(T_n) < NONE * adhesion) return "contact"
+    return T_n > 0 ? "repulsive" : "adhering"
+  }
+
+  // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 points against +x.
+  // All nodes of a flat surface are alike: they are drawn less than a spacing from where they were, to fill the view
   frame(k) {
     const [{ head, fields }, row] = this.places[k]
-    const { nodes, first, spacing, middle, scales } = head
+    const { nodes, first, spacing, middle, scales, flat } = head
     const out = { x: new Float32Array(nodes), gap: new Float32Array(nodes), T_n: new Float32Array(nodes), T_t: new Float32Array(nodes) }
     for (let i = 0, j = row * nodes; i < nodes; i++, j++) {
       out.gap[i] = fields[0][j] * scales[0]
-      out.x[i] = (first + i) * spacing - middle + fields[1][j] * scales[1]
+      const u = fields[1][j] * scales[1]
+      out.x[i] = (first + i) * spacing - middle + (flat ? u - spacing * Math.round(u / spacing) : u)
       out.T_n[i] = fields[2][j] * scales[2]
       out.T_t[i] = -fields[3][j] * scales[3]
     }
@@ -105,7 +125,7 @@ class Run {
   takeOver(other, k) {
     this.places = other.places.slice(0, k + 1)
     for (const name of COLUMNS) this.curves[name] = other.curves[name].slice(0, k + 1)
-    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "reach"]) this[name] = other[name]
+    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "lowest", "reach"]) this[name] = other[name]
   }
 
   // Work of the top over the closed cycle of a loop, nJ/m, once it is closed
@@ -115,11 +135,11 @@ class Run {
     return this.whole && end("forth") > 0 ? work[end("forth")] - work[end("shear")] : null
   }
 
-  // [place along the path, value] at every slip, times `factor`
-  slips(name, factor = 1) {
+  // [place along the path, value] at every slip (of one stage), times `factor`
+  slips(name, factor = 1, stage = null) {
     const at = [[], []]
     this.curves.slip.forEach((slipped, k) => {
-      if (!slipped || k < this.sheared) return
+      if (!slipped || k < this.sheared || (stage !== null && this.curves.stage[k] !== stage)) return
       at[0].push(this.stage(k) === "press" ? this.curves.U_x[k] : this.curves.slip_at[k])
       at[1].push(this.curves[name][Math.max(k - 1, this.sheared)] * factor)
     })
@@ -149,13 +169,12 @@ class Run {
     const columns = Math.round((end - start) / step) + 1
     const rows = to - from
     const image = new Float32Array(rows * columns).fill(NaN)
-    const free = this.free
     for (const k of frames) {
       const [{ head, fields }, row] = this.places[k]
       const c = Math.round((this.along[k] - start) / step)
       for (let i = 0; i < head.nodes; i++) {
-        const value = fields[2][row * head.nodes + i] * head.scales[2]
-        if (value > 0 || value < free) image[(head.first - from + i) * columns + c] = value
+        const j = row * head.nodes + i, value = fields[2][j] * head.scales[2]
+        if (this.acts(value, fields[0][j] * head.scales[0])) image[(head.first - from + i) * columns + c] = value
       }
     }
     return { image, rows, columns, start, low: (from - 0.5) * this.head.spacing - this.head.middle }

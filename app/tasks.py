@@ -8,6 +8,9 @@ from solver.picture import fringes, mesh, picture
 
 DRAWN = 400  # points of a curve, about one per pixel
 SEEN = 0.06  # of the width shown: the largest displacement in the mesh, as it is drawn
+CELLS = (19, 7)  # of the mesh in the picture, across and deep
+BESIDE = 2  # cells more on either side: displaced, the mesh still reaches both edges of the picture
+RESOLVED = 0.5  # fringe orders per pixel: with more, a picture shows fringes that are none
 
 
 def flat_curve(scene):
@@ -50,7 +53,7 @@ def stress_picture(scene, first, traction, quantity, window, size, per_fringe, d
         first, traction = 0, np.repeat(traction[:, :1], scene.nodes, axis=1)
     field = picture(scene, first, traction, "difference" if quantity == "fringes" else quantity, window, size)
     if quantity == "fringes":
-        field = fringes(field, per_fringe)
+        field = _seen(fringes(field, per_fringe), field / per_fringe)
     scale = max(float(np.abs(field).max()), 1e-12) / 32767
     head = {"scale": scale, "columns": size[0], "rows": size[1], "points": 0}
     head |= {"half": 0.5 * (window[1] - window[0]), "depth": window[2]}
@@ -61,9 +64,24 @@ def stress_picture(scene, first, traction, quantity, window, size, per_fringe, d
     return head, np.rint(field / scale).astype("<i2").tobytes() + lines
 
 
+def _seen(brightness, order):
+    """Brightness (rows, columns) as pixels show it: mid grey where the order changes by RESOLVED from one to the next.
+
+    The contrast falls with the change c per pixel as cos^2(pi c/(2 RESOLVED)): nothing is lost where fringes are wide.
+    """
+    across, down = np.abs(np.diff(order, axis=1)), np.abs(np.diff(order, axis=0))
+    steep = np.pad(across, ((0, 0), (1, 1))), np.pad(down, ((1, 1), (0, 0)))  # to the neighbours on either side
+    steep = np.maximum.reduce([steep[0][:, 1:], steep[0][:, :-1], steep[1][1:], steep[1][:-1]])
+    contrast = np.cos(0.5 * np.pi * np.minimum(steep / RESOLVED, 1.0)) ** 2
+    return 0.5 + contrast * (brightness - 0.5)
+
+
 def _deformed(scene, first, traction, window):
     """x and z of the mesh's lines, float32, nan between them, and the factor on displacements, a round number."""
-    net = mesh(scene, first, traction, (0.0, 0.0), window)
+    low, high, depth = window
+    beside, deeper = BESIDE * (high - low) / CELLS[0], depth * (CELLS[1] + 1) / CELLS[1]
+    wide = (low - beside, high + beside, min(deeper, scene.height * scene.width))
+    net = mesh(scene, first, traction, (0.0, 0.0), wide, (CELLS[0] + 2 * BESIDE + 1, CELLS[1] + 2))
     most = float(np.abs(net.u).max())
     factor = float(f"{SEEN * (window[1] - window[0]) / most:.1g}") if most > 0.0 else 1.0
     x = net.x + factor * net.u[0] - 0.5 * scene.width

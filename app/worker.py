@@ -37,7 +37,8 @@ FIELDS = ("gap", "u_x", "T_z", "T_x")
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
 FLAT = 160  # nodes sent of a flat surface, where all are alike
-REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction counts as free
+REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as width that acts
+FREE = 0.05  # of the same: a node beyond the peak (gap > delta_n) that is attracted less is drawn as free
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,7 @@ def _middle(scene, frame):
 
 
 def _width(scene, frame):
-    """Part of w between the outermost nodes that repel or adhere, as they are drawn."""
+    """Part of w between the outermost nodes that repel or adhere."""
     normal = frame.T[1]
     acting = np.flatnonzero((normal > 0) | (normal < -REACH * scene.phi_n / (e * scene.delta_n)))
     return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0
@@ -227,7 +228,9 @@ def pack(scene, rows, last):
         "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
         "span": _span(scene),
         "adhesion": scene.phi_n / (e * scene.delta_n),
-        "reach": REACH,
+        "free": FREE,
+        "delta_n": scene.delta_n,
+        "flat": scene.surface == "flat",
     }
     head = json.dumps(header).encode()
     head += b" " * (-len(head) % 4)

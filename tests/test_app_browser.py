@@ -137,6 +137,7 @@ def test_every_tab_stop_is_a_control(visit):
         "play",
         "step",
         "scrub",
+        "carry",
         "speed",
     ]
 

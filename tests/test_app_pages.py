@@ -79,9 +79,10 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
         scene = Scene(phi_ratio=float(ratio))
         data = session.pages.page.views["shear_map"].parts["map"].data_source.data
         image = data["image"][0]
-        s = data["x"][0] + data["dw"][0] * np.array([0.25, 0.75])
-        gap = data["y"][0] + data["dh"][0] * 0.5
-        middle = image[image.shape[0] // 2, [image.shape[1] // 4, 3 * (image.shape[1] // 4)]]
+        rows, columns = image.shape
+        s = data["x"][0] + data["dw"][0] * (np.array([columns // 4, 3 * (columns // 4)]) + 0.5) / columns
+        gap = data["y"][0] + data["dh"][0] * (rows // 2 + 0.5) / rows
+        middle = image[rows // 2, [columns // 4, 3 * (columns // 4)]]
         assert middle == pytest.approx(-np1.traction(scene, s, gap)[0], rel=1e-6)
         law = json.loads(session.wire.page)["law"]
         assert law["phi_t"] == scene.phi_t and 0.5 < law["peak"] < 0.71  # 1/sqrt(2) for one spring, less for a lattice

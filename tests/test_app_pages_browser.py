@@ -69,8 +69,10 @@ def test_the_page_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function("() => document.getElementById('status').textContent.includes('paused')")
     numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
-    assert sum(numbers) == page.evaluate("punch.run.frame(0).x.length")
+    assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
 
 
 def test_nodes_ride_on_the_law(visit):
@@ -144,3 +146,64 @@ def test_the_drawer_changes_any_parameter_and_refuses_with_a_reason(visit):
     assert page.evaluate("punch.run.number") == 2
     page.get_by_role("dialog", name="Parameters").get_by_role("button", name="Close").click()
     assert page.get_by_role("dialog", name="Parameters").is_hidden()
+
+
+def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
+    page = visit()
+    finished(page)
+    ordered = page.evaluate(
+        """() => {
+            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.properties.picture)
+            window.ordered = []
+            wire.properties.order.change.connect(() => ordered.push(JSON.parse(wire.order)))
+            for (const name of ["stickslip", "law", "solid", "arealaws", "stickslip", "law"]) {
+                document.querySelector(`nav button[data-page=${name}]`).click()
+            }
+            return getComputedStyle(document.querySelector("#law .figures"), "::after").content
+        }"""
+    )
+    assert "drawing" in ordered
+    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')", timeout=PATIENCE)
+    assert page.evaluate("ordered.filter((o) => o.do === 'page').map((o) => o.values.page)") == ["law"]
+    assert painted_pixels(page, "Interface law") > 8
+
+
+def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_while_paused(visit):
+    page = visit("?page=solid&theme=light")
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
+    assert "dark field" in page.inner_text("#solid figcaption")
+    page.select_option("#solid-quantity", "normal")
+    page.wait_for_function("() => document.getElementById('solid-name').textContent === 'σ_zz'", timeout=PATIENCE)
+    caption = page.inner_text("#solid figcaption")
+    assert "compression −" in caption and "GPa tension" in caption and "dark field" not in caption
+    mapper = f"{MODEL.format('solid_field.field')}.glyph.color_mapper"
+    style = "['--push-1', '--pull-1'].map((n) => getComputedStyle(document.documentElement).getPropertyValue(n).trim())"
+    ends = f"[{mapper}.palette[0], {mapper}.palette.at(-1)]"
+    light = page.evaluate(ends)
+    assert light == page.evaluate(style)  # compression as repulsion, tension as attraction
+    page.get_by_role("button", name="Switch between light and dark").click()
+    assert page.evaluate(ends) == page.evaluate(style) != light
+
+
+def test_the_law_s_maps_have_a_scale_and_their_nodes_a_key_of_other_colours(visit):
+    page = visit("?page=law")
+    finished(page)
+    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    for name in ("shear", "normal"):
+        mapper = f"{MODEL.format(f'law_{name}_map.map')}.glyph.color_mapper"
+        high = float(page.inner_text(f"#law_{name}_map-high").strip("+ GPa"))
+        assert high == pytest.approx(page.evaluate(f"{mapper}.high"), rel=0.05)  # two digits
+    assert "past the peak" in page.inner_text("#law")
+    style = "getComputedStyle(document.querySelector('.key .{}')).backgroundColor"
+    assert page.evaluate(style.format("stick")) != page.evaluate(style.format("repulsive"))
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function("() => document.getElementById('status').textContent.includes('paused')")
+    assert int(page.inner_text("#law-open")) == page.evaluate(
+        f"{MODEL.format('punch.free')}.data_source.data.gap.length"
+    )
+    image = f"{MODEL.format('law_shear_map.map')}.data_source.data.image[0]"
+    right = page.evaluate(f"[...{image}].filter((_, i) => i % 160 === 159)")
+    assert min(right) > 0.0  # up to half a spacing ahead of a site the law pulls back

@@ -53,3 +53,19 @@ def test_closing_the_pool_leaves_no_process():
     workers.close()
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
+
+
+def test_work_in_the_background_leaves_a_worker_for_what_is_on_a_screen():
+    workers = Pool(size=2)
+    while workers.wisdom is None:  # until both are at work
+        workers.submit(worker.ready).result(PATIENCE)
+    slow = [workers.submit(time.sleep, 10 * PATIENCE, background=True) for _ in range(3)]
+    assert workers.submit(os.getpid).result(PATIENCE) > 0
+    assert sum(task.running() for task in slow) == 1
+    workers.close()
+
+
+def test_work_in_the_background_is_done_by_a_single_worker_too():
+    workers = Pool(size=1)
+    assert workers.submit(os.getpid, background=True).result(PATIENCE) > 0
+    workers.close()

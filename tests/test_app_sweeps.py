@@ -12,6 +12,7 @@ from app.sweep import Results, Sweep
 from solver import Scene, load_path, whole_surface
 from solver.body import inside, principal_difference
 from solver.laws import INDENTATIONS, critical_modulus, onset
+from solver.picture import fringes, picture
 from solver.presets import presets
 
 pytest_plugins = ["test_app_pages"]  # its fixture: session
@@ -176,8 +177,28 @@ def test_the_picture_is_the_stress_of_the_frame_to_the_precision_it_is_sent_with
     if deformed:
         lines = np.frombuffer(body, "<f4", offset=1600).reshape(2, -1)
         surface = whole_surface(scene, frame)  # the first line is the surface
-        moved = np.interp(middle - 200.0, scene.x, surface[1] + frame.delta)
+        outermost = window[0] - tasks.BESIDE * 400.0 / tasks.CELLS[0]
+        moved = np.interp(outermost, scene.x, surface[1] + frame.delta)
         assert lines[1, 0] == pytest.approx(head["factor"] * moved, rel=1e-2)
+        assert np.nanmin(lines[0]) < -200.0 and np.nanmax(lines[0]) > 200.0  # it reaches both edges of the picture
+
+
+def test_fringes_finer_than_the_pixels_are_grey_and_others_stay():
+    scene = Scene(u_x_max=2.0)
+    frame = list(load_path(scene))[-1]
+    window = (0.5 * scene.width - 300.0, 0.5 * scene.width + 300.0, 300.0)
+    call = (scene, frame.first, frame.T, "fringes", window, (120, 60))
+
+    def brightness(per_fringe):
+        head, body = tasks.stress_picture(*call, per_fringe, False)
+        return np.frombuffer(body, "<i2").reshape(60, 120) * head["scale"]
+
+    order = picture(scene, frame.first, frame.T, "difference", window, (120, 60)) / 0.01
+    steep = np.abs(np.gradient(order)).max(axis=0)  # the largest of both neighbours is no smaller
+    fine = steep > tasks.RESOLVED
+    assert fine.any() and np.abs(brightness(0.01)[fine] - 0.5).max() < 1e-4  # sent as int16 of a largest value of 1
+    wide = brightness(10.0)  # less than a hundredth of an order per pixel
+    assert steep.max() < 10.0 and np.abs(wide - fringes(order / 1000.0, 1.0)).max() < 1e-3
 
 
 def test_playback_keeps_one_picture_in_the_making_and_the_latest_wins(session):
