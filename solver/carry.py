@@ -22,7 +22,8 @@ def carry_on(checkpoint, scene, changed):
 
     A new indentation is walked in steps of du_z at the same U_x (stage "press"); all else takes effect at once, in an
     increment 0 at the same U_x, where the flow decides where the state goes. Then the leg goes on to u_x_max. A load
-    that is held stays the same, in N/m, unless the indentation changes: then it is the load found there.
+    that is held stays the same, in N/m, unless the indentation changes: then it is the load found there. A jump of the
+    state in increment 0 is the doing of the parameters: no slip is reported. For method fast.
     Raises SceneError where `changed` has another surface or does not lead through here, ValueError out of shear.
     """
     if changed == scene:
@@ -43,7 +44,7 @@ def carry_on(checkpoint, scene, changed):
     ahead = rest if press is None else (press, *rest)
     load, record = ahead[0].at(0), Record(direction=sign) if press is None else None
     begun = replace(plain, load=load, past=[(load, plain.u)], record=record)
-    return Checkpoint(ahead[0].stage, 0, checkpoint.first, begun, legs=ahead, pressure=pressure)
+    return Checkpoint(ahead[0].stage, 0, checkpoint.first, begun, legs=ahead, pressure=pressure, carried=True)
 
 
 def _refuse(scene, changed):
@@ -76,7 +77,7 @@ def _rest(stage, changed, load):
 def _press(scene, changed, top, held):
     """The Leg from the present indentation to that of `changed` at fixed U_x, or None where there is none to walk."""
     now = -top[1]
-    wanted = changed.delta if not held or changed.hold == "delta" or changed.delta != scene.delta else now
+    wanted = changed.delta if not held or changed.hold == "delta" or changed.delta_bar != scene.delta_bar else now
     if abs(wanted - now) <= 1e-12 * changed.delta_0:
         return None
     steps = ceil(abs(wanted - now) / (changed.du_z * changed.delta_n) - 1e-9)

@@ -89,14 +89,20 @@ def contact_edges(scene, T, first):
 def peel_asymmetry(scene, before, after):
     """(back - front)/(back + front), how far the trailing and the leading edges of all patches moved inward in between.
 
-    before, after: Frames. 1: all at the trailing edges, 0: symmetric; nan where patches came or went, or nothing moved.
+    before, after: Frames. 1: all at the trailing edges, 0: symmetric; nan where nothing moved, or where patches came,
+    went, parted or met: unless each overlaps one of the other frame, modulo w.
     """
     then, now = (contact_edges(scene, f.T, f.first) for f in (before, after))
-    if then.shape != now.shape:
+    half_then, half_now = (0.5 * (edges[:, 1] - edges[:, 0]) for edges in (then, now))
+    # of every patch then to every one now, by way of the nearest ends of the cell
+    moved = now.mean(axis=1) - then.mean(axis=1)[:, None]
+    moved = (moved + 0.5 * scene.width) % scene.width - 0.5 * scene.width
+    pairs = np.abs(moved) < half_now + half_then[:, None]
+    if not ((pairs.sum(axis=0) == 1).all() and (pairs.sum(axis=1) == 1).all()):
         return np.nan
-    moved = (now - then + 0.5 * scene.width) % scene.width - 0.5 * scene.width
-    back, front = moved[:, 0].sum(), -moved[:, 1].sum()
-    return float((back - front) / (back + front)) if back + front != 0.0 else np.nan
+    # a patch whose middle moves by d and that shrinks by 2 s moves inward by d + s behind and s - d in front
+    shrunk = half_then.sum() - half_now.sum()
+    return float(moved[pairs].sum() / shrunk) if shrunk != 0.0 else np.nan
 
 
 def _contact(scene, T, first):

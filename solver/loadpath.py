@@ -37,6 +37,7 @@ class Checkpoint:
     failure: str | None = None  # why the run ended early, with a remedy
     legs: tuple | None = None  # the path, once begun
     pressure: float | None = None  # GPa: mean normal traction at the end of the last leg that did not hold it
+    carried: bool = False  # whether the state was at rest under other parameters: the next increment may jump
 
 
 def load_path(scene, method="fast", leave_out=ALL):
@@ -84,6 +85,8 @@ def next_frame(scene, checkpoint, method="fast", leave_out=ALL):
         raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
     legs = checkpoint.legs or legs_of(scene)
     leg = next(leg for leg in legs if leg.stage == checkpoint.stage)
+    if checkpoint.carried and method != "fast":  # it would start from the whole surface of another equilibrium
+        raise ValueError(f"method = {method!r}; allowed where a run carries on: fast; or start it anew")
     loading, load = leg.loading, leg.at(checkpoint.index)
     pressure = checkpoint.pressure if leg.held else None
     start, first = checkpoint.state, checkpoint.first
@@ -109,7 +112,10 @@ def next_frame(scene, checkpoint, method="fast", leave_out=ALL):
         before, (first, size) = first, wider(scene, first, size)
         start = start and _widened(scene, leg, start, before, first, size)
     frame = _frame(scene, leg, checkpoint.index, load, first, done, evaluations)
-    return frame, _after(scene, replace(checkpoint, legs=legs, first=first), leg, done, "translation" in leave_out)
+    if checkpoint.carried:
+        frame = replace(frame, slips=())
+    here = replace(checkpoint, legs=legs, first=first, carried=False)
+    return frame, _after(scene, here, leg, done, "translation" in leave_out)
 
 
 def _apart(contact, start, loading, load):
@@ -128,7 +134,11 @@ def _widened(scene, leg, state, before, first, size):
     """The same state on a wider patch: outside the old one, the surface follows from the traction inside."""
     top = top_of(leg, state)
     if leg.held:
-        return joined(_widened(scene, replace(leg, held=False), parted(state), before, first, size), top)
+        return joined(_surface_widened(scene, top, parted(state), before, first, size), top)
+    return _surface_widened(scene, top, state, before, first, size)
+
+
+def _surface_widened(scene, top, state, before, first, size):
     part = slice(before - first, before - first + state.active.size)
     narrow = Contact(scene, before, state.active.size)
     narrow.residual(state.u, state.active, top, np.empty_like(state.u))

@@ -7,24 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from .scene import LIMITS
-from .surface import STEEPEST, Profile
+from .surface import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
 
 MOST_BYTES = 10_000_000
 MOST_POINTS = int(LIMITS["nodes"][1])  # kept; more than there are nodes would tell nothing
-FEWEST_POINTS = 16
 LARGEST = 1e9  # nm
 JOIN = 0.05  # of the length, at each end, over which the ends are brought together
 FINER = 4  # points at equal distances for one at unequal ones
-EVEN = 1e-6  # of the spacing, by which points at equal distances may be off
 SEPARATOR = re.compile(r"[,;\t]")  # or any blanks, where none of these occurs
-
-
-class ProfileError(ValueError):
-    """A profile of no use; the message names the line, if there is one, and the reason; `line` is its number."""
-
-    def __init__(self, reason, line=None):
-        self.line = line
-        super().__init__(reason if line is None else f"line {line}: {reason}")
 
 
 def read_profile(source, width=None):
@@ -34,17 +24,17 @@ def read_profile(source, width=None):
     or space; a heading, empty lines and what follows # are passed over. width (nm): the middle part of that width.
     """
     lines, x, z = _columns(_text(source))
-    notes = [f"{x.size} points; x and z are read as nm; summits of z face the substrate."]
+    notes = [f"{x.size} points; x and z are read as nm; summits of z face the substrate; fewer nodes show means."]
     if width is not None:
         lines, x, z = _middle(lines, x, z, float(width), notes)
     if x.size < FEWEST_POINTS:
         raise ProfileError(f"only {x.size} points, at least {FEWEST_POINTS} are needed", int(lines[-1]))
     length = float(x[-1] - x[0]) if width is None else float(width)
-    low, high = LIMITS["width"][:2]
+    low, high = LENGTHS
     if not low <= length <= high:
         raise ProfileError(f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm", int(lines[-1]))
     z = _levelled(lines, x, z, notes)
-    z = _at_equal_distances(x, _joined(x, z, notes), notes)
+    z = _at_equal_distances(x, _joined(lines, x, z, notes), notes)
     start = int(np.argmin(z))
     notes.append(f"shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell.")
     return Profile(length, np.roll(z, -start), notes)
@@ -123,13 +113,14 @@ def _point(cells, number, before):
 
 def _middle(lines, x, z, width, notes):
     """The middle part of a profile, its ends interpolated."""
-    spare = x[-1] - x[0] - width
-    if not spare >= -EVEN * (x[-1] - x[0]):
-        reason = f"the profile is {x[-1] - x[0]:.6g} nm long, the width asked for is {width:g} nm; set a smaller width"
-        raise ProfileError(reason, int(lines[-1]))
-    if spare <= EVEN * (x[-1] - x[0]):
+    length = x[-1] - x[0]
+    spare = length - width
+    if not (width > 0.0 and spare >= -EVEN * length):  # nan fails it too
+        reason = f"the profile is {length:.6g} nm long, the width asked for is {width:g} nm"
+        raise ProfileError(f"{reason}; allowed: above 0 to that length; set such a width", int(lines[-1]))
+    if spare <= EVEN * length:
         return lines, x, z
-    notes.append(f"of {x[-1] - x[0]:.6g} nm the {width:g} nm in the middle are used.")
+    notes.append(f"of {length:.6g} nm the {width:g} nm in the middle are used.")
     ends = x[0] + 0.5 * spare, x[-1] - 0.5 * spare
     part = slice(np.searchsorted(x, ends[0], "right") - 1, np.searchsorted(x, ends[1]) + 1)
     within, heights = x[part].copy(), z[part].copy()
@@ -146,26 +137,28 @@ def _levelled(lines, x, z, notes):
         raise ProfileError(reason, int(lines[-1]))
     notes.append(f"a tilt of {tilt:.3g} was removed (line of least squares).")
     z = z - z.mean() - tilt * from_middle
-    slopes = np.abs(np.diff(z) / np.diff(x))
-    if slopes.max() > STEEPEST:
-        k = int(np.argmax(slopes > STEEPEST))
-        reason = f"slope {slopes[k]:.3g} from the point before, allowed: up to {STEEPEST:g}; smooth or rescale it"
-        raise ProfileError(reason, int(lines[k + 1]))
+    _refuse_steep(lines, x, z, "smooth or rescale it")
     return z
 
 
-def _joined(x, z, notes):
+def _refuse_steep(lines, x, z, remedy, why=""):
+    """Raises ProfileError at the first slope beyond STEEPEST."""
+    slopes = np.abs(np.diff(z) / np.diff(x))
+    if slopes.max() > STEEPEST:
+        k = int(np.argmax(slopes > STEEPEST))
+        reason = f"{why}slope {slopes[k]:.3g} from the point before, allowed: up to {STEEPEST:g}; {remedy}"
+        raise ProfileError(reason, int(lines[k + 1]))
+
+
+def _joined(lines, x, z, notes):
     """The same with ends that meet: a step between them is spread over JOIN of the length at each end, as a cosine."""
     step, reach = float(z[-1] - z[0]), JOIN * (x[-1] - x[0])
-    steepest = np.pi * abs(step) / (4.0 * reach)
-    if steepest > STEEPEST:
-        raise ProfileError(
-            f"its ends differ by {abs(step):.4g} nm; joined over {reach:.4g} nm at each end this is a slope of"
-            f" {steepest:.3g}, allowed: up to {STEEPEST:g}; cut it where its ends are of one height"
-        )
     notes.append(f"the ends, {abs(step):.4g} nm apart, were joined over {reach:.4g} nm at each end (a cosine).")
     start, end = (np.clip(distance / reach, 0.0, 1.0) for distance in (x - x[0], x[-1] - x))
-    return z + 0.25 * step * (np.cos(np.pi * start) - np.cos(np.pi * end))
+    z = z + 0.25 * step * (np.cos(np.pi * start) - np.cos(np.pi * end))
+    why = f"its ends differ by {abs(step):.4g} nm; joined over {reach:.4g} nm at each end they make a "
+    _refuse_steep(lines, x, z, "cut it where its ends are of one height", why)
+    return z
 
 
 def _at_equal_distances(x, z, notes):
@@ -176,5 +169,9 @@ def _at_equal_distances(x, z, notes):
     if even and points <= MOST_POINTS:
         return z[:-1]
     points = min(points, MOST_POINTS)
-    notes.append(f"{x.size} points were resampled linearly to {points} at equal distances.")
+    resampled = f"{x.size} points were resampled to {points} at equal distances"
+    if gaps.min() < length / points:
+        notes.append(f"{resampled}: means over the new spacing, where they lay closer.")
+        return averaged(x, z, points)
+    notes.append(f"{resampled}, linearly.")
     return np.interp(np.arange(points) * (length / points), x - x[0], z)

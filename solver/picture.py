@@ -7,7 +7,7 @@ doi:10.1137/S003614450343200X). `body.inside` is the same without approximation,
 
 from dataclasses import dataclass
 from itertools import groupby
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 from numba import njit
@@ -46,11 +46,13 @@ def picture(scene, first, traction, quantity, window, size):
 
     traction (2, m), GPa, on the nodes from `first` on; window (x_low, x_high, depth) in nm, x as in scene.x;
     size (columns, rows). sigma_zz, sigma_xz, (sigma_xx + sigma_yy + sigma_zz)/3: tension > 0; sigma_1 - sigma_2 >= 0.
-    Raises ValueError for another quantity, an empty window or one deeper than the layer.
+    Raises ValueError for another quantity, no pixels, and a window that is empty, infinite or deeper than the layer.
     """
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity = {quantity!r}; allowed: {', '.join(QUANTITIES)}; choose one of them")
     (x_low, x_high, depth), (columns, rows) = _checked(scene, window), size
+    if not all(count >= 1 and count % 1 == 0 for count in size):
+        raise ValueError(f"size = {size}: allowed: whole numbers (columns, rows) from 1 on; give one pixel or more")
     x = x_low + (np.arange(columns) + 0.5) * ((x_high - x_low) / columns)
     z = (np.arange(rows) + 0.5) * (depth / rows)
     fields = _summed(scene, surface_modes(scene, first, traction), QUANTITIES.index(quantity), x, z)
@@ -83,8 +85,8 @@ def fringes(difference, per_fringe):
 def _checked(scene, window):
     x_low, x_high, depth = window
     height = scene.height * scene.width
-    if not x_low < x_high:
-        raise ValueError(f"window = {window}: allowed: x_low < x_high; give a window of some width")
+    if not -inf < x_low < x_high < inf:  # nan fails it too
+        raise ValueError(f"window = {window}: allowed: finite x_low < x_high; give a window of some width")
     if not 0.0 < depth <= height:
         raise ValueError(f"depth = {depth:g}: allowed: above 0 to {height:g} nm, the layer; take the smaller one")
     return window

@@ -1,7 +1,9 @@
 """The undeformed surface of the layer: every kind is a function from a Scene to its nodes' gap g0 (nm) at delta = 0.
 
-Every gap is periodic over w. Its lowest point is at 0, so that at delta = 0 the surfaces just touch if nothing deforms;
-its highest is at the ends of the cell, so that a contact lies across them last of all, and edges come in order.
+Every gap is periodic over w. At delta = 0 the surfaces just touch if nothing deforms: of the punch and the wave the lowest
+point of the continuous profile is at 0, and the lowest node above it where none stands on a crest; of the other kinds
+the lowest node is at 0. The highest point is at the ends of the cell, so that a contact lies across them last of all,
+and edges come in order; a measured profile's is where the profile has its first point, if read by `read_profile`.
 """
 
 from dataclasses import dataclass, field
@@ -12,6 +14,17 @@ import numpy as np
 STEEPEST = 0.3  # slope of a wave or a measured profile: 1 - cos is 5 % there, beyond it slopes are not small
 FEWEST_NODES = 8  # to a wavelength of a wave
 SHORTEST = 4  # node spacings to the cut-off wavelength
+FEWEST_POINTS = 16  # of a measured profile
+LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the widths a cell may have
+EVEN = 1e-6  # of the spacing, by which points at equal distances may be off
+
+
+class ProfileError(ValueError):
+    """A profile of no use; the message names the line, if there is one, and the reason; `line` is its number."""
+
+    def __init__(self, reason, line=None):
+        self.line = line
+        super().__init__(reason if line is None else f"line {line}: {reason}")
 
 
 @dataclass(frozen=True)
@@ -19,6 +32,8 @@ class Profile:
     """A measured profile: heights z (nm) at equal distances over one period (nm), kept as bytes of float64.
 
     heights: any sequence of numbers, or those bytes; cheap to hash and to send. notes: what was done to the data.
+    Raises ProfileError unless they are FEWEST_POINTS or more finite numbers, the length is within LENGTHS, and slopes,
+    that from the last point to the first of the next period too, are up to STEEPEST.
     """
 
     length: float
@@ -26,14 +41,67 @@ class Profile:
     notes: tuple = field(default=(), compare=False)
 
     def __post_init__(self):
+        object.__setattr__(self, "length", _length(self.length))
         if not isinstance(self.heights, bytes):
-            object.__setattr__(self, "heights", np.asarray(self.heights, "<f8").tobytes())
+            object.__setattr__(self, "heights", _heights(self.heights))
         object.__setattr__(self, "notes", tuple(self.notes))
+        if len(self.heights) % 8:
+            reason = f"heights = {len(self.heights)} bytes: allowed: 8 to a height, of float64; give the numbers instead"
+            raise ProfileError(reason)
+        if self.z.size < FEWEST_POINTS:
+            raise ProfileError(f"heights: {self.z.size} points; allowed: {FEWEST_POINTS} or more; give more of them")
+        if not np.isfinite(self.z).all():
+            k = int(np.argmin(np.isfinite(self.z)))
+            raise ProfileError(f"heights[{k}] = {self.z[k]:g}: allowed: finite numbers, in nm; leave it out")
+        with np.errstate(over="ignore"):  # a slope of infinity is too steep as well
+            slope = np.abs(np.diff(self.z, append=self.z[0])).max() / (self.length / self.z.size)
+        if slope > STEEPEST * (1.0 + 4.0 * EVEN):  # one of STEEPEST at the distances that were read
+            reason = f"heights: the largest slope is {slope:.3g}; allowed: up to {STEEPEST:g}; smooth or rescale them"
+            raise ProfileError(reason)
 
     @property
     def z(self):
         """Heights, nm, (points,); read-only."""
         return np.frombuffer(self.heights, "<f8")
+
+
+def _length(value):
+    """A Profile's length as a float."""
+    try:
+        length = np.nan if isinstance(value, (str, bytes)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        length = np.nan
+    if not LENGTHS[0] <= length <= LENGTHS[1]:  # nan fails it too
+        raise ProfileError(f"length = {value!r}: allowed: {LENGTHS[0]:g} .. {LENGTHS[1]:g} nm; give a number in that range")
+    return length
+
+
+def _heights(values):
+    """The bytes of a row of numbers."""
+    try:
+        heights = np.asarray(values).astype("<f8", casting="same_kind")
+    except (TypeError, ValueError):
+        heights = None
+    if heights is None or heights.ndim != 1:
+        raise ProfileError("heights: allowed: one row of real numbers, in nm; give a list or a one-dimensional array")
+    return heights.tobytes()
+
+
+def averaged(x, z, points):
+    """Means (points,) of a profile, linear between x, z (n,), over the spacing around each of `points` equal distances.
+
+    Differences of its integral: where points lie closer than the new spacing, their short waves die away, and do not
+    turn into long ones as they would if sampled. The last of x, z is the first of the next period.
+    """
+    x, level = x - x[0], z.mean()
+    z, gaps = z - level, np.diff(x)
+    integral = np.append(0.0, np.cumsum(0.5 * gaps * (z[1:] + z[:-1])))
+    spacing = x[-1] / points
+    turns, at = np.divmod((np.arange(points + 1) - 0.5) * spacing, x[-1])
+    k = np.minimum(np.searchsorted(x, at, "right") - 1, gaps.size - 1)
+    beyond = at - x[k]
+    sums = turns * integral[-1] + integral[k] + beyond * (z[k] + 0.5 * beyond * (np.diff(z) / gaps)[k])
+    return level + np.diff(sums) / spacing
 
 
 def circular(scene):
@@ -71,11 +139,17 @@ def rough(scene):
 
 
 def measured(scene):
-    """The profile's summits face the substrate: highest z less z, linearly between its points."""
+    """The profile's summits face the substrate: highest z less z, linearly between its points.
+
+    Fewer nodes than points show means over the node spacing.
+    """
     z = scene.measured.z
-    at = np.arange(scene.nodes) * (z.size / scene.nodes)
-    height = np.interp(at, np.arange(z.size + 1), np.append(z, z[0]))
-    return height.max() - height
+    at, depth = np.arange(z.size + 1), np.append(z.max() - z, z.max() - z[0])
+    if z.size > scene.nodes:
+        gap = averaged(at, depth, scene.nodes)
+    else:
+        gap = np.interp(np.arange(scene.nodes) * (z.size / scene.nodes), at, depth)
+    return gap - gap.min()
 
 
 SURFACES = {"circular": circular, "flat": flat, "wave": wave, "rough": rough, "measured": measured}

@@ -1,0 +1,213 @@
+"""Slips below critical damping, runs that carry on under changed parameters, and patches that are widened."""
+
+import pickle
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from test_loadings import same, stage
+
+from solver import Checkpoint, NotConverged, Scene, SceneError, advance, carry_on, load_path, loadpath
+from solver.contact import Contact
+from solver.held import joined
+from solver.legs import legs_of
+from solver.loadpath import _solver, next_frame
+from solver.state import State
+
+SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2)
+
+
+def standing(scene):
+    """The Checkpoint of a run before its last increment."""
+    checkpoint = Checkpoint()
+    while not checkpoint.done:
+        before, (_, checkpoint) = checkpoint, next_frame(scene, checkpoint)
+    return before
+
+
+def test_a_jump_of_the_parameters_is_not_reported_as_a_slip():
+    """Flat: with a stiffness ten times less the state leaps at rest, though no branch of the new scene ends there."""
+    scene = Scene(surface="flat", phi_ratio=0.1, E=700.0, u_x_max=2.0)
+    checkpoint = standing(scene)
+    frame, after = next_frame(scene.changed(E=70.0), carry_on(checkpoint, scene, scene.changed(E=70.0)))
+    assert not frame.slips and frame.residual <= scene.tolerance and not after.carried
+
+
+def test_a_carried_run_is_for_the_fast_method():
+    scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
+    changed = scene.changed(E=90.0)
+    with pytest.raises(ValueError, match="allowed where a run carries on: fast"):
+        next_frame(changed, carry_on(standing(scene), scene, changed), method="gfmd")
+
+
+def test_another_scale_of_the_law_leaves_a_held_load():
+    """delta_bar counts in delta_n: the punch is not to be moved because its unit has changed."""
+    scene = SMALL.changed(delta_bar=0.2, hold="load", u_x_max=2.0)
+    changed = scene.changed(delta_n=1.1)
+    checkpoint = carry_on(standing(scene), scene, changed)
+    assert checkpoint.stage == "shear"
+
+
+def test_a_wider_patch_under_a_held_load_keeps_the_surface_in_place():
+    """The nodes that come in lie where the layer is, whose top is at U_z, not at zero."""
+    scene = Scene(E=30.0, delta_bar=-0.7, hold="load", nodes=256, width=625.0, radius=10.0)
+    leg = legs_of(scene)[1]
+    contact = Contact(scene, 100, 56)
+    u = contact.undeformed((0.0, 7.0))
+    state = joined(State(0.0, u, np.zeros(56, bool), [(0.0, u)]), (0.0, 7.0))
+    wide = loadpath._widened(scene, leg, state, 100, 90, 76)
+    assert wide.u[1] == pytest.approx(7.0)
+
+
+# Damping
+
+
+def sites(scene, method="fast"):
+    """By how many sites the contact moves in each slip of the shear: the largest displacement of a node."""
+    shear = stage(list(load_path(scene, method)), "shear")
+    moved = [(b.u[0] - a.u[0]).max() for a, b in pairwise(shear) if b.slip]
+    return [round(float(m) / scene.spacing) for m in moved]
+
+
+def test_inertia_carries_one_slip_over_two_sites():
+    scene = Scene(u_x_max=16.5)
+    assert sites(scene) == [1, 1, 1]
+    assert sites(scene.changed(damping=0.25)) == [2, 2]
+
+
+def test_a_slip_with_inertia_is_one_slip():
+    """Started too close to the end of the branch, the motion would fall back, and slip at the next increment."""
+    shear = stage(list(load_path(Scene(u_x_max=13.0, hold="load", damping=0.25))), "shear")
+    slips = [f.slips for f in shear if f.slip]
+    assert [len(s) for s in slips] == [1, 1] and sites(Scene(u_x_max=13.0, hold="load", damping=0.25)) == [1, 1]
+    assert slips[1][0].load - slips[0][0].load == pytest.approx(Scene().spacing, abs=1e-6)
+
+
+def test_at_critical_damping_the_reference_method_slips_as_the_fast_one():
+    scene = SMALL.changed(u_x_max=5.0)
+    fast, gfmd = (list(load_path(scene.changed(damping=1.0), method)) for method in ("fast", "gfmd"))
+    assert any(f.slip for f in stage(fast, "shear"))
+    assert all(same(a, b, 1e-6) for a, b in zip(fast, gfmd, strict=True))
+
+
+def test_below_critical_damping_branches_are_the_same_and_only_slips_differ():
+    scene = SMALL.changed(u_x_max=3.0)
+    for a, b in zip(load_path(scene), load_path(scene.changed(damping=0.2)), strict=True):
+        assert same(a, b, 1e-6)
+
+
+def test_a_motion_that_never_rests_says_that_the_damping_is_too_small(monkeypatch):
+    """NP1 has no potential: with hardly any damping it may feed an oscillation, here for as long as is waited."""
+    monkeypatch.setattr("solver.inertia.BUDGET", 1000)
+    _solver.cache_clear()
+    scene = Scene(u_x_max=7.0, phi_ratio=0.3, damping=0.05, nodes=512, width=1250.0)
+    with pytest.raises(NotConverged, match=r"try a damping larger than 0\.05"):
+        list(load_path(scene))
+
+
+# Carrying on
+
+
+def until(scene, increments, name="shear"):
+    """(frames, checkpoint) up to that many increments of a stage."""
+    frames, checkpoint = [], None
+    while sum(f.stage == name for f in frames) < increments:
+        more, checkpoint = advance(scene, checkpoint, budget=0.0)
+        frames += more
+    return frames, checkpoint
+
+
+def rest_of(scene, checkpoint):
+    frames = []
+    while not checkpoint.done:
+        more, checkpoint = advance(scene, pickle.loads(pickle.dumps(checkpoint)))
+        frames += more
+    assert checkpoint.failure is None
+    return frames
+
+
+@pytest.mark.parametrize("values", [{}, {"hold": "load"}, {"surface": "flat", "phi_ratio": 0.1}])
+def test_carrying_on_unchanged_is_the_uninterrupted_run(values):
+    scene = SMALL.changed(**values)
+    frames, checkpoint = until(scene, 12)
+    frames += rest_of(scene, carry_on(checkpoint, scene, scene))
+    for a, b in zip(frames, load_path(scene), strict=True):
+        assert np.array_equal(a.u, b.u) and a.slips == b.slips
+
+
+@pytest.mark.parametrize("hold", ["delta", "load"])
+@pytest.mark.parametrize("values", [{"E": 100.0}, {"E": 40.0}, {"phi_n": 2.5}, {"phi_ratio": 0.5}, {"nu": 0.3}])
+def test_changed_parameters_take_effect_where_the_run_is(values, hold):
+    scene = SMALL.changed(hold=hold)
+    frames, checkpoint = until(scene, 12)
+    changed = scene.changed(**values)
+    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    U_x = [f.U_x for f in ahead]
+    assert U_x == pytest.approx(np.arange(frames[-1].U_x, scene.u_x_max + 0.1, 0.2))
+    assert max(f.residual for f in ahead) <= changed.tolerance
+    if hold == "load":
+        L = frames[-1].L_bar * scene.E
+        assert np.array([f.L_bar * changed.E for f in ahead]) == pytest.approx(L, abs=2e-8 * scene.phi_n)
+
+
+def test_changed_stiffness_leads_to_the_branch_of_a_run_with_it_from_the_start():
+    """While stuck, equilibria do not depend on the way there."""
+    scene = SMALL.changed(u_x_max=2.0)
+    _, checkpoint = until(scene, 6)
+    changed = scene.changed(E=100.0)
+    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    assert same(ahead[-1], list(load_path(changed))[-1], 1e-6)
+
+
+@pytest.mark.parametrize("delta_bar", [0.13, -0.07])
+def test_a_changed_indentation_is_walked_at_the_same_place(delta_bar):
+    scene = SMALL.changed(u_x_max=2.0)
+    frames, checkpoint = until(scene, 6)
+    changed = scene.changed(delta_bar=delta_bar)
+    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    press, shear = stage(ahead, "press"), stage(ahead, "shear")
+    assert {f.U_x for f in press} == {frames[-1].U_x} and shear[0].U_x == frames[-1].U_x
+    assert np.abs(np.diff([f.delta for f in press])).max() <= scene.du_z * scene.delta_n + 1e-12
+    assert {f.delta for f in shear} == {changed.delta} and press[0].delta == scene.delta
+    assert same(shear[-1], list(load_path(changed))[-1], 1e-6)
+
+
+def test_a_run_goes_on_from_held_indentation_to_held_load_and_back():
+    scene = SMALL.changed(u_x_max=3.0)
+    frames, checkpoint = until(scene, 6)
+    soft = scene.changed(hold="load")
+    begun = carry_on(checkpoint, scene, soft)
+    ahead, checkpoint = advance(soft, begun, budget=0.0)
+    assert ahead[0].L_bar == pytest.approx(frames[-1].L_bar, rel=1e-7) and ahead[0].delta == pytest.approx(
+        0.0, abs=1e-7
+    )
+    _, checkpoint = advance(soft, checkpoint, budget=0.0)
+    back = rest_of(scene, carry_on(checkpoint, soft, scene))
+    assert stage(back, "shear")[0].delta == scene.delta
+    assert same(back[-1], list(load_path(scene))[-1], 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "name"), [({"nodes": 64}, "nodes"), ({"radius": 2.0}, "radius"), ({"surface": "flat"}, "surface")]
+)
+def test_another_surface_needs_a_run_of_its_own(values, name):
+    _, checkpoint = until(SMALL, 2)
+    with pytest.raises(SceneError, match=f"{name} = .*start the run anew"):
+        carry_on(checkpoint, SMALL, SMALL.changed(**values))
+
+
+def test_a_run_is_carried_on_in_shear_only_and_not_beyond_its_end():
+    _, checkpoint = until(SMALL, 2, "approach")
+    with pytest.raises(ValueError, match="stage = 'approach'"):
+        carry_on(checkpoint, SMALL, SMALL.changed(E=80.0))
+    _, checkpoint = until(SMALL, 12)
+    with pytest.raises(SceneError, match=r"u_x_max = 1\.0: allowed: 2\.2 nm or more"):
+        carry_on(checkpoint, SMALL, SMALL.changed(u_x_max=1.0))
+
+
+def test_carrying_on_leaves_the_given_checkpoint_as_it_is():
+    _, checkpoint = until(SMALL, 6)
+    before = pickle.dumps(checkpoint)
+    rest_of(SMALL.changed(E=90.0), carry_on(checkpoint, SMALL, SMALL.changed(E=90.0)))
+    rest_of(SMALL, carry_on(checkpoint, SMALL, SMALL))
+    assert pickle.dumps(checkpoint) == before
