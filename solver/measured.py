@@ -24,7 +24,7 @@ def read_profile(source, width=None):
     or space; a heading, empty lines and what follows # are passed over. width (nm): the middle part of that width.
     """
     lines, x, z = _columns(_text(source))
-    notes = [f"{x.size} points; x and z are read as nm; summits of z face the substrate; fewer nodes show means."]
+    notes = [f"{x.size} points; x and z are read as nm; summits of z face the substrate."]
     if width is not None:
         lines, x, z = _middle(lines, x, z, float(width), notes)
     if x.size < FEWEST_POINTS:
@@ -36,7 +36,8 @@ def read_profile(source, width=None):
     z = _levelled(lines, x, z, notes)
     z = _at_equal_distances(x, _joined(lines, x, z, notes), notes)
     start = int(np.argmin(z))
-    notes.append(f"shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell.")
+    shift = f"shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
+    notes.append(f"{shift}; with fewer nodes than {z.size} each shows the mean over the node spacing.")
     return Profile(length, np.roll(z, -start), notes)
 
 
@@ -153,10 +154,16 @@ def _refuse_steep(lines, x, z, remedy, why=""):
 def _joined(lines, x, z, notes):
     """The same with ends that meet: a step between them is spread over JOIN of the length at each end, as a cosine."""
     step, reach = float(z[-1] - z[0]), JOIN * (x[-1] - x[0])
+    steepest = np.pi * abs(step) / (4.0 * reach)
+    if steepest > STEEPEST:
+        raise ProfileError(
+            f"its ends differ by {abs(step):.4g} nm; joined over {reach:.4g} nm at each end this is a slope of"
+            f" {steepest:.3g}, allowed: up to {STEEPEST:g}; cut it where its ends are of one height"
+        )
     notes.append(f"the ends, {abs(step):.4g} nm apart, were joined over {reach:.4g} nm at each end (a cosine).")
     start, end = (np.clip(distance / reach, 0.0, 1.0) for distance in (x - x[0], x[-1] - x))
     z = z + 0.25 * step * (np.cos(np.pi * start) - np.cos(np.pi * end))
-    why = f"its ends differ by {abs(step):.4g} nm; joined over {reach:.4g} nm at each end they make a "
+    why = f"its ends, {abs(step):.4g} nm apart, joined over {reach:.4g} nm at each end: "
     _refuse_steep(lines, x, z, "cut it where its ends are of one height", why)
     return z
 

@@ -1,9 +1,10 @@
 """The undeformed surface of the layer: every kind is a function from a Scene to its nodes' gap g0 (nm) at delta = 0.
 
-Every gap is periodic over w. At delta = 0 the surfaces just touch if nothing deforms: of the punch and the wave the lowest
-point of the continuous profile is at 0, and the lowest node above it where none stands on a crest; of the other kinds
-the lowest node is at 0. The highest point is at the ends of the cell, so that a contact lies across them last of all,
-and edges come in order; a measured profile's is where the profile has its first point, if read by `read_profile`.
+Every gap is periodic over w, and at delta = 0 the surfaces just touch if nothing deforms. The lowest point of the
+continuous profile of the punch and the wave is at 0, their lowest node above it unless one stands on a crest; of the
+other kinds the lowest node is at 0. The highest is at the ends of the cell, so that a contact lies across them last of
+all, and edges come in order; only of a measured profile it is where the Profile has it: after `read_profile` there as
+well, unless means over the node spacing fill the deepest valley.
 """
 
 from dataclasses import dataclass, field
@@ -46,8 +47,7 @@ class Profile:
             object.__setattr__(self, "heights", _heights(self.heights))
         object.__setattr__(self, "notes", tuple(self.notes))
         if len(self.heights) % 8:
-            reason = f"heights = {len(self.heights)} bytes: allowed: 8 to a height, of float64; give the numbers instead"
-            raise ProfileError(reason)
+            raise ProfileError(f"heights = {len(self.heights)} bytes: allowed: 8 to each, of float64; give numbers")
         if self.z.size < FEWEST_POINTS:
             raise ProfileError(f"heights: {self.z.size} points; allowed: {FEWEST_POINTS} or more; give more of them")
         if not np.isfinite(self.z).all():
@@ -72,7 +72,8 @@ def _length(value):
     except (TypeError, ValueError, OverflowError):
         length = np.nan
     if not LENGTHS[0] <= length <= LENGTHS[1]:  # nan fails it too
-        raise ProfileError(f"length = {value!r}: allowed: {LENGTHS[0]:g} .. {LENGTHS[1]:g} nm; give a number in that range")
+        allowed = f"{LENGTHS[0]:g} .. {LENGTHS[1]:g} nm"
+        raise ProfileError(f"length = {value!r}: allowed: {allowed}; give a number in that range")
     return length
 
 

@@ -99,3 +99,47 @@ def test_peel_asymmetry_is_the_difference_over_the_sum_of_what_the_edges_moved()
     assert peel_asymmetry(SCENE, before, frame((10, 17), (50, 60))) == pytest.approx(-1.0)
     assert np.isnan(peel_asymmetry(SCENE, before, before))
     assert np.isnan(peel_asymmetry(SCENE, before, frame((10, 20))))  # a patch has gone
+
+
+def tent(*patches):
+    """A frame whose T_z is positive between the edges (in nodes) of each patch, and crosses zero linearly there."""
+    away = [np.abs((np.arange(100) - 0.5 * (a + b) + 50.0) % 100.0 - 50.0) - 0.5 * (b - a) for a, b in patches]
+    tz = -np.clip(np.min(away, axis=0), -1.0, 1.0)
+    return SimpleNamespace(T=np.array([0 * tz, tz]), first=0)
+
+
+def test_peel_asymmetry_follows_a_patch_across_the_ends_of_the_cell():
+    """The third patch grows across: the edges then come in another order, but belong to the same patches."""
+    before = tent((10, 20), (40, 50), (85, 98.6))
+    after = tent((10.4, 19.6), (40.4, 49.6), (86, 100.4))
+    back, front = 0.4 + 0.4 + 1.0, 0.4 + 0.4 - 1.8
+    # least, what counts as repulsion, moves edges by 1e-8 of a spacing
+    assert peel_asymmetry(SCENE, before, after) == pytest.approx((back - front) / (back + front), abs=1e-6)
+    for shift in range(0, 100, 7):
+        moved = [SimpleNamespace(T=np.roll(f.T, shift, axis=1), first=0) for f in (before, after)]
+        assert peel_asymmetry(SCENE, *moved) == pytest.approx(3.5, abs=1e-6)
+
+
+def test_peel_asymmetry_of_an_edge_that_moves_by_more_than_half_the_cell():
+    assert peel_asymmetry(SCENE, tent((5, 95)), tent((75, 85))) == pytest.approx((70 - 10) / (70 + 10), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "after",
+    [
+        [(10.5, 19.5), (70, 80)],  # one has gone, another come
+        [(21, 30), (40, 50)],
+        [(10, 14), (16, 20)],  # one has parted, one gone
+        [(10, 50), (70, 80)],  # two have met, one come
+        [(10, 14), (16, 20), (40, 50)],
+    ],
+)
+def test_peel_asymmetry_is_none_unless_every_patch_has_one_partner(after):
+    assert np.isnan(peel_asymmetry(SCENE, tent((10, 20), (40, 50)), tent(*after)))
+    assert np.isnan(peel_asymmetry(SCENE, tent(*after), tent((10, 20), (40, 50))))
+
+
+def test_peel_asymmetry_is_none_without_edges():
+    free, full = (SimpleNamespace(T=np.full((2, 100), value), first=0) for value in (-1.0, 1.0))
+    for other in (free, full, tent((10, 20))):
+        assert np.isnan(peel_asymmetry(SCENE, full, other)) and np.isnan(peel_asymmetry(SCENE, free, other))

@@ -9,6 +9,8 @@ import pytest
 
 from solver import Profile, ProfileError, Scene, SceneError, load_path, read_profile
 from solver.measured import FEWEST_POINTS, MOST_BYTES, MOST_POINTS, STEEPEST
+from solver.scene import LIMITS
+from solver.surface import LENGTHS
 
 X = np.linspace(0.0, 640.0, 257)
 HILLS = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # two whole waves: highest at x = 0, 320, 640
@@ -68,10 +70,11 @@ def test_ends_that_do_not_meet_are_joined_near_the_ends_only_and_told():
     assert abs(heights[0] - heights[-1]) < np.abs(np.diff(z)).max()
 
 
-def test_unequal_distances_are_resampled_linearly_and_told():
+def test_unequal_distances_are_resampled_and_told():
     x = np.sort(np.append(np.random.default_rng(0).uniform(0.0, 640.0, 2000), [0.0, 640.0]))
     profile = read_profile(table(x, 4.0 * np.cos(2.0 * np.pi * 2.0 * x / 640.0)))
-    assert any("2002 points were resampled linearly to 8004" in note for note in profile.notes)
+    told = "2002 points were resampled to 8004 at equal distances: means over the new spacing, where they lay closer."
+    assert told in profile.notes
     # gaps of up to 3 nm between points: the sagitta of a wave of curvature 4 (2 pi/320)^2 over them, 2e-3 nm; the line
     # of least squares through points at random tilts by less than 1e-3, but leaves up to 0.1 nm at the ends
     assert shown(profile) == pytest.approx(shown(read_profile(table(X, HILLS))), abs=0.2)
@@ -82,6 +85,24 @@ def test_more_points_than_nodes_can_show_are_thinned_out():
     profile = read_profile(table(x, np.cos(2.0 * np.pi * x / 640.0)))
     assert profile.z.size == MOST_POINTS
     assert any("40001 points were resampled" in note for note in profile.notes)
+
+
+def test_wider_distances_are_resampled_linearly_and_told():
+    x = np.linspace(0.0, 640.0, 257) + 0.5 * np.sin(np.arange(257))
+    profile = read_profile(table(x, 0.1 * (x - x[0]) * (x[-1] - x) / 640.0))
+    assert "257 points were resampled to 1024 at equal distances, linearly." in profile.notes
+
+
+def test_thinning_out_does_not_turn_short_waves_into_long_ones():
+    """Waves of 2.4 points, in every new spacing one and nine over the length: sampled, they would be nine waves."""
+    x = np.linspace(0.0, 640.0, 40_001)
+    ripple = 1e-3 * np.cos(2.0 * np.pi * (MOST_POINTS + 9) * x / 640.0)
+    profile = read_profile(table(x, np.cos(2.0 * np.pi * 2.0 * x / 640.0) + ripple))
+    assert any("40001 points were resampled to 16384 at equal distances: means" in note for note in profile.notes)
+    amplitude = 2.0 * np.abs(np.fft.rfft(profile.z)) / profile.z.size
+    # the mean over 1 + 9/16384 waves is 9/16393 of the amplitude; sampled it was all of it
+    assert amplitude[9] < 2e-3 * 1e-3
+    assert amplitude[2] == pytest.approx(1.0, abs=1e-6)
 
 
 def test_a_width_takes_the_middle_part():
@@ -142,6 +163,18 @@ def test_ends_too_far_apart_to_be_joined_are_refused():
     assert STEEPEST == 0.3
 
 
+def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_line():
+    """A saw of slope 0.28 whose ends lie 0.65 nm apart: the slopes of saw and join are allowed, but not their sum."""
+    x = np.arange(200.0)
+    saw = 0.28 * np.abs(x % 20.0 - 10.0)
+    z = saw + 1.5 * np.clip((x - 60.0) / 60.0, 0.0, 1.0)
+    z[60:121] = np.linspace(z[60], z[120], 61)
+    reason = r"line 193: its ends, 0\.65.* nm apart, joined over 9\.95 nm at each end: slope 0\.306 from the point"
+    with pytest.raises(ProfileError, match=reason) as caught:
+        read_profile(table(x, z))
+    assert caught.value.line == 193
+
+
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
@@ -167,10 +200,50 @@ def test_what_is_not_a_file_is_refused(tmp_path):
             read_profile(path)
 
 
-@pytest.mark.parametrize("width", [641.0, float("nan"), float("inf")])
-def test_a_width_beyond_the_profile_is_refused(width):
-    with pytest.raises(ProfileError, match="the profile is 640 nm long, the width asked for is"):
+@pytest.mark.parametrize("width", [641.0, float("nan"), float("inf"), 0.0, -5.0, -641.0, -float("inf")])
+def test_a_width_that_is_none_or_beyond_the_profile_is_refused(width):
+    reason = f"the profile is 640 nm long, the width asked for is {width:g} nm; allowed: above 0 to that length"
+    with pytest.raises(ProfileError, match=re.escape(reason)):
         read_profile(table(X, HILLS), width)
+
+
+@pytest.mark.parametrize(
+    ("length", "heights", "reason"),
+    [
+        (float("nan"), np.zeros(20), r"length = nan: allowed: 1 .. 1e\+06 nm; give a number in that range"),
+        (-100.0, np.zeros(20), "length = -100.0: allowed"),
+        (2e6, np.zeros(20), "length = 2000000.0: allowed"),
+        (None, np.zeros(20), "length = None: allowed"),
+        ("100", np.zeros(20), "length = '100': allowed"),
+        (100.0, [], "heights: 0 points; allowed: 16 or more"),
+        (100.0, b"", "heights: 0 points; allowed: 16 or more"),
+        (100.0, np.zeros(FEWEST_POINTS - 1), "heights: 15 points; allowed: 16 or more"),
+        (100.0, b"abc", "heights = 3 bytes: allowed: 8 to each, of float64"),
+        (100.0, [0.0] * 5 + [np.nan] * 20, r"heights\[5\] = nan: allowed: finite numbers"),
+        (100.0, np.full(20, -np.inf).tobytes(), r"heights\[0\] = -inf: allowed: finite numbers"),
+        (100.0, [0.0, 2.0] * 10, "the largest slope is 0.4; allowed: up to 0.3; smooth or rescale"),
+        (100.0, 0.2 * np.arange(20.0), "the largest slope is 0.76; allowed: up to 0.3"),  # across the ends
+        (100.0, [1.7e308, -1.7e308] * 10, "the largest slope is inf; allowed"),
+        (100.0, np.zeros((4, 4)), "heights: allowed: one row of real numbers"),
+        (100.0, 3.0, "heights: allowed: one row"),
+        (100.0, ["high"] * 20, "heights: allowed: one row"),
+        (100.0, [1j] * 20, "heights: allowed: one row"),
+        (100.0, [[1.0], [1.0, 2.0]] * 10, "heights: allowed: one row"),
+        (100.0, None, "heights: allowed: one row"),
+    ],
+)
+def test_a_profile_of_no_use_is_refused_with_what_is_allowed(length, heights, reason):
+    with pytest.raises(ProfileError, match=reason):
+        Profile(length, heights)
+
+
+def test_a_profile_may_be_as_steep_and_as_long_as_it_is_said():
+    assert LIMITS["width"][:2] == LENGTHS
+    heights = 0.3 * np.abs(np.arange(20) - 10.0)
+    assert Profile(200, [0, 1, 2, 1] * 10).length == 200.0
+    for length in LENGTHS:
+        scaled = Profile(length, heights * (length / 20.0))
+        assert Profile(length, scaled.heights) == scaled == pickle.loads(pickle.dumps(scaled))
 
 
 def test_junk_never_raises_anything_else():

@@ -102,6 +102,15 @@ def test_what_cannot_be_shown_is_said_with_a_remedy():
         picture(scene, 0, T, "normal", (0.0, 1.0, 41.0), (2, 2))
     with pytest.raises(ValueError, match=r"x_low < x_high"):
         mesh(scene, 0, T, ORIGIN, (1.0, 1.0, 1.0))
+    for low, high in ((-np.inf, 1.0), (0.0, np.inf), (np.nan, 1.0), (0.0, np.nan)):
+        with pytest.raises(ValueError, match=r"window = .*: allowed: finite x_low < x_high"):
+            picture(scene, 0, T, "normal", (low, high, 1.0), (2, 2))
+    for depth in (np.inf, np.nan):
+        with pytest.raises(ValueError, match=r"depth = .*: allowed: above 0 to 40 nm"):
+            picture(scene, 0, T, "normal", (0.0, 1.0, depth), (2, 2))
+    for size in ((0, 4), (4, 0), (-1, 4), (2.5, 4), (np.inf, 4), (np.nan, 4)):
+        with pytest.raises(ValueError, match=r"size = .*: allowed: whole numbers \(columns, rows\) from 1 on"):
+            picture(scene, 0, T, "normal", (0.0, 1.0, 1.0), size)
     with pytest.raises(ValueError, match=r"z = -1 .. 3: allowed: 0 .. 40 nm"):
         inside(scene, 0, T, ORIGIN, [0.0], [-1.0, 3.0])
     with pytest.raises(ValueError, match="per_fringe = 0"):

@@ -9,6 +9,7 @@ from solver.frame import contact_edges, peel_asymmetry
 from solver.left_out import ALL, account
 from solver.limits import PULL_OFF_JKR
 from solver.loadpath import BULGE
+from solver.surface import averaged
 from solver.wavy import PSI, hard, johnson, pull_off, repulsive
 
 ROUGH = Scene(surface="rough")
@@ -97,6 +98,50 @@ def test_surfaces_just_touch_at_zero_and_stand_apart_at_the_ends_of_the_cell(sur
     assert gap.argmax() == 0
     # periodic: the step across the ends is no larger than elsewhere; the circular punch has its kink there
     assert abs(gap[0] - gap[-1]) <= 1.01 * np.abs(np.diff(gap)).max()
+
+
+@pytest.mark.parametrize(
+    ("values", "off"),
+    [
+        # the crest lies half a spacing from the nearest node: A (1 - cos(pi waves/nodes / waves))
+        ({"surface": "wave", "waves": 3, "amplitude": 7.0}, 7.0 * (1.0 - np.cos(np.pi / 25))),
+        ({"surface": "wave", "waves": 3, "amplitude": 7.0, "nodes": 26}, 0.0),
+        ({"surface": "circular"}, (0.5 * 500.0 / 25) ** 2 / (2.0 * 2.5 * 500.0)),
+        ({"surface": "circular", "nodes": 26}, 0.0),
+    ],
+)
+def test_the_lowest_node_lies_above_zero_where_none_stands_on_a_crest(values, off):
+    """The continuous profile's lowest point is at 0, wherever the nodes are."""
+    scene = Scene(**{"nodes": 25, "width": 500.0, **values})
+    assert scene.profile.min() == pytest.approx(off, abs=1e-12)
+
+
+def test_fewer_nodes_than_points_do_not_turn_short_waves_of_a_profile_into_long_ones():
+    """In every node spacing one wave, and nine over the width: sampled at the nodes, they would be nine waves."""
+    turns = 2.0 * np.pi * np.arange(8192) / 8192
+    heights = 4.0 * np.cos(2.0 * turns) + 0.02 * np.cos((1024 + 9) * turns)
+    scene = Scene(surface="measured", measured=Profile(2500.0, heights), width=2500.0, nodes=1024)
+    _, amplitude = spectrum(scene)
+    # the mean over 1 + 9/1024 waves is 9/1033 of the amplitude
+    assert amplitude[8] == pytest.approx(0.02 * 9 / 1033, rel=0.1)
+    # and over 2/1024 of a wave nearly all of it
+    assert amplitude[1] == pytest.approx(4.0, rel=1e-5)
+    assert scene.profile.min() == 0.0
+    # with nodes enough they are shown
+    _, amplitude = spectrum(scene.changed(nodes=8192))
+    assert amplitude[[1, 1032]] == pytest.approx([4.0, 0.02], rel=1e-9)
+
+
+@pytest.mark.parametrize("points", [1, 7, 50, 333])
+def test_means_over_a_spacing_are_those_of_the_lines_through_the_points(points):
+    random = np.random.default_rng(0)
+    x, z = np.sort(random.uniform(3.0, 10.0, 100)), random.normal(size=100)
+    z[-1] = z[0]
+    length, samples = x[-1] - x[0], 4000
+    at = (np.arange(points)[:, None] - 0.5 + (np.arange(samples) + 0.5) / samples) * (length / points)
+    expected = np.interp(at, x - x[0], z, period=length).mean(axis=1)
+    # midpoints: off by steps of up to 1e-3 of the spacing at the kinks of lines some 1e3 steep
+    assert averaged(x, z, points) == pytest.approx(expected, abs=1e-3)
 
 
 def test_a_profile_is_the_caller_s_own():
