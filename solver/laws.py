@@ -1,4 +1,4 @@
-"""The paper's laws of friction and of the area's reduction (Eq. 5, 7-9), from runs and, on the flat, in closed form."""
+"""Where sliding sets in, and the paper's friction (Eq. 5, 7), from runs and, on the flat, in closed form."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,98 +17,13 @@ INTERFACES = {
     "fig8-blue": {"phi_n": 2.0, "phi_ratio": 0.1},
 }
 INDENTATIONS = (-0.3, -0.2, -0.15, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6)
+RUNS = 4  # of one onset, each longer than the one before
 FINE = 8192  # points per lattice period of the flat interface's branches
-EARLY, LATE = 0.5, 0.9  # of the largest F^2: the first half and the last tenth of a branch
-
-
-@dataclass(frozen=True)
-class QuadraticLaw:
-    """A_bar = A_0 - zeta F_bar^2 (Eq. 8): the fit, and how far it holds."""
-
-    A_0: float
-    zeta: float
-    zeta_error: float  # standard error
-    r2: float  # of A_bar about its mean
-    worst: float  # largest |deviation| over A_0
-    last: float  # deviation at the last point over A_0; negative: less area than the law says
-    rise: float  # -dA/d(F^2) in the last tenth of F^2 over that in the first half; 1 where the law holds
-    points: int
-
-
-def quadratic_law(F, A):
-    """Least-squares fit of Eq. 8 to a branch from U_x = 0 on: forces F (k,), areas A (k,), the first is A_0.
-
-    Uses the points in contact (A > 0). Raises ValueError with fewer than five of them, or where F does not grow.
-    """
-    F, A = np.asarray(F, float), np.asarray(A, float)
-    F, A = F[A > 0.0], A[A > 0.0]
-    if A.size < 5 or not np.ptp(F) > 0.0:
-        raise ValueError(f"{A.size} points in contact: at least 5, at forces that differ; press deeper or shorten du_x")
-    x = F**2
-    zeta = float(x @ (A[0] - A) / (x @ x))
-    deviation = A - (A[0] - zeta * x)
-    squares = float(deviation @ deviation)
-    spread = A - A.mean()
-    return QuadraticLaw(
-        A_0=float(A[0]),
-        zeta=zeta,
-        zeta_error=sqrt(squares / (A.size - 1) / float(x @ x)),
-        r2=1.0 - squares / float(spread @ spread),
-        worst=float(np.abs(deviation).max() / A[0]),
-        last=float(deviation[-1] / A[0]),
-        rise=_rise(x, A),
-        points=A.size,
-    )
-
-
-def _rise(x, A):
-    """Ratio of the late to the early rate -dA/dx, up to the largest x."""
-    top = int(np.argmax(x)) + 1  # under tension the force passes a flat maximum before the slip
-    x, A = x[:top], A[:top]
-    half, late = (float(np.interp(part * x[-1], x, A)) for part in (EARLY, LATE))
-    return float((late - A[-1]) / (1.0 - LATE) * EARLY / (A[0] - half))
-
-
-@dataclass(frozen=True)
-class ThresholdLaw:
-    """F_s = tau_c A_s + F_nc (extended threshold law, Eq. 9; F_nc is the paper's F_s,nc) with standard errors."""
-
-    tau_c: float
-    tau_c_error: float
-    F_nc: float
-    F_nc_error: float
-    r2: float
-    points: int
-
-
-def threshold_law(A_s, F_s):
-    """Least-squares line through the points (A_s, F_s) with A_s > 0.
-
-    Raises ValueError with fewer than three of them, or where all areas are the same.
-    """
-    A, F = np.asarray(A_s, float), np.asarray(F_s, float)
-    A, F = A[A > 0.0], F[A > 0.0]
-    if A.size < 3 or not np.ptp(A) > 0.0:
-        raise ValueError(f"{A.size} points in contact at the onset: at least 3, of different area; press deeper")
-    from_mean, forces = A - A.mean(), F - F.mean()
-    spread = float(from_mean @ from_mean)
-    tau_c = float(from_mean @ forces) / spread
-    F_nc = float(F.mean() - tau_c * A.mean())
-    squares = float(np.sum((F - F_nc - tau_c * A) ** 2))
-    variance = squares / (A.size - 2)
-    return ThresholdLaw(
-        tau_c=tau_c,
-        tau_c_error=sqrt(variance / spread),
-        F_nc=F_nc,
-        F_nc_error=sqrt(variance * (1.0 / A.size + A.mean() ** 2 / spread)),
-        r2=1.0 - squares / float(forces @ forces),
-        points=A.size,
-    )
 
 
 @dataclass(frozen=True)
 class Onset:
-    """A run in shear up to its first slip; the three at the slip are None where the contact never slips."""
+    """A run in shear up to its first slip; the three at the slip are None where none came."""
 
     U_s: float | None  # nm
     F_s: float | None
@@ -122,9 +37,24 @@ class Onset:
 
 
 def onset(scene):
-    """The Onset of a scene, u_x_max extended as needed up to `reach`; raises NotConverged as load_path does."""
-    rows, nodes, slipped = [], 0, False
-    for frame in load_path(_extended(scene)):
+    """The Onset of a scene, u_x_max extended as needed up to `reach`; raises NotConverged as load_path does.
+
+    Without a slip by then, the run is repeated up to the reach at the strength that pressure gave its springs, as far
+    as the scene allows; at most RUNS in all.
+    """
+    end = reach(scene)
+    for _ in range(RUNS):
+        found, farther = _first_slip(_extended(scene, end))
+        if found.U_s is not None or farther <= max(end, scene.u_x_max):
+            break
+        end = farther
+    return found
+
+
+def _first_slip(scene):
+    """(Onset of a scene as it is, reach at the largest strength that its surface had on the way, nm)."""
+    rows, nodes, slipped, strength = [], 0, False, 0.0
+    for frame in load_path(scene):
         if frame.stage != "shear":
             continue
         slipped = frame.slip
@@ -134,21 +64,29 @@ def onset(scene):
             break
         rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
         nodes = np.count_nonzero(frame.T[1] > 0.0)
+        strength = max(strength, _strength(scene, frame))
     U, F, A, L = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
-    return Onset(*end, float(A[0]), U, F, A, L, float(nodes / scene.nodes))
+    return Onset(*end, float(A[0]), U, F, A, L, float(nodes / scene.nodes)), reach(scene, strength)
 
 
-def reach(scene):
-    """U_x, nm, up to which `onset` looks for a slip: 2 (tau_max h/G + 2 a).
+def _strength(scene, frame):
+    """Mean over the surface of the springs' tangential strength at their gap, GPa: tau_max exp(-dn/delta_n)."""
+    gap = scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
+    return tau_max(scene) * float(np.exp(-gap / scene.delta_n).sum()) / scene.nodes
 
-    Twice what shears the layer by the strength of Eq. 5 over its whole width and moves it on by two lattice periods.
+
+def reach(scene, strength=None):
+    """U_x, nm, up to which `onset` looks for a slip: 2 (strength h/G + 2 a), strength in GPa (tau_max if None).
+
+    Twice what shears the layer by that traction and moves it on by two lattice periods; tau_max is that at dn = 0.
     """
-    return 2.0 * (tau_max(scene) * scene.height * scene.width / scene.shear_modulus + 2.0 * scene.spacing)
+    strength = tau_max(scene) if strength is None else strength
+    return 2.0 * (strength * scene.height * scene.width / scene.shear_modulus + 2.0 * scene.spacing)
 
 
-def _extended(scene):
-    longest = min(max(scene.u_x_max, reach(scene)), LARGEST_RUN * scene.du_x * scene.delta_t)
+def _extended(scene, end):
+    longest = min(max(scene.u_x_max, end), LARGEST_RUN * scene.du_x * scene.delta_t)
     try:
         return scene.changed(u_x_max=longest, path="shear")
     except SceneError:  # so long a run of so soft a layer is beyond its tolerance: as far as the scene goes
@@ -180,7 +118,7 @@ def friction_force(scene, frames):
     """The Friction of a run (Eq. 7), from its first slip on; without one, from one lattice period on.
 
     F_k is that of the increment in which a slip ended, so at most du_x beyond it. Raises ValueError where the
-    contact has not slid.
+    contact has not slid, or not by a whole lattice period from there on.
     """
     shear = [f for f in frames if f.stage == "shear"]
     start = next((i for i, f in enumerate(shear) if f.slip), None)
@@ -188,6 +126,12 @@ def friction_force(scene, frames):
         start = next((i for i, f in enumerate(shear) if f.u[0].min() >= scene.spacing), None)
     if start is None:
         raise ValueError(f"the contact has not slid by U_x = {scene.u_x_max:g} nm: enlarge u_x_max")
+    begin, seen = shear[start].U_slip if shear[start].slip else shear[start].U_x, shear[-1].U_x
+    if seen - begin < (1.0 - 1e-9) * scene.spacing:
+        raise ValueError(
+            f"sliding from U_x = {begin:.4g} to {seen:.4g} nm, less than a lattice period of {scene.spacing:.4g} nm:"
+            f" enlarge u_x_max to {begin + scene.spacing + scene.du_x * scene.delta_t:.4g} nm"
+        )
     F = [f.F_bar for f in shear[start:]] + [slip.F_bar for f in shear[start:] for slip in f.slips]
     return Friction(max(F), min(F))
 

@@ -1,7 +1,8 @@
 """Flat on flat: all nodes move alike, so two numbers u = (u_x, u_z) are the whole state (Prandtl-Tomlinson).
 
-Branches are followed by Newton steps, halving the step of the load down to round-off at the fold where a branch ends;
-from there the overdamped flow u' = U + C T(u) - u leads to the next.
+Branches are followed by Newton steps, halving the step of the load down to round-off where a branch ends; from there
+the overdamped flow u' = U + C T(u) - u leads to the next. A branch ends at a fold, det(I - C dT/du) = 0, or, as NP1
+has no potential and dT/du no symmetry, in flutter: under compression a pair of complex modes starts to grow (Hopf).
 """
 
 import numpy as np
@@ -13,7 +14,9 @@ from .state import Increment, NotConverged, Slip, State
 
 LONGEST = 0.1  # of min(delta_n, delta_t), beyond the step of the load: largest change of u in one step
 FINEST = 1e-14  # of the increment: step of the load at which a branch has ended
-NUDGE = 0.01  # of min(delta_n, delta_t): how far beyond the fold the flow starts
+NUDGE = 0.01  # of min(delta_n, delta_t): how far beyond the end of the branch the flow starts
+STUCK = 1e-9  # of min(delta_n, delta_t): least advance of the load from one slip to the next
+TURN = 0.1  # radians: longest explicit step of the flow where it turns about a focus
 FORWARD = 0.3  # step times growth rate of an unstable mode; from 1 on, the step runs backwards
 SLOW = 0.01  # of the peak speed: below it, Newton steps finish a slip
 FLOW_ERROR = 1e-2  # of min(delta_n, delta_t), in one step of the flow
@@ -57,6 +60,7 @@ class Uniform:
         load, folded, count = _follow(u, load, target, path, *law, self._numbers)
         contact.evaluations += count
         if folded:
+            self._check_advance(load, slips, name)
             traction = np.empty((2, 1))
             np1.tractions(u, *law, traction, 1)
             slips.append(Slip(load, u.copy(), traction))
@@ -65,9 +69,17 @@ class Uniform:
             if not rests:
                 raise NotConverged(
                     f"Not converged at {name} = {load:.6g} nm: still moving after {BUDGET} force evaluations of the"
-                    " slip; try a smaller du_x or du_z, or a larger tolerance"
+                    " slip; try a smaller du_x or du_z, or a larger tolerance, or, if it flutters, a smaller delta_bar"
                 )
         return load, not folded
+
+    def _check_advance(self, load, slips, name):
+        """Raises NotConverged where the branch ends at the load of the slip that led to it."""
+        if slips and load - slips[-1].load <= STUCK * self._numbers[2]:
+            raise NotConverged(
+                f"Not converged at {name} = {load:.6g} nm: the branch that a slip led to ends at once; try another"
+                " du_x or du_z, or a larger tolerance"
+            )
 
 
 @njit(cache=True, nogil=True)
@@ -133,18 +145,19 @@ def _follow(u, load, target, path, profile, active, law, work, numbers):
             step *= 2.0
         else:
             step *= 0.5
-            if step < finest:
+            if step < finest or load + step <= load:
                 return load, True, count
 
 
 @njit(cache=True, nogil=True)
 def _slip(u, load, path, profile, active, law, work, numbers):
-    """The overdamped flow from a fold u, in place, to the next rest: (whether it rests, evaluations).
+    """The overdamped flow from the end u of a branch, in place, to the next rest: (whether it rests, evaluations).
 
     Linearly implicit Euler steps, (1/h + a) du = r, which stiff modes do not limit; an unstable one does, as the step
-    would run backwards. It starts along the direction in which the branch was moving.
+    would run backwards. Explicit ones where the flow spirals. It starts along the direction in which the branch was
+    moving: at a fold, the null vector of a that leads away. Out of flutter, the site reached may depend on that start.
     """
-    unit, r, a, r1, a1 = numbers[2], np.empty(2), np.empty(4), np.empty(2), np.empty(4)
+    unit, end, r, a, r1, a1 = numbers[2], u.copy(), np.empty(2), np.empty(4), np.empty(2), np.empty(4)
     _evaluate(u, load, path, profile, active, law, work, numbers, r, a)
     dx, dz = _solved(a, path[2], path[3])
     size = max(abs(dx), abs(dz))
@@ -154,25 +167,58 @@ def _slip(u, load, path, profile, active, law, work, numbers):
     speed = _evaluate(u, load, path, profile, active, law, work, numbers, r, a)
     peak, h, count = speed, 1e-3, 2
     while count < BUDGET:
-        h = min(h, FORWARD / max(_growth(a), 1e-300))
-        m = np.array([a[0] + 1.0 / h, a[1], a[2], a[3] + 1.0 / h])
-        dx, dz = _solved(m, r[0], r[1])
-        trial[0, 0], trial[1, 0] = u[0, 0] + dx, u[1, 0] + dz
-        now = _evaluate(trial, load, path, profile, active, law, work, numbers, r1, a1)
-        ex, ez = _solved(m, r1[0] - dx / h, r1[1] - dz / h)  # what the tangent did not foresee
-        error = max(abs(ex), abs(ez))
-        count += 1
+        turn = _turn(a)
+        if turn > 0.0:
+            h = min(h, TURN / turn, LONGEST * unit / max(speed, 1e-300))
+            now, error = _explicit(u, h, load, path, profile, active, law, work, numbers, r, trial, r1, a1), 0.0
+            count += 4
+        else:
+            h = min(h, FORWARD / max(_growth(a), 1e-300))
+            now, error = _implicit(u, h, load, path, profile, active, law, work, numbers, r, a, trial, r1, a1)
+            count += 1
         if error <= FLOW_ERROR * unit:
             u[:], r[:], a[:] = trial, r1, a1
             speed, peak = now, max(peak, now)
             if speed < SLOW * peak or speed < numbers[3]:
                 good, tried = _newton(trial, load, path, profile, active, law, work, numbers, LONGEST * unit)
                 count += tried
-                if good:
+                if good and np.abs(trial - end).max() > NUDGE * unit:
                     u[:] = trial
                     return True, count
         h *= min(2.0, max(0.2, 0.8 * np.sqrt(FLOW_ERROR * unit / max(error, 1e-300))))
     return False, count
+
+
+@njit(cache=True, nogil=True)
+def _implicit(u, h, load, path, profile, active, law, work, numbers, r, a, trial, r1, a1):
+    """trial, r1, a1: a linearly implicit Euler step h of the flow from u, r, a; returns (largest |r1|, error)."""
+    m = np.array([a[0] + 1.0 / h, a[1], a[2], a[3] + 1.0 / h])
+    dx, dz = _solved(m, r[0], r[1])
+    trial[0, 0], trial[1, 0] = u[0, 0] + dx, u[1, 0] + dz
+    now = _evaluate(trial, load, path, profile, active, law, work, numbers, r1, a1)
+    ex, ez = _solved(m, r1[0] - dx / h, r1[1] - dz / h)  # what the tangent did not foresee
+    return now, max(abs(ex), abs(ez))
+
+
+@njit(cache=True, nogil=True)
+def _explicit(u, h, load, path, profile, active, law, work, numbers, r, trial, r1, a1):
+    """trial, r1, a1: a classical Runge-Kutta step h of the flow from u, r; returns the largest |r1|."""
+    sum_x, sum_z = r[0], r[1]
+    r1[:] = r
+    for part, weight in ((0.5, 2.0), (0.5, 2.0), (1.0, 1.0)):
+        trial[0, 0], trial[1, 0] = u[0, 0] + part * h * r1[0], u[1, 0] + part * h * r1[1]
+        _evaluate(trial, load, path, profile, active, law, work, numbers, r1, a1)
+        sum_x += weight * r1[0]
+        sum_z += weight * r1[1]
+    trial[0, 0], trial[1, 0] = u[0, 0] + h / 6.0 * sum_x, u[1, 0] + h / 6.0 * sum_z
+    return _evaluate(trial, load, path, profile, active, law, work, numbers, r1, a1)
+
+
+@njit(cache=True, nogil=True)
+def _turn(a):
+    """|eigenvalue| of u' = -a u where it turns faster than it grows or decays, else 0: implicit steps would damp it."""
+    half, det = 0.5 * (a[0] + a[3]), a[0] * a[3] - a[1] * a[2]
+    return np.sqrt(det) if det > 2.0 * half * half else 0.0
 
 
 @njit(cache=True, nogil=True)

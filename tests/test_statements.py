@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from solver import Scene, load_path
+from solver.fits import quadratic_law, threshold_law
 from solver.laws import (
     INDENTATIONS,
     INTERFACES,
     figure_8,
     onset,
-    quadratic_law,
-    threshold_law,
 )
 from solver.presets import preset
 

@@ -14,7 +14,8 @@ import time
 import numpy as np
 
 from solver import Scene
-from solver.laws import INTERFACES, figure_8, friction, onset, threshold_law
+from solver.fits import threshold_law
+from solver.laws import INTERFACES, figure_8, friction, onset
 
 REPETITIONS = 5
 

@@ -1,0 +1,113 @@
+"""The laws by which the contact area shrinks, fitted to runs (paper Eq. 8, 9)."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+EARLY, LATE = 0.5, 0.9  # of the largest F^2: the first half and the last tenth of a branch
+
+
+@dataclass(frozen=True)
+class QuadraticLaw:
+    """A_bar = A_0 - zeta F_bar^2 (Eq. 8): the fit, and how far it holds."""
+
+    A_0: float
+    zeta: float
+    zeta_error: float  # standard error
+    r2: float  # of A_bar about its mean
+    worst: float  # largest |deviation| over A_0
+    last: float  # deviation at the last point over A_0; negative: less area than the law says
+    rise: float  # -dA/d(F^2) in the last tenth of F^2 over that in the first half; 1 where the law holds
+    points: int
+
+
+def quadratic_law(F, A):
+    """Least-squares fit of Eq. 8 to a branch from U_x = 0 on: forces F (k,), areas A (k,), the first is A_0.
+
+    Uses the points in contact (A > 0). Raises ValueError with fewer than five of them, without contact at the first,
+    where F or A does not change, and for values that are not finite.
+    """
+    F, A, first = _in_contact("F", F, "A", A)
+    if A.size < 5 or not np.ptp(F) > 0.0:
+        raise ValueError(f"{A.size} points in contact: at least 5, at forces that differ; press deeper or shorten du_x")
+    if first:
+        raise ValueError(f"A[0] = 0: no contact before shear, so no A_0, but at point {first} only; press deeper")
+    if not np.ptp(A) > 0.0:
+        raise ValueError(f"all areas A = {A[0]:g}: the law needs areas that differ; shear farther")
+    x = F**2
+    zeta = float(x @ (A[0] - A) / (x @ x))
+    deviation = A - (A[0] - zeta * x)
+    squares = float(deviation @ deviation)
+    spread = A - A.mean()
+    return QuadraticLaw(
+        A_0=float(A[0]),
+        zeta=zeta,
+        zeta_error=sqrt(squares / (A.size - 1) / float(x @ x)),
+        r2=1.0 - squares / float(spread @ spread),
+        worst=float(np.abs(deviation).max() / A[0]),
+        last=float(deviation[-1] / A[0]),
+        rise=_rise(x, A),
+        points=A.size,
+    )
+
+
+def _rise(x, A):
+    """Ratio of the late to the early rate -dA/dx, up to the largest x."""
+    top = int(np.argmax(x)) + 1  # under tension the force passes a flat maximum before the slip
+    x, A = x[:top], A[:top]
+    half, late = (float(np.interp(part * x[-1], x, A)) for part in (EARLY, LATE))
+    if half == A[0]:
+        raise ValueError(f"A = {half:g} up to half the largest F^2: no early rate; give a branch along which A changes")
+    return float((late - A[-1]) / (1.0 - LATE) * EARLY / (A[0] - half))
+
+
+def _in_contact(x_name, x, A_name, A):
+    """(x, A, index of the first) of the points in contact, A > 0; raises ValueError for values that are no data."""
+    x, A = np.asarray(x, float), np.asarray(A, float)
+    if x.shape != A.shape:
+        raise ValueError(f"{x_name} {x.shape} and {A_name} {A.shape}: give two arrays of one length")
+    for name, values in ((x_name, x), (A_name, A)):
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise ValueError(f"{name}[{bad[0]}] = {values[bad[0]]}: give finite numbers; leave out runs that failed")
+    touching = np.flatnonzero(A > 0.0)
+    return x[touching], A[touching], int(touching[0]) if touching.size else 0
+
+
+@dataclass(frozen=True)
+class ThresholdLaw:
+    """F_s = tau_c A_s + F_nc (extended threshold law, Eq. 9; F_nc is the paper's F_s,nc) with standard errors."""
+
+    tau_c: float
+    tau_c_error: float
+    F_nc: float
+    F_nc_error: float
+    r2: float
+    points: int
+
+
+def threshold_law(A_s, F_s):
+    """Least-squares line through the points (A_s, F_s) with A_s > 0.
+
+    Raises ValueError with fewer than three of them, where all A_s or all F_s are the same, or some are not finite.
+    """
+    F, A, _ = _in_contact("F_s", F_s, "A_s", A_s)
+    if A.size < 3 or not np.ptp(A) > 0.0:
+        raise ValueError(f"{A.size} points in contact at the onset: at least 3, of different area; press deeper")
+    if not np.ptp(F) > 0.0:
+        raise ValueError(f"all forces F_s = {F[0]:g}: a line needs onsets at forces that differ; vary delta_bar")
+    from_mean, forces = A - A.mean(), F - F.mean()
+    spread = float(from_mean @ from_mean)
+    tau_c = float(from_mean @ forces) / spread
+    F_nc = float(F.mean() - tau_c * A.mean())
+    squares = float(np.sum((F - F_nc - tau_c * A) ** 2))
+    variance = squares / (A.size - 2)
+    return ThresholdLaw(
+        tau_c=tau_c,
+        tau_c_error=sqrt(variance / spread),
+        F_nc=F_nc,
+        F_nc_error=sqrt(variance * (1.0 / A.size + A.mean() ** 2 / spread)),
+        r2=1.0 - squares / float(forces @ forces),
+        points=A.size,
+    )
