@@ -120,7 +120,7 @@ def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
     page.get_by_role("button", name="Accuracy").click()
     dialog = page.get_by_role("dialog", name="Accuracy")
     dialog.get_by_role("button", name="Measure now").click()
-    page.wait_for_function("0 < document.querySelector('progress').value", timeout=PATIENCE)
+    page.wait_for_function("0 < document.getElementById('bench-progress').value", timeout=PATIENCE)
     page.keyboard.press("r")  # behind the dialog nothing happens
     dialog.locator("#sentence").wait_for(timeout=PATIENCE)
     assert "tolerance" in dialog.locator("#sentence").text_content()
@@ -142,7 +142,7 @@ def test_a_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
     for run, end in ((1, "Cancel"), (2, "Close")):
         page.get_by_role("button", name="Accuracy").click()
         page.get_by_role("button", name="Measure now").click()
-        page.wait_for_function("0 < document.querySelector('progress').value", timeout=PATIENCE)
+        page.wait_for_function("0 < document.getElementById('bench-progress').value", timeout=PATIENCE)
         page.get_by_role("dialog").get_by_role("button", name=end).click()
         if end == "Cancel":
             page.wait_for_function("document.getElementById('bench-state').textContent === 'cancelled'")
