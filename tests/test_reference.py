@@ -9,8 +9,8 @@ from solver.presets import presets
 
 FINER = 10  # steps of the reference to one
 TIGHTEST = 1e-11  # nm
-# One fold in some hundred of the reference's is not followed to its end at so tight a tolerance: round-off decides, which
-# differs with the plans of the transforms. Then the slip is reported at the increment, a step off, maybe in two parts.
+# One fold in some hundred of the reference's is not followed to its end at so tight a tolerance: round-off decides, and
+# so do the plans of the transforms. Then the slip is reported at the increment, a step off, maybe in two parts.
 SLIPS_TO = 0.0201  # nm: two steps of the reference
 # Which nodes are within the window depends on the steps taken: at 10 delta_n that moves the ends of a soft branch by
 # 3e-4 nm, and the forces of a rough surface by 2e-5: compared at 20 delta_n, where the cut is 4e-8.
