@@ -1,6 +1,7 @@
 // The page "Stick-slip": a click on the map of regimes loads that scene.
 
 sheets.stickslip = {
+  told: (news) => { by("stickslip-cancel").hidden = (news.busy ?? null) === null },
   opened() {
     figure.stickslip_map.on_event("tap", ({ x, y }) => {
       if (me.anchor === null) me.anchor = me.run
@@ -8,3 +9,4 @@ sheets.stickslip = {
     })
   },
 }
+by("stickslip-cancel").addEventListener("click", () => ask({ what: "cancel" }))

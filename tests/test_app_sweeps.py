@@ -217,3 +217,11 @@ def test_playback_keeps_one_picture_in_the_making_and_the_latest_wins(session):
     assert len(made) == 2 and session.pages.page.about["frame"] == 5
     order(session, "page", page="")
     assert made[1].cancelled()
+
+
+def test_the_runs_of_the_stick_slip_page_can_be_cancelled(session):
+    order(session, "page", page="stickslip")
+    assert told(session)["busy"] == 0.0
+    order(session, "ask", what="cancel")
+    assert told(session)["busy"] is None
+    assert all(task.cancelled() for task in session.pool.tasks if task.call[0] is tasks.flat_friction)
