@@ -137,6 +137,8 @@ def changed_scene(scene, entries):
             except EntryError as error:
                 errors[name] = str(error)
     try:
+        if values.get("surface") == "measured" and scene.measured is None:
+            raise EntryError("surface", "surface = “measured” needs a profile; choose a file under profile")
         changed = scene.changed(**values)
         _of_a_size(changed, values)
         return changed, errors

@@ -146,6 +146,7 @@ def test_an_unknown_preset_in_the_address_is_named_and_the_default_shown():
     [
         ({"phi_n": "-1"}, "phi_n = -1 is out of range; allowed: 0.001 to 1000"),
         ({"nodes": "1e6"}, "nodes"),
+        ({"surface": "measured"}, "choose a file under profile"),
         ({"surface": "bumpy"}, "surface = “bumpy”; allowed: circular"),
         ({"du_x": "0.001"}, "40102 increments"),
         ({"tolerance": "two"}, "“two” is not a number"),
