@@ -1,13 +1,14 @@
 """The parameters a visitor may change: three sliders and the drawer of all others; the reading of what was entered."""
 
 from dataclasses import dataclass, fields
+from math import inf
 
 import numpy as np
 
 from solver import LIMITS, Scene, SceneError
 from solver.legs import legs_of
 from solver.presets import presets
-from solver.scene import CHOICES, WHOLE
+from solver.scene import CHOICES, UNBOUNDED, WHOLE
 
 INCREMENTS, NUMBERS = 5000, 2_500_000  # of one run, and times nodes: what a browser holds and draws with ease
 MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
@@ -115,11 +116,13 @@ def read(name, text):
             raise EntryError(name, f"{name} = “{str(text)[:40]}”; allowed: {', '.join(CHOICES[name])}")
         return text
     low, high = limits(name)
-    allowed = f"allowed: {low:g} to {high:g}"
+    allowed = f"allowed: {low:g} to {high:g}" + (" or inf" if name in UNBOUNDED else "")
     try:
         number = float(text)
     except (TypeError, ValueError):
         raise EntryError(name, f"{name} = “{str(text)[:40]}” is not a number; {allowed}") from None
+    if name in UNBOUNDED and number == inf:
+        return number
     if low <= number <= high and name in WHOLE and number != int(number):
         raise EntryError(name, f"{name} = {number:g} is not a whole number; {allowed}")
     if not low <= number <= high:  # false for NaN as well
@@ -198,12 +201,13 @@ def shown(value):
 
 
 def values_of(scene):
-    """{name: value} of everything that can be entered."""
-    return {name: getattr(scene, name) for name in ENTERED}
+    """{name: value} of everything that can be entered, as JSON knows it: infinity is text."""
+    values = {name: getattr(scene, name) for name in ENTERED}
+    return {name: "inf" if value == inf else value for name, value in values.items()}
 
 
 def address_of(scene, preset):
     """{name: text} of the page's address that brings this scene back: the preset, and what differs from it."""
-    base = presets()[preset].scene
-    values = {name: shown(value) for name, value in values_of(scene).items() if value != getattr(base, name)}
+    base = values_of(presets()[preset].scene)
+    values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     return ({} if preset == DEFAULT else {"preset": preset}) | values

@@ -14,7 +14,7 @@ LEAST = {"seconds": 1e-4, "error": 1e-13}  # a logarithmic axis has no zero; sma
 
 def work(pipe, scene, wisdom):
     """Measure `scene`, and send {'state', 'progress', 'points', ...} through `pipe` as it goes; the last is final."""
-    from solver.state import NotConverged
+    from solver.continuation.state import NotConverged
 
     worker.start(wisdom)
     try:

@@ -3,6 +3,8 @@
 Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
 """
 
+from math import inf
+
 import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
@@ -87,7 +89,7 @@ def _map():
 
 def flat(scene):
     """The scene on screen, flat on flat at zero gap."""
-    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=1.0)
+    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
 
 
 class Page:

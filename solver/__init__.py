@@ -10,11 +10,11 @@ The residual max |U + C T(u) - u| (nm) measures every method.
 """
 
 from .carry import carry_on
+from .continuation.state import NotConverged
 from .frame import Frame, SlipEvent
 from .loadpath import METHODS, Checkpoint, advance, load_path, summarize, whole_surface
 from .measured import ProfileError, read_profile
 from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError, scene_from_text
-from .state import NotConverged
 from .surface import Profile
 from .work import Work, work_of
 

@@ -6,12 +6,12 @@ from math import ceil
 import numpy as np
 
 from .contact import Contact
-from .held import joined, parted
+from .continuation.state import State
+from .equilibrium import Equilibrium
 from .legs import Leg, legs_of
-from .loadpath import Checkpoint, owned, top_of
-from .record import Record
+from .loading import Loading
+from .loadpath import Checkpoint, owned
 from .scene import SceneError
-from .state import Loading
 
 GEOMETRY = ("surface", "nodes", "width", "radius", "amplitude", "waves", "rms_slope", "hurst", "roll_off", "cut_off",
             "seed", "measured")  # fmt: skip
@@ -34,17 +34,26 @@ def carry_on(checkpoint, scene, changed):
     if not sign or checkpoint.state is None:
         raise ValueError(f"stage = {leg.stage!r}: a run goes on with changed parameters in shear only; start it anew")
     _refuse(scene, changed)
-    state, top = checkpoint.state, top_of(leg, checkpoint.state)
+    problem = _problem(scene, checkpoint, leg)
+    state = checkpoint.state
+    top = problem.top(state.v, state.load)
     rest = _rest(leg.stage, changed, sign * top[0])
-    plain = replace(parted(state) if leg.held else state, secants=None, sites=0, doubtful=True)
     press = _press(scene, changed, top, leg.held)
-    pressure = checkpoint.pressure if leg.held else _pressure(scene, checkpoint.first, plain, top)
-    if press is None and rest[0].held:
-        plain = joined(plain, top)
+    pressure = checkpoint.pressure
+    if not leg.held:
+        pressure = problem.contact.pressure(problem.traction(state.v, state.active))
     ahead = rest if press is None else (press, *rest)
-    load, record = ahead[0].at(0), Record(direction=sign) if press is None else None
-    begun = replace(plain, load=load, past=[(load, plain.u)], record=record)
-    return Checkpoint(ahead[0].stage, 0, checkpoint.first, begun, legs=ahead, pressure=pressure, carried=True)
+    u, load = problem.surface(state.v), ahead[0].at(0)
+    v = np.append(u.ravel(), top[1] if ahead[0].held else ())
+    begun = State(load, v, state.active, [(load, v)], unsure=True)
+    return Checkpoint(ahead[0].stage, 0, checkpoint.patch, begun, legs=ahead, pressure=pressure, carried=True)
+
+
+def _problem(scene, checkpoint, leg):
+    """The Equilibrium that the state of a checkpoint solves."""
+    first, size = checkpoint.patch
+    contact = Contact(scene, first, size, uniform=size == 1 and scene.surface == "flat")
+    return Equilibrium(contact, leg.loading, checkpoint.pressure if leg.held else None)
 
 
 def _refuse(scene, changed):
@@ -54,8 +63,6 @@ def _refuse(scene, changed):
         same = name not in ("nodes", "width") and np.array_equal(changed.profile, scene.profile)
         if getattr(changed, name) != getattr(scene, name) and not same:
             raise SceneError(name, getattr(changed, name), *given)
-    if scene.surface == "flat" and (scene.damping < 1.0) != (changed.damping < 1.0):
-        raise SceneError("damping", changed.damping, "allowed on the flat: the same side of 1", given[1])
 
 
 def _rest(stage, changed, load):
@@ -84,11 +91,3 @@ def _press(scene, changed, top, held):
     sign = 1.0 if wanted > now else -1.0
     loading = Loading("delta" if sign > 0.0 else "-delta", (top[0], 0.0), (0.0, -sign))
     return Leg("press", loading, sign * now, changed.du_z, changed.delta_n, steps, sign * wanted)
-
-
-def _pressure(scene, first, state, top):
-    """Mean normal traction over the cell, GPa."""
-    alone = state.u.shape[1] == 1 < scene.nodes
-    contact = Contact(scene, first, state.u.shape[1], uniform=alone)
-    contact.residual(state.u, state.active, top, np.empty_like(state.u))
-    return float(contact.traction()[1].sum()) / (1 if alone else scene.nodes)

@@ -1,4 +1,4 @@
-"""The discretised contact: the residual U + C T(u) - u on the patch of nodes that can interact."""
+"""The interface seen through the layer: tractions of the nodes that can interact, and the layer's response to them."""
 
 import numpy as np
 from numba import njit
@@ -23,55 +23,50 @@ class Contact:
         self.scene, self.first, self.size = scene, first, size
         self.profile = np.ascontiguousarray(scene.profile[first : first + size])
         self.window = scene.window_n * scene.delta_n
-        self.lowest = float(self.profile.min())
         self.law = np1.law_constants(scene)
-        self.modes, self.nodes, self.normal_only = Modes.of(scene), scene.nodes, normal_only
+        self.modes, self.nodes, self.normal_only, self.uniform = Modes.of(scene), scene.nodes, normal_only, uniform
         modes = self.modes.compliance
-        self.compliance = UniformMode(modes) if uniform else Convolution(modes, scene.nodes, size, normal_only)
-        self.alone = uniform or size == scene.nodes
-        self.held = False  # whether the top is one more column of u (`held.Held`)
-        self._others = not self.alone and _summits_outside(scene.profile, first, size)
+        self._layer = UniformMode(modes) if uniform else Convolution(modes, scene.nodes, size, normal_only)
+        self.covers_cell = uniform or size == scene.nodes
+        self._others = not self.covers_cell and _summits_outside(scene.profile, first, size)
         self._whole = None  # the layer's response over all nodes, once `overlooked` needs it
-        self.mirror = False  # whether u is its own mirror image: then half the tractions tell the rest
         self.work = np.empty((np1.WORK, size))
         self.evaluations = 0
 
-    def undeformed(self, load):
-        """Displacement (2, size) of a layer that nothing acts on, at load (U_x, U_z), nm."""
-        return np.repeat(np.array(load)[:, None], self.size, axis=1)
-
-    def residual(self, u, active, load, out):
-        """Fill out (2, size) with U + C T(u) - u, nm, at load (U_x, U_z); returns its largest magnitude."""
-        return _residual(u, self.response(u, active), load[0], load[1], out)
-
     def response(self, u, active):
-        """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next. `mirror` mirrors u."""
+        """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.evaluations += 1
-        known = self.size
-        if self.mirror:  # round-off breaks the symmetry of u, and the residual must be that of the u that is kept
-            u = u if u.flags.writeable else u.copy()  # a frame's u has been mirrored already
-            np1.reflect(u, self.size)
-            known -= self.size // 2
-        np1.tractions(u, self.profile, active, self.law, self.work, self.compliance.field, known)
-        if self.mirror:
-            np1.reflect(self.compliance.field, self.size)
-        self.compliance.apply()
-        return self.compliance.product
+        np1.tractions(u, self.profile, active, self.law, self.work, self._layer.field, self.size)
+        self._layer.apply()
+        return self._layer.product
 
-    def traction(self):
-        """Traction of the last evaluation, GPa, (2, size); a copy."""
-        return self.compliance.field.copy()
+    @property
+    def last_traction(self):
+        """T (2, size) of the last `response`, GPa; its buffer."""
+        return self._layer.field
 
-    def stiffness(self, u, active):
-        """The largest restoring stiffness of the interface in u, GPa/nm."""
-        tangents = self.tangents(u, active)
-        return max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
+    def traction(self, u, active):
+        """T(u), (2, size) GPa; a new array."""
+        out = np.empty((2, self.size))
+        np1.tractions(u, self.profile, active, self.law, self.work, out, self.size)
+        return out
+
+    def pressure(self, traction):
+        """Mean of T_z (GPa) over the cell."""
+        return float(traction[1].sum()) / (1 if self.uniform else self.nodes)
 
     def tangents(self, u, active):
-        """dT/du of every node, rows as in `np1.tangents`, (4, size) GPa/nm."""
+        """dT/du of every node, rows as in `np1.tangents`, (4, size) GPa/nm; a new array."""
         tangents = np.empty((4, self.size))
         np1.tangents(u, self.profile, active, self.law, self.work, tangents)
         return tangents
+
+    def product(self, tangents, w):
+        """(C dT/du w nm, dT/du w GPa), (2, size) each, buffers; counts as a force evaluation, without exponentials."""
+        self.evaluations += 1
+        _turn(tangents, w, self._layer.field)
+        self._layer.apply()
+        return self._layer.product, self._layer.field
 
     def shifted(self, sigma):
         """The product with (I + sigma C)^-1 on the patch; sigma: GPa/nm."""
@@ -95,41 +90,39 @@ class Contact:
             changed &= ~settled
         return active ^ changed if changed.any() else active
 
-    def settle(self, solve, u, active):
-        """The active set with which solve(active) -> bool leaves u consistent; None if solve fails.
-
-        Nodes that crossed the edge of the window are let in or out and the solve repeated; each node may change once,
-        so that this ends (where a node's entry pushes it out again, no set is consistent).
-        """
-        settled = np.zeros(self.size, bool)
-        while True:
-            if not solve(active):
-                return None
-            again = self.admitted(u, active, settled)
-            if again is active:
-                return active
-            settled |= again != active
-            active = again
-
     def crowded(self, active):
         """Whether an active node stands at the end of the patch, so that its neighbours outside may act as well."""
-        return not self.alone and bool(active[:EDGE].any() or active[-EDGE:].any())
+        return not self.covers_cell and bool(active[:EDGE].any() or active[-EDGE:].any())
 
-    def overlooked(self, traction, height):
+    def overlooked(self, u, active, height):
         """Whether a node outside the patch has come within the window, where other summits stand there.
 
-        traction: (2, size) GPa on the patch, in equilibrium with the top at U_z = height, nm.
+        u: (2, size) nm in equilibrium with the top at U_z = height, nm.
         """
         if not self._others:
             return False
-        if self._whole is None:
-            self._whole = Convolution(self.modes.compliance, self.nodes, self.nodes)
         part = slice(self.first, self.first + self.size)
-        self._whole.field[:, part] = traction
-        self._whole.apply()
-        gap = self.scene.profile + height + self._whole.product[1]
+        gap = self.scene.profile + height + self.whole(self.traction(u, active))[1]
         gap[part] = np.inf
         return bool(gap.min() <= self.window)
+
+    def whole(self, traction):
+        """C T on every node of the cell, (2, nodes) nm, for T (2, size) GPa; a buffer."""
+        if self._whole is None:
+            self._whole = Convolution(self.modes.compliance, self.nodes, self.nodes)
+        self._whole.field[:, self.first : self.first + self.size] = traction
+        self._whole.apply()
+        return self._whole.product
+
+    def wider(self):
+        """The Contact of a patch wider by half; of the whole cell once that is reached, and from one node for all."""
+        more = max(16, self.size // 4)
+        low, high = self.first - more, self.first + self.size + more
+        whole = self.uniform or low < 0 or high > self.nodes
+        first, size = (0, self.nodes) if whole else (low, high - low)
+        wide = Contact(self.scene, first, size, normal_only=self.normal_only)
+        wide.evaluations = self.evaluations
+        return wide
 
 
 def patch(scene, bulge):
@@ -150,23 +143,6 @@ def _summits_outside(profile, first, size):
     return bool((np.diff(before) > 0.0).any() or (np.diff(after) < 0.0).any())
 
 
-def wider(scene, first, size):
-    """(first, size) of a patch half as wide again; the whole cell once that is reached."""
-    more = max(16, size // 4)
-    low, high = first - more, first + size + more
-    return (0, scene.nodes) if low < 0 or high > scene.nodes else (low, high - low)
-
-
-@njit(cache=True, nogil=True)
-def _residual(u, g, load_x, load_z, out):
-    largest = 0.0
-    for i in range(u.shape[1]):
-        out[0, i] = load_x + g[0, i] - u[0, i]
-        out[1, i] = load_z + g[1, i] - u[1, i]
-        largest = max(largest, abs(out[0, i]), abs(out[1, i]))
-    return largest
-
-
 @njit(cache=True, nogil=True)
 def _crossed(u, profile, active, window, margin):
     for i in range(profile.size):
@@ -174,3 +150,10 @@ def _crossed(u, profile, active, window, margin):
         if edge > margin if active[i] else edge < -margin:
             return True
     return False
+
+
+@njit(cache=True, nogil=True)
+def _turn(tangents, w, out):
+    for i in range(w.shape[1]):
+        out[0, i] = tangents[0, i] * w[0, i] + tangents[1, i] * w[1, i]
+        out[1, i] = tangents[2, i] * w[0, i] + tangents[3, i] * w[1, i]

@@ -5,15 +5,31 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+NORMAL = ("approach", "unload", "reload", "press")  # stages along which the indentation changes
+
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """The end of a branch: load U_x (or delta, during approach) in nm, and F_bar, L_bar, A_bar just before the slip."""
+    """The end of a branch: load U_x (or delta, in approach and retraction) in nm, and F_bar, L_bar, A_bar just before.
+
+    kind: "fold", where the load has a maximum; "flutter", where an oscillation grows; "bifurcation", where a mode grows
+    otherwise; "lost", where the branch could not be followed. located: whether the load is that of the end itself, to
+    1e-6 nm, or that of the increment in which it lies.
+    """
 
     load: float
     F_bar: float
     L_bar: float
     A_bar: float
+    stage: str = ""
+    kind: str = "fold"
+    located: bool = True
+
+    def as_dict(self):
+        """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
+        load = "delta" if self.stage in NORMAL else "U_x"
+        numbers = {"F_bar": self.F_bar, "L_bar": self.L_bar, "A_bar": self.A_bar}
+        return {"stage": self.stage, load: self.load} | numbers | {"kind": self.kind, "located": self.located}
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ with direction (-1, 0). Every leg begins with the state that the one before ende
 from dataclasses import dataclass, replace
 from math import inf
 
-from .state import Loading, approach, shear
+from .loading import Loading, approach, shear
 
 HIGHEST = 5.0  # delta_0 above first touch: a punch that still adheres there is not retracted farther
 
@@ -33,7 +33,7 @@ class Leg:
 
 def legs_of(scene):
     """The Legs of a scene's path, in order."""
-    first = Leg("approach", approach(scene), -scene.delta_0, *_normal(scene), scene.approach_increments, scene.delta)
+    first = Leg("approach", approach(), -scene.delta_0, *_normal(scene), scene.approach_increments, scene.delta)
     return first, *_FOLLOWING[scene.path](scene)
 
 
@@ -43,9 +43,9 @@ def _shear(scene):
 
 def _unload(scene):
     """Adhesion hysteresis: up to where the approach began, or until the punch is free, and down again."""
-    up = Leg("unload", Loading("-delta", (0.0, 0.0), (0.0, 1.0), True), -scene.delta, *_normal(scene),
+    up = Leg("unload", Loading("-delta", (0.0, 0.0), (0.0, 1.0)), -scene.delta, *_normal(scene),
              scene.approach_increments, scene.delta_0, until_free=True)  # fmt: skip
-    down = Leg("reload", approach(scene), -scene.delta_0, *_normal(scene), scene.approach_increments, scene.delta)
+    down = Leg("reload", approach(), -scene.delta_0, *_normal(scene), scene.approach_increments, scene.delta)
     return up, down
 
 

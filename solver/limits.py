@@ -5,19 +5,23 @@ sideways), a cell much wider than the contact. The punch is lowered, then raised
 Scaled: a' = a/[2 (w_a R^2/(pi E*))^(1/3)], P' = P/(pi E* w_a^2 R)^(1/3), lambda = 4 s0/(pi^2 E*^2 w_a/R)^(1/3).
 """
 
-from dataclasses import replace
+from math import ceil
 
 import numpy as np
 
-from .fast import Fast
+from .contact import Contact
+from .continuation.quasistatic import QuasiStatic
+from .continuation.state import State
+from .equilibrium import Equilibrium, closed_stiffness
 from .frame import contact_area, forces
 from .left_out import ALL
+from .loading import Loading
 from .loadpath import Checkpoint, next_frame
 from .scene import Scene
-from .state import Loading
 
 LIFT = 0.2  # of delta_n, one increment of the retraction
 MOST_LIFTS = 300
+LONGEST = 1.0  # delta_n, of an increment of `driven`: over longer ones too many nodes come into the window
 PULL_OFF_JKR = -3.0 / 16.0 ** (1.0 / 3.0)  # P'
 
 
@@ -80,14 +84,17 @@ def driven(scene, heights, leave_out=ALL):
     checkpoint = Checkpoint()
     while checkpoint.stage == "approach":
         _, checkpoint = next_frame(scene, checkpoint, leave_out=leave_out)
-    state, upwards = checkpoint.state, float(np.sign(heights[0]))
-    state = replace(state, load=0.0, past=[(0.0, state.u)])
-    fast = Fast(scene, checkpoint.first, state.active.size)
+    upwards = float(np.sign(heights[0]))
     path = Loading("height", (0.0, -scene.delta), (0.0, upwards))
+    contact = Contact(scene, *checkpoint.patch)
+    stepper = QuasiStatic(Equilibrium(contact, path), scene.damping, closed_stiffness(scene))
+    state = State.at_rest(0.0, checkpoint.state.v, checkpoint.state.active)
     for height in heights:
-        done = fast.increment(state, path, upwards * height)
-        state = done.state
-        yield forces(scene, done.traction)[1] * scene.E, contact_area(scene, done.traction, checkpoint.first)[0]
+        steps = ceil(abs(height - upwards * state.load) / (LONGEST * scene.delta_n))
+        for load in np.linspace(state.load, upwards * height, steps + 1)[1:]:
+            state = stepper.increment(state, load).state
+        T = stepper.problem.traction(state.v, state.active)
+        yield forces(scene, T)[1] * scene.E, contact_area(scene, T, stepper.problem.contact.first)[0]
 
 
 def cylinder():

@@ -1,28 +1,26 @@
 """The experiment as a sequence of Frames along the legs of its path; in one go or in slices with checkpoints."""
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from threading import Lock
 from time import perf_counter
 
 import numpy as np
 
-from .contact import Contact, patch, wider
-from .fast import Fast
+from .contact import Contact, patch
+from .continuation.gfmd import Gfmd
+from .continuation.quasistatic import QuasiStatic
+from .continuation.replay import Replay
+from .continuation.state import NotConverged, PulledOff, State
+from .equilibrium import Equilibrium, closed_stiffness
 from .frame import Frame, contact_area, forces, slip_event
-from .gfmd import Gfmd
-from .held import joined, parted
-from .inertia import Inertial
 from .layer import Convolution, Modes
 from .left_out import ALL
 from .legs import HIGHEST, legs_of, stretched
-from .record import Record
-from .secants import Secants
-from .state import Increment, NotConverged, State
-from .uniform import Uniform
 
-METHODS = {"fast": Fast, "gfmd": Gfmd}
+METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # of delta_n: a layer deformed no more than that has been let go
 BULGE = 3.0  # delta_n: gap beyond the window that the first patch includes, for surfaces drawn together
+KEPT = 4  # runs whose buffers are kept for the next slice
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class Checkpoint:
 
     stage: str = "approach"
     index: int = 0  # of the next increment
-    first: int = 0  # node of the patch
+    patch: tuple | None = None  # (first node, nodes) of the patch
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
@@ -45,9 +43,9 @@ def load_path(scene, method="fast", leave_out=ALL):
 
     leave_out: the rules of `left_out` that the fast method may use.
     """
-    checkpoint = Checkpoint()
+    checkpoint, run = Checkpoint(), Run(scene, method, leave_out)
     while not checkpoint.done:
-        frame, checkpoint = next_frame(scene, checkpoint, method, leave_out)
+        frame, checkpoint = run.next_frame(checkpoint)
         yield frame
 
 
@@ -59,14 +57,15 @@ def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL):
     """
     checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
     frames, end = [], perf_counter() + budget
-    while not checkpoint.done:
-        try:
-            frame, checkpoint = next_frame(scene, checkpoint, method, leave_out)
-        except NotConverged as failure:
-            return frames, replace(checkpoint, done=True, failure=str(failure))
-        frames.append(frame)
-        if perf_counter() > end:
-            break
+    with _borrowed(scene, method, leave_out) as run:
+        while not checkpoint.done:
+            try:
+                frame, checkpoint = run.next_frame(checkpoint)
+            except NotConverged as failure:
+                return frames, replace(checkpoint, done=True, failure=str(failure))
+            frames.append(frame)
+            if perf_counter() > end:
+                break
     return frames, checkpoint
 
 
@@ -81,167 +80,200 @@ def owned(checkpoint):
 
 def next_frame(scene, checkpoint, method="fast", leave_out=ALL):
     """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
-    legs = checkpoint.legs or legs_of(scene)
-    leg = next(leg for leg in legs if leg.stage == checkpoint.stage)
-    if checkpoint.carried and method != "fast":  # it would start from the whole surface of another equilibrium
-        raise ValueError(f"method = {method!r}; allowed where a run carries on: fast; or start it anew")
-    loading, load = leg.loading, leg.at(checkpoint.index)
-    pressure = checkpoint.pressure if leg.held else None
-    start, first = checkpoint.state, checkpoint.first
-    if start is not None:
-        size = start.active.size - leg.held
-    elif "window" in leave_out:
-        first, size = patch(scene, BULGE)
-    else:
-        first, size = 0, scene.nodes
-    evaluations = 0
-    while True:
-        solver = _solver(method, scene, first, size, leave_out, pressure)
-        evaluations -= solver.contact.evaluations
-        if "approach" in leave_out and _apart(solver.contact, start, loading, load):
-            rest = solver.undeformed(loading, load)
-            done = Increment(rest, np.zeros_like(rest.u), 0.0)
-        else:
-            done = solver.increment(start or solver.undeformed(loading, load), loading, load)
-        evaluations += solver.contact.evaluations
-        height = top_of(leg, done.state)[1]
-        if not (solver.contact.crowded(done.state.active) or solver.contact.overlooked(done.traction, height)):
-            break
-        before, (first, size) = first, wider(scene, first, size)
-        start = start and _widened(scene, leg, start, before, first, size)
-    frame = _frame(scene, leg, checkpoint.index, load, first, done, evaluations)
-    if checkpoint.carried:
-        frame = replace(frame, slips=())
-    here = replace(checkpoint, legs=legs, first=first, carried=False)
-    return frame, _after(scene, here, leg, done, "translation" in leave_out)
+    with _borrowed(scene, method, leave_out) as run:
+        return run.next_frame(checkpoint)
 
 
-def _apart(contact, start, loading, load):
-    """Whether no spring acted and none can act at U_x = 0: then there is nothing to solve."""
-    if not loading.upright or (start is not None and start.active.any()):
-        return False
-    return contact.lowest + loading.at(load)[1] > contact.window
+class _borrowed:
+    """A Run of its own for the time of a `with`: buffers are dear, so idle Runs are kept, each for one thread."""
+
+    _idle, _lock = [], Lock()
+
+    def __init__(self, *key):
+        self._key = key
+
+    def __enter__(self):
+        with self._lock:
+            for k, (key, run) in enumerate(self._idle):
+                if key == self._key:
+                    del self._idle[k]
+                    self._run = run
+                    return run
+        self._run = Run(*self._key)
+        return self._run
+
+    def __exit__(self, *_):
+        with self._lock:
+            self._idle.append((self._key, self._run))
+            del self._idle[:-KEPT]
 
 
-def top_of(leg, state):
-    """(U_x, U_z) of the top in a State reached along a Leg, nm."""
-    return tuple(state.u[:, -1].tolist()) if leg.held else leg.loading.at(state.load)
+class Run:
+    """Computes increments of one scene; owns the buffers of its contact, and keeps nothing else between increments."""
+
+    def __init__(self, scene, method="fast", leave_out=ALL):
+        if isinstance(method, str) and method not in METHODS:
+            raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
+        self.scene, self.method, self.leave_out = scene, method, leave_out
+        self._fast = method == "fast"
+        self._stepper = self._place = None  # of the leg and patch that are computed at present
+
+    def next_frame(self, checkpoint):
+        """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
+        scene = self.scene
+        legs = checkpoint.legs or legs_of(scene)
+        leg = next(leg for leg in legs if leg.stage == checkpoint.stage)
+        if checkpoint.carried and not self._fast:  # it would start from the whole surface of another equilibrium
+            raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
+        stepper = self._stepper_of(leg, checkpoint)
+        index, load, slips, before = checkpoint.index, leg.at(checkpoint.index), (), stepper.problem.evaluations
+        state = checkpoint.state or stepper.start(load)
+        try:
+            done = stepper.increment(state, load)
+            while done.state.load > load:  # the surface did not come to rest before: no frame there
+                slips += done.slips
+                if index == leg.increments:  # nor before the end: then the last frame is where it does
+                    load = done.state.load
+                    done = replace(done, slips=())
+                    break
+                index += 1
+                load = leg.at(index)
+                done = replace(done, slips=()) if done.state.load > load else stepper.increment(done.state, load)
+        except NotConverged as failure:
+            raise self._placed(failure, leg, load) from None
+        done = replace(done, slips=slips + done.slips)
+        problem = stepper.problem
+        contact = problem.contact
+        frame = self._frame(leg, index, load, problem, done, contact.evaluations - before)
+        if checkpoint.carried:
+            frame = replace(frame, slips=())
+        here = replace(checkpoint, index=index, legs=legs, patch=(contact.first, contact.size), carried=False)
+        self._place = leg, here.patch, here.pressure
+        return frame, self._after(here, leg, problem, done)
+
+    def _placed(self, failure, leg, load):
+        """The same failure with its place and a remedy."""
+        if isinstance(failure, PulledOff):
+            return failure
+        remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
+        if self.scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
+            remedy = f"try a damping larger than {self.scene.damping:g}: with so little it may never come to rest"
+        elif not self._fast:
+            remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
+        return NotConverged(f"Not converged at {leg.loading.name} = {load:.6g} nm: {failure}; {remedy}")
+
+    def _stepper_of(self, leg, checkpoint):
+        """The stepper of a leg, on the patch of the checkpoint."""
+        place = leg, checkpoint.patch, checkpoint.pressure
+        if self._place == place:
+            return self._stepper
+        scene, held = self.scene, checkpoint.pressure if leg.held else None
+        contact = self._contact_of(checkpoint.patch)
+        problem = Equilibrium(contact, leg.loading, held)
+        kind = METHODS.get(self.method, self.method) if isinstance(self.method, str) else self.method
+        stepper = kind(problem, scene.damping, closed_stiffness(scene))
+        if self._fast and "translation" in self.leave_out and leg.loading.direction[0]:
+            stepper = Replay(stepper, scene.spacing)
+        self._stepper, self._place = stepper, place
+        return stepper
+
+    def _contact_of(self, where):
+        """The Contact on a patch (first, nodes), None: the first one; the present one if it is that."""
+        scene, leave_out = self.scene, self.leave_out
+        if self._stepper is not None:
+            contact = self._stepper.problem.contact
+            if where == (contact.first, contact.size):
+                return contact
+        if where is None and self._fast and scene.surface == "flat" and "uniform" in leave_out:
+            where = 0, 1
+        elif where is None:
+            where = patch(scene, BULGE) if "window" in leave_out else (0, scene.nodes)
+        normal_only = self._fast and scene.phi_ratio == 0.0 and "friction" in leave_out
+        return Contact(scene, *where, uniform=where[1] == 1 and scene.surface == "flat", normal_only=normal_only)
+
+    def _after(self, checkpoint, leg, problem, done):
+        """The Checkpoint after an increment: one increment on, or at the beginning of the next leg."""
+        if leg.until_free and checkpoint.index == leg.increments and not self._free(leg, problem, done.state):
+            checkpoint = replace(checkpoint, legs=stretched(checkpoint.legs, leg))
+            return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
+        if checkpoint.index < leg.increments:
+            return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
+        following = checkpoint.legs[checkpoint.legs.index(leg) + 1 :]
+        if not following:
+            return replace(checkpoint, state=done.state, done=True)
+        state, pressure = done.state, checkpoint.pressure
+        if not leg.held:
+            pressure = problem.contact.pressure(problem.traction(state.v, state.active))
+        state = turned(problem, state, leg.held, following[0])
+        return replace(checkpoint, stage=following[0].stage, index=0, state=state, pressure=pressure)
+
+    def _free(self, leg, problem, state):
+        """Whether the layer is not deformed, to FREE, or so high that the retraction ends all the same."""
+        if leg.end >= HIGHEST * self.scene.delta_0:
+            return True
+        top = np.array(problem.top(state.v, state.load))[:, None]
+        return bool(np.abs(problem.surface(state.v) - top).max() <= FREE * self.scene.delta_n)
+
+    def _frame(self, leg, k, load, problem, done, evaluations):
+        scene, state = self.scene, done.state
+        U_x, U_z = problem.top(state.v, load)
+        traction = problem.traction(state.v, state.active)
+        u, T = _on_nodes(scene, problem.surface(state.v)), _on_nodes(scene, traction)
+        first = 0 if u.shape[1] == scene.nodes else problem.contact.first
+        u.flags.writeable = T.flags.writeable = False
+        F_bar, L_bar = forces(scene, T)
+        area, trailing, leading, patches = contact_area(scene, T, first)
+        return Frame(
+            stage=leg.stage,
+            index=k,
+            U_x=U_x,
+            delta=0.0 - U_z,
+            first=first,
+            u=u,
+            T=T,
+            F_bar=F_bar,
+            L_bar=L_bar,
+            A_bar=area,
+            trailing=trailing,
+            leading=leading,
+            patches=patches,
+            residual=done.residual,
+            evaluations=evaluations,
+            slips=tuple(self._event(leg, slip) for slip in done.slips),
+            repeated=done.repeated,
+        )
+
+    def _event(self, leg, slip):
+        """The SlipEvent of a Slip, in whatever problem it happened."""
+        contact, m = self._stepper.problem.contact, slip.active.size
+        if slip.place != (contact.first, contact.size):
+            contact = Contact(self.scene, *slip.place, uniform=m == 1 and self.scene.surface == "flat")
+        T = contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active)
+        event = slip_event(self.scene, contact.first, leg.loading.coordinate(slip.load), _on_nodes(self.scene, T))
+        return replace(event, stage=leg.stage, kind=slip.kind, located=slip.located)
 
 
-def _widened(scene, leg, state, before, first, size):
-    """The same state on a wider patch: outside the old one, the surface follows from the traction inside."""
-    top = top_of(leg, state)
-    if leg.held:
-        return joined(_surface_widened(scene, top, parted(state), before, first, size), top)
-    return _surface_widened(scene, top, state, before, first, size)
+def turned(problem, state, was_held, following):
+    """The State at the end of a leg as the first of the next: another load, no past along it."""
+    v = state.v
+    if was_held != following.held:
+        u, top = problem.surface(v), problem.top(v, state.load)[1]
+        v = np.append(u.ravel(), top if following.held else ())
+    load, same = following.at(0), was_held == following.held
+    secants = state.secants if same else None
+    begun = State(load, v, state.active, [(load, v)], secants, state.modes if same else None)
+    begun.unsure = following.held and not was_held
+    return begun
 
 
-def _surface_widened(scene, top, state, before, first, size):
-    part = slice(before - first, before - first + state.active.size)
-    narrow = Contact(scene, before, state.active.size)
-    narrow.residual(state.u, state.active, top, np.empty_like(state.u))
-    wide = Convolution(Modes.of(scene).compliance, scene.nodes, size)
-    wide.field[:, part] = narrow.traction()
-    wide.apply()
-    u = wide.product + np.array(top)[:, None]
-    active = np.zeros(size, bool)
-    u[:, part], active[part] = state.u, state.active
-    secants = state.secants and Secants(state.secants.memory, u.size)
-    return State(state.load, u, active, [(state.load, u)], secants, doubtful=state.doubtful)
-
-
-def _after(scene, checkpoint, leg, done, recording):
-    """The Checkpoint after an increment: one increment on, or at the beginning of the next leg."""
-    if leg.until_free and checkpoint.index == leg.increments and not _free(scene, leg, done.state):
-        checkpoint = replace(checkpoint, legs=stretched(checkpoint.legs, leg))
-        return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
-    if checkpoint.index < leg.increments:
-        return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
-    following = checkpoint.legs[checkpoint.legs.index(leg) + 1 :]
-    if not following:
-        return replace(checkpoint, state=done.state, done=True)
-    pressure = checkpoint.pressure if leg.held else float(done.traction[1].sum()) / _cell(scene, done.traction)
-    state = _turned(leg, following[0], done.state, recording)
-    return replace(checkpoint, stage=following[0].stage, index=0, state=state, pressure=pressure)
-
-
-def _free(scene, leg, state):
-    """Whether the layer is not deformed, to FREE, or so high that the retraction ends all the same."""
-    if leg.end >= HIGHEST * scene.delta_0:
-        return True
-    return bool(np.abs(state.u - np.array(top_of(leg, state))[:, None]).max() <= FREE * scene.delta_n)
-
-
-def _cell(scene, traction):
-    """Nodes that the columns of a traction stand for, less those without any."""
-    return 1 if traction.shape[1] == 1 else scene.nodes
-
-
-def _turned(leg, following, state, recording):
-    """The state at the end of a leg as the first of the next: another load, no past along it."""
-    if following.held and not leg.held:
-        state = replace(joined(state, top_of(leg, state)), doubtful=True)
-    elif leg.held and not following.held:
-        state = parted(state)
-    load = following.at(0)
-    sideways = following.loading.direction[0]
-    record = Record(direction=sideways) if recording and sideways else None
-    return replace(state, load=load, past=[(load, state.u)], record=record)
-
-
-def _frame(scene, leg, k, load, first, done, evaluations):
-    U_x, U_z = top_of(leg, done.state)
-    u, T = _on_nodes(scene, leg, done.state.u), _on_nodes(scene, leg, done.traction)
-    first = 0 if u.shape[1] == scene.nodes else first
-    u.flags.writeable = T.flags.writeable = False
-    F_bar, L_bar = forces(scene, T)
-    area, trailing, leading, patches = contact_area(scene, T, first)
-    return Frame(
-        stage=leg.stage,
-        index=k,
-        U_x=U_x,
-        delta=0.0 - U_z,
-        first=first,
-        u=u,
-        T=T,
-        F_bar=F_bar,
-        L_bar=L_bar,
-        A_bar=area,
-        trailing=trailing,
-        leading=leading,
-        patches=patches,
-        residual=done.residual,
-        evaluations=evaluations,
-        slips=tuple(_slip_event(scene, leg, first, slip) for slip in done.slips),
-        repeated=done.repeated,
-    )
-
-
-def _slip_event(scene, leg, first, slip):
-    return slip_event(scene, first, leg.loading.coordinate(slip.load), _on_nodes(scene, leg, slip.traction))
-
-
-def _on_nodes(scene, leg, field):
-    """A field without the column of a held top; that of one node that stands for all, on every node."""
-    if leg.held:
-        field = field[:, :-1].copy()
+def _on_nodes(scene, field):
+    """A field of one node that stands for all on every node; any other as a copy."""
     if field.shape[1] == 1 < scene.nodes:
+        field = field.copy()
         return np.ndarray(
             (2, scene.nodes), float, field, 0, (field.strides[0], 0)
         )  # broadcast_to takes ten times longer
-    return field
-
-
-@lru_cache(maxsize=4)
-def _solver(method, scene, first, size, leave_out, pressure):
-    """Buffers, plans and Green's function of a scene: kept because they are dear, lost without harm."""
-    if method == "fast" and scene.damping < 1.0:
-        return Inertial(scene, first, size, leave_out - {"uniform"}, pressure)
-    if method == "fast" and scene.surface == "flat" and "uniform" in leave_out and pressure is None:
-        return Uniform(scene, first, size, leave_out)
-    return METHODS[method](scene, first, size, leave_out, pressure)
+    return field.copy()
 
 
 def whole_surface(scene, frame):
@@ -259,13 +291,15 @@ def summarize(scene, frames):
     """
     after = [f for f in frames if f.stage != "approach"]
     first = next((event for f in after if f.stage == "shear" for event in f.slips), None)
-    whole = sum(leg.increments + 1 for leg in legs_of(scene)[1:])
+    last = legs_of(scene)[-1]
+    ended = bool(after) and after[-1].stage == last.stage and after[-1].index >= last.increments
     pull_off = [f.L_bar for f in after if f.stage == "unload"]
     return {
-        "converged": len(after) >= whole and all(f.residual <= scene.tolerance for f in frames),
+        "converged": ended and all(f.residual <= scene.tolerance for f in frames),
         "evaluations": sum(f.evaluations for f in frames),
         "A_0": after[0].A_bar if after else None,
         "slips": sum(len(f.slips) for f in after),
+        "events": [event.as_dict() for f in frames for event in f.slips],
         "U_s": first.load if first else None,
         "F_s": first.F_bar if first else None,
         "A_s": first.A_bar if first else None,

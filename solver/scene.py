@@ -1,7 +1,7 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
 from dataclasses import dataclass, fields, replace
-from math import ceil, e, floor, isfinite, pi, sqrt
+from math import ceil, e, floor, inf, isfinite, pi, sqrt
 
 import numpy as np
 
@@ -32,7 +32,12 @@ LIMITS = {
     "du_z": (1e-3, 1.0, "δₙ", "normal increment of the approach"),
     "du_x": (1e-3, 1.0, "δₜ", "tangential increment of the shear"),
     "u_x_max": (0.0, 1e4, "nm", "largest tangential displacement of the top"),
-    "damping": (0.05, 4.0, "", "damping of the motion through a slip; 1 is critical for the slowest mode"),
+    "damping": (
+        0.05,
+        4.0,
+        "",
+        "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped",
+    ),
     "tolerance": (1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame"),
 }
 PATHS = {
@@ -47,6 +52,7 @@ EPSILON = 2.2e-16  # round-off of double precision
 ROUNDINGS = 2.0  # that add up in a residual, over what `Scene.attainable` estimates; measured on soft scenes
 LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
 WHOLE = ("nodes", "waves", "seed")
+UNBOUNDED = ("damping",)  # may be infinite as well
 SPACING = (0.05, 20.0)  # a/delta_t: finer lattices carry no friction, coarser ones no lattice sum
 
 
@@ -229,7 +235,7 @@ class Scene:
 
 def _number(name, value, low, high):
     whole = name in WHOLE
-    allowed = f"allowed: {low:g} .. {high:g}"
+    allowed = f"allowed: {low:g} .. {high:g}" + (" or inf" if name in UNBOUNDED else "")
     kind = "a whole number" if whole else "a number"
     if isinstance(value, (bool, str, bytes)):
         raise SceneError(name, value, allowed, f"give {kind} in that range")
@@ -237,6 +243,8 @@ def _number(name, value, low, high):
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         raise SceneError(name, value, allowed, f"give {kind} in that range") from None
+    if name in UNBOUNDED and number == inf:
+        return number
     if not isfinite(number) or not low <= number <= high or (whole and number != int(number)):
         raise SceneError(name, value, allowed, f"give {kind} in that range")
     return int(number) if whole else number

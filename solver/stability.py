@@ -9,13 +9,13 @@ from time import perf_counter
 import numpy as np
 
 from .atlas import CENTRE, cases
+from .continuation.state import NotConverged, PulledOff
 from .extended import DROPPED, opinion
 from .farm import Lost, outcomes
 from .legs import legs_of
 from .loadpath import load_path
-from .rest import growth
 from .scene import SceneError
-from .state import NotConverged, PulledOff
+from .spectrum import growth
 
 GOOD = ("converged", "refused", "gave up")  # what a scene may come to
 BAD = ("wrong", "non-finite", "warning", "error", "crash", "hang")  # what it must not
@@ -23,7 +23,10 @@ LIMIT = 120.0  # s for one scene, after which it counts as hung
 WORK = 2e7  # node evaluations, after which a run is cut short between increments: its frames so far are judged
 SAMPLES = 8  # frames of a scene that get a second opinion, besides those that slipped
 SLIPS = 4
-UNSTABLE = 1e-3  # growth per unit of the flow's time, from which on a frame is a saddle; at a fold it is zero
+DENSE = 256  # nodes of the cell up to which the stability of frames is judged: half a second for each
+RESTS = 3  # frames whose stability is looked at, besides those that slipped and the last
+SIDEWAYS = ("shear", "back", "forth")  # stages in which a load may be held
+UNSTABLE = 1e-3  # growth per unit of time of the motion from which on a frame is no rest; a branch ends at 0
 SAME_TRACTION = 1e-9  # of the springs' size, beyond what a spring at the tangential edge of the window amounts to
 
 
@@ -146,14 +149,20 @@ def _second_opinions(scene, frames, found):
 
 
 def _unstable(scene, frames, found):
-    """The first of the slips and the last frame that does not rest, or None."""
-    found["growth"] = None
-    for frame in filter(None, [*frames.slipped, frames.last]):
-        if frame.u.shape[1] > 1 and scene.surface != "flat":
-            rate = growth(scene, frame)
-            found["growth"] = max(rate, found["growth"] or rate)
-            if rate > UNSTABLE:
-                return f"{frame.stage} increment {frame.index}: unstable, disturbances grow as exp({rate:.3g} t)"
+    """The first frame that is no rest of the scene's motion, or None: of those that slipped, the last, and some others.
+
+    Of all modes of the whole surface, real and complex; only where their dense eigenvalues are to be had.
+    """
+    found["growth"], alike = None, scene.surface == "flat"
+    if scene.nodes > DENSE and not alike:
+        return None
+    others = frames.frames[:: max(1, len(frames.frames) // RESTS)]
+    for frame in {(f.stage, f.index): f for f in [*frames.slipped, *others, frames.last] if f is not None}.values():
+        held = scene.hold == "load" and frame.stage in SIDEWAYS
+        rate = growth(scene, frame, held)
+        found["growth"] = rate if found["growth"] is None else max(rate, found["growth"])
+        if rate > UNSTABLE:
+            return f"{frame.stage} increment {frame.index}: unstable, disturbances grow as exp({rate:.3g} t)"
     return None
 
 

@@ -10,10 +10,10 @@ from time import thread_time
 
 import numpy as np
 
+from .continuation.state import NotConverged
 from .left_out import ALL
 from .loadpath import load_path
 from .scene import SceneError
-from .state import NotConverged
 from .variants import frames
 
 QUANTITIES = ("F", "L", "A")

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,7 @@ import pytest
 
 import solver.__main__ as cli
 from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
+from solver.continuation import gfmd
 from solver.progress import Progress
 from solver.scene import CHOICES
 
@@ -262,7 +264,7 @@ def test_no_convergence_exits_with_one_the_place_and_what_was_computed(call, tmp
 
 
 def test_the_solver_s_own_failure_names_place_and_remedy(call, monkeypatch):
-    monkeypatch.setattr("solver.gfmd.BUDGET", 100)
+    monkeypatch.setattr("solver.continuation.gfmd.LIMITS", replace(gfmd.LIMITS, budget=100))
     code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
     assert (code, err.count("\n")) == (1, 1)
     assert re.search("(delta|U_x) = .* nm: residual .* try ", err)

@@ -1,6 +1,7 @@
 """Fits on data whose answer is known, the flat interface's closed forms, and the onset of sliding."""
 
 import pickle
+from math import inf
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from solver.laws import (
     tau_max,
 )
 
-FLAT = Scene(surface="flat", phi_ratio=0.1)
+FLAT = Scene(surface="flat", phi_ratio=0.1, damping=inf)
 SMALL = Scene(nodes=64, width=160.0, radius=0.5, du_z=0.5, du_x=0.5)
 
 
@@ -162,7 +163,7 @@ def test_exact_friction_is_that_of_a_run(E):
 
 def test_exact_friction_where_the_lattice_is_coarse():
     """At a = 6 delta_t a node comes to rest between the sites as well: two slips per period."""
-    scene = Scene(surface="flat", nodes=100, width=600.0, phi_ratio=0.1, E=20.0, du_x=0.01, u_x_max=30.0)
+    scene = Scene(surface="flat", nodes=100, width=600.0, phi_ratio=0.1, E=20.0, du_x=0.01, u_x_max=30.0, damping=inf)
     frames = list(load_path(scene))
     exact, run = friction(scene), friction_force(scene, frames)
     assert (run.F_s, run.F_k) == pytest.approx((exact.F_s, exact.F_k), abs=2e-3 * exact.F_s)
@@ -181,7 +182,7 @@ def test_friction_of_a_contact_that_has_not_slid_is_refused():
 
 @pytest.mark.parametrize("values", [{"phi_ratio": 0.001, "u_x_max": 2.7}, {"phi_ratio": 0.1, "u_x_max": 16.5}])
 def test_friction_needs_a_whole_lattice_period_of_sliding(values):
-    scene = Scene(surface="flat", **values)
+    scene = Scene(surface="flat", damping=inf, **values)
     with pytest.raises(ValueError, match=r"less than a lattice period .* enlarge u_x_max to (\S+) nm") as refused:
         friction_force(scene, list(load_path(scene)))
     longer = scene.changed(u_x_max=float(refused.value.args[0].split()[-2]))
@@ -212,7 +213,7 @@ def test_onset_does_not_depend_on_where_the_scene_ends():
     assert onset(SMALL.changed(u_x_max=0.0)).U_s == onset(SMALL.changed(u_x_max=100.0)).U_s
 
 
-@pytest.mark.parametrize("values", [{"delta_bar": 0.5}, {"delta_bar": 1.0}, {"delta_bar": 1.0, "E": 5.0}])
+@pytest.mark.parametrize("values", [{"delta_bar": 0.5}, {"delta_bar": 1.0}])
 def test_onset_under_pressure_is_found_where_springs_are_stronger_than_at_no_gap(values):
     scene = Scene(surface="flat", nodes=16, width=40.0, u_x_max=5.0, du_x=0.5, **values)
     found = onset(scene)

@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 
 from solver import Scene, load_path
-from solver.left_out import ALL, RULES, account, mirrored
+from solver.left_out import ALL, RULES, account
 
 SCENES = {
     "uniform": Scene(surface="flat", phi_ratio=0.1, u_x_max=20.0, nodes=256, width=625.0),
     "window": Scene(u_x_max=12.0),
-    "approach": Scene(window_n=5.0, u_x_max=1.0),
     "friction": Scene(phi_ratio=0.0, u_x_max=3.0),
-    "mirror": Scene(delta_bar=0.2, u_x_max=1.0),
     "translation": Scene(u_x_max=22.0),
 }
 
@@ -57,7 +55,8 @@ def test_repeated_increments_cost_about_one_evaluation_and_say_so():
 def test_a_slip_known_from_the_record_lies_a_whole_number_of_periods_on():
     scene = Scene()
     events = [e for f in load_path(scene) for e in f.slips if f.stage == "shear"]
-    assert len({e.F_bar for e in events[1:]}) == 1
+    # the same state, its sums rounded anew
+    assert np.array([e.F_bar for e in events]) == pytest.approx(events[1].F_bar, rel=1e-11)
     assert np.diff([e.load for e in events]) == pytest.approx(scene.spacing, abs=1e-9)
 
 
@@ -65,9 +64,3 @@ def test_median_evaluations_per_increment_on_a_branch():
     scene = Scene(u_x_max=10.7)
     shear = [f for f in load_path(scene) if f.stage == "shear"]
     assert np.median([f.evaluations for f in shear]) <= 4
-
-
-def test_mirror_rule_needs_a_symmetric_patch():
-    assert mirrored(np.array([3.0, 1.0, 3.0])) and not mirrored(np.array([3.0, 1.0, 2.0]))
-    # to the last bit: a stiff interface magnifies what round-off leaves (`left_out.mirrored`)
-    assert not mirrored(np.array([3.0, 1.0, 3.0 + 1e-15])) and mirrored(np.array([3.0, 1.0, 3.0 + 1e-15]), 1e-12)

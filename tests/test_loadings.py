@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from solver import NotConverged, Scene, SceneError, advance, load_path
-from solver.held import Held
 from solver.layer import Modes
+from solver.left_out import ALL
 from solver.legs import legs_of
 from solver.limits import PULL_OFF_JKR, pull_off_maugis
-from solver.loadpath import _solver
 from solver.np1 import traction
+from solver.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2, u_x_max=8.0)
 PATHS = [
@@ -255,22 +255,32 @@ def test_gfmd_finds_the_same_states_at_held_load():
     assert max(abs(a.delta - b.delta) for a, b in zip(fast, gfmd, strict=True)) < 1e-6
 
 
-def test_which_mobility_the_top_has_changes_no_equilibrium(monkeypatch):
-    """Ten times slower or faster: the same branches, the same folds, and in this scene the same slips."""
-    runs, built = [], Held.__init__
-    for factor in (0.1, 1.0, 10.0):
+SADDLES = [
+    {"delta_bar": -0.4, "u_x_max": 1.0},
+    {"delta_bar": -0.28, "phi_ratio": 0.322, "E": 90.52, "nodes": 151, "width": 368.44, "window_t": 8, "u_x_max": 5},
+    {"surface": "flat", "delta_bar": -0.24, "phi_ratio": 0.4356, "E": 241.6, "nodes": 64, "width": 128.0, "height": 5.0,
+     "u_x_max": 5.0},
+]  # fmt: skip
 
-        def slower(self, *arguments, factor=factor, **named):
-            built(self, *arguments, **named)
-            self.mobility *= factor
-            self.compliance.share *= factor
 
-        monkeypatch.setattr(Held, "__init__", slower)
-        _solver.cache_clear()
-        runs.append(list(load_path(SMALL.changed(hold="load"))))
-    _solver.cache_clear()
-    assert sum(f.slip for f in stage(runs[0], "shear")) >= 2
-    assert all(same(a, b, 1e-5) and same(a, c, 1e-5) for a, b, c in zip(*runs, strict=True))
+@pytest.mark.parametrize("values", SADDLES, ids=["default", "punch", "flat"])
+def test_a_saddle_under_a_held_load_is_left_to_the_same_rest_with_and_without_shortcuts(values):
+    """CHECK.md D3: round-off and shortcuts decided; the last two pulled off or not."""
+    scene, ends = Scene(hold="load", **values), []
+    for leave_out in (ALL, frozenset()):
+        frames = list(load_path(scene, leave_out=leave_out))
+        assert len(stage(frames, "shear")) == scene.shear_increments + 1
+        ends.append([(f.delta, f.F_bar * 1e3, f.L_bar * 1e3, f.A_bar) for f in stage(frames, "shear")])
+    # a residual of 1e-8 nm, magnified where the contact is soft under a held load
+    assert np.array(ends[0]) == pytest.approx(np.array(ends[1]), abs=1e-6)
+
+
+@pytest.mark.parametrize("values", SADDLES[:2], ids=["default", "punch"])
+def test_frames_under_a_held_pull_rest_under_that_pull(values):
+    """Under a massless top: the uniform normal mode has no stiffness."""
+    scene = Scene(hold="load", **{"nodes": 128, "width": 312.5, **values})
+    for frame in stage(load_path(scene), "shear")[::4]:
+        assert growth(scene, frame, held=True) < 1e-6
 
 
 def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
@@ -291,7 +301,7 @@ def test_under_too_large_a_pull_the_contact_comes_off_and_the_message_says_so(me
     frames = []
     with pytest.raises(NotConverged) as caught:
         frames.extend(load_path(scene, method))
-    assert "has pulled off at U_x = " in str(caught.value) and "nothing holds the punch" in str(caught.value)
+    assert "has pulled off at U_x = " in str(caught.value) and "led away from the surface" in str(caught.value)
     assert "hold delta instead, or press harder" in str(caught.value)
     checkpoint, frames = None, []
     while checkpoint is None or not checkpoint.done:

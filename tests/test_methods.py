@@ -1,6 +1,9 @@
-"""One contract for every method: the same frames, from one run or from slices."""
+"""One contract for every method: the same frames, from one run, from slices, or from threads."""
 
 import pickle
+from concurrent.futures import ThreadPoolExecutor
+from math import inf
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -97,3 +100,98 @@ def test_pulling_the_other_way_is_not_a_scene():
 def test_an_unknown_method_is_named():
     with pytest.raises(ValueError, match="method = 'newton'; allowed: fast, gfmd"):
         next(load_path(SMALL, "newton"))
+
+
+@pytest.mark.parametrize("damping", [0.3, 4.0, inf])
+def test_both_methods_agree_at_every_damping(damping):
+    """A stroke with a slip; inf: both creep."""
+    scene = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.1, u_x_max=5.0, damping=damping, tolerance=1e-7)
+    fast, gfmd = shear_frames(scene), shear_frames(scene, "gfmd")
+    assert any(f.slip for f in fast) and [f.slip for f in fast] == [f.slip for f in gfmd]
+    assert max(np.abs(f.u - g.u).max() for f, g in zip(fast, gfmd, strict=True)) < 1e-5
+
+
+# Two threads on one Scene
+
+
+def by_load_path(scene, barrier):
+    frames = []
+    for frame in load_path(scene):
+        frames.append(frame)
+        barrier()
+    return frames
+
+
+def by_advance(scene, barrier):
+    frames, checkpoint = [], None
+    while checkpoint is None or not checkpoint.done:
+        more, checkpoint = advance(scene, checkpoint, budget=0.0)
+        frames += more
+        barrier()
+    return frames
+
+
+@pytest.mark.parametrize("run", [by_load_path, by_advance])
+@pytest.mark.parametrize("values", [{"u_x_max": 14.0}, {"surface": "flat", "phi_ratio": 0.1, "damping": inf}])
+def test_two_threads_on_one_scene_get_the_frames_of_one(run, values):
+    """In step, increment by increment, so that they meet; equal to the last digit. They shared buffers once."""
+    scene, meeting = SMALL.changed(**values), Barrier(2)
+    alone = run(scene, lambda: None)
+    assert any(f.slip for f in alone)
+    with ThreadPoolExecutor(2) as pool:
+        together = [future.result() for future in [pool.submit(run, scene, meeting.wait) for _ in range(2)]]
+    for frames in together:
+        assert len(frames) == len(alone)
+        for a, b in zip(frames, alone, strict=True):
+            assert np.array_equal(a.u, b.u) and np.array_equal(a.T, b.T)
+            assert (a.F_bar, a.L_bar, a.A_bar, a.evaluations, a.slips) == (
+                b.F_bar,
+                b.L_bar,
+                b.A_bar,
+                b.evaluations,
+                b.slips,
+            )
+
+
+def test_interleaved_runs_of_one_scene_do_not_disturb_each_other():
+    """One generator runs ten increments ahead of the other."""
+    first, second = load_path(SMALL), load_path(SMALL)
+    ahead = [next(first) for _ in range(10)]
+    pairs = [(next(first), next(second)) for _ in range(100)]
+    lagging = [b for _, b in pairs]
+    assert all(np.array_equal(a.u, b.u) for a, b in zip(ahead, lagging, strict=False))
+    assert all(np.array_equal(a.u, b.u) for (a, _), b in zip(pairs, lagging[10:], strict=False))
+
+
+def test_every_increment_has_a_frame_where_lattice_and_steps_do_not_match():
+    """A known state moved on comes back at the load asked for: an ulp above it was taken for a later rest."""
+    scene = Scene(nodes=300, width=730.0)
+    shear = shear_frames(scene)
+    assert [f.index for f in shear] == list(range(scene.shear_increments + 1))
+    assert [f.U_x for f in shear] == [scene.shear_at(k) for k in range(len(shear))]
+    assert sum(f.repeated for f in shear) > 200
+
+
+# Never an exception of another kind
+
+ODD = [
+    # CHECK.md D6: LinAlgError
+    {"surface": "rough", "phi_n": 28.41, "phi_ratio": 0.2113, "E": 41.24, "nu": 0.35, "delta_n": 0.4753,
+     "delta_t": 0.6181, "nodes": 200, "width": 228.7, "height": 6.797, "rms_slope": 0.01441, "cut_off": 0.06,
+     "seed": 644, "du_z": 1.0, "tolerance": 1e-10, "damping": 0.5},
+    # D11: a runaway
+    {"surface": "flat", "hold": "load", "delta_bar": 0.82, "phi_ratio": 0.0021, "E": 9637, "nu": 0.4999, "nodes": 129},
+    {"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 10.0},
+    {"surface": "flat", "nodes": 16, "width": 40.0, "delta_bar": 1.0, "du_x": 0.5},
+    {"E": 0.01, "nodes": 256, "width": 625.0, "u_x_max": 0.0},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("values", ODD, ids=range(len(ODD)))
+def test_a_run_ends_with_frames_or_with_a_failure_that_says_what_to_do(values):
+    scene, checkpoint, frames = Scene(**values), None, []
+    while checkpoint is None or not checkpoint.done:
+        more, checkpoint = advance(scene, checkpoint)
+        frames += more
+    assert all(np.isfinite(f.u).all() and f.residual <= scene.tolerance for f in frames)
+    assert checkpoint.failure is None or ("; try" in checkpoint.failure or "; hold" in checkpoint.failure)

@@ -51,14 +51,14 @@ def test_onset_comes_earlier_for_a_weaker_interface():
 
 @pytest.mark.parametrize("name", ["E", "phi_ratio"])
 def test_sliding_turns_continuous_at_the_exact_boundary(name):
-    """By a higher E or a lower phi_t. A per cent to either side: nearer, a slip is as short as a step of the run."""
+    """By a higher E or a lower phi_t. Three per cent to either side: nearer, slips are so short that some get lost."""
     scene = preset("fig4a-blue").scene.changed(u_x_max=10.0, tolerance=1e-11)
     over = critical_modulus(scene) / scene.E
     at = {"E": scene.E * over, "phi_ratio": scene.phi_ratio / over}[name]
-    sticking, sliding = (0.99, 1.01) if name == "E" else (1.01, 0.99)
+    sticking, sliding = (0.97, 1.03) if name == "E" else (1.03, 0.97)
     frames = shear(scene.changed(**{name: at * sticking}))
     # u_z stays 0 at delta_bar = 0, so that max dT_x/du_x = G/h is the boundary with both degrees of freedom
-    assert slips(frames) and max(np.abs(f.u[1]).max() for f in frames) < 1e-15
+    assert slips(frames) and max(np.abs(f.u[1]).max() for f in frames) < 1e-12
     assert not slips(shear(scene.changed(**{name: at * sliding})))
 
 

@@ -6,7 +6,7 @@ import pytest
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text
 from solver.contact import patch
 from solver.frame import contact_edges, peel_asymmetry
-from solver.left_out import ALL, account
+from solver.left_out import ALL
 from solver.limits import PULL_OFF_JKR
 from solver.loadpath import BULGE
 from solver.surface import averaged
@@ -225,15 +225,12 @@ def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(valu
         assert one.patches == other.patches
 
 
-def test_a_wave_is_mirrored_before_shear_starts_and_a_rough_surface_is_not():
-    wave = Scene(
-        surface="wave", waves=1, amplitude=15.0, u_x_max=0.0
-    )  # several crests jump in one by one, in any order
-    rough = Scene(surface="rough", rms_slope=0.05, u_x_max=0.0)
-    assert "mirror" in account(wave, frames(wave)) and "mirror" not in account(rough, frames(rough))
-    for one, other in zip(frames(wave), frames(wave, leave_out=ALL - {"mirror"}), strict=True):
-        assert np.abs(one.u - other.u).max() < 1e-6  # 1e-7 at the jump-in, where the branch is about to end
-        assert one.slip == other.slip
+def test_one_wave_stays_mirrored_until_shear_starts():
+    """Nothing tells left from right, and the jump-in leaves along a mode that does not either; u_x is odd, u_z even."""
+    for frame in frames(Scene(surface="wave", waves=1, amplitude=15.0, u_x_max=0.0)):
+        odd, even = frame.u + [[1.0], [-1.0]] * frame.u[:, ::-1]
+        # 1e-7 at the jump-in, where the branch is about to end
+        assert np.abs(odd).max() < 1e-6 and np.abs(even).max() < 1e-6
 
 
 def test_a_summit_apart_that_comes_within_the_window_is_not_overlooked():
@@ -287,6 +284,7 @@ def test_johnson_s_wave_runs_into_jkr_and_into_full_contact():
     assert repulsive(0.0) == pytest.approx(PSI / (0.5 * np.pi))
 
 
+@pytest.mark.slow
 def test_the_range_of_the_law_matters_less_on_a_higher_wave():
     """Towards Westergaard: the error of area over load falls with delta_n over the amplitude."""
     assert hard(100.0) > 2.0 * hard(300.0) > 4.0 * hard(1000.0)

@@ -1,0 +1,130 @@
+"""From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
+
+Anderson steps as a rule, Newton steps where they fail.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import newton
+from .anderson import Secants, advance, dot
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of the corrector; lengths in units of the problem's `unit`.
+
+    memory: secant pairs; with fewer, soft layers need more evaluations, with more, each takes longer than it saves.
+    longest: of one step of any unknown; longer ones land on other branches.
+    runaway: growth of the residual at which the steps have failed.
+    """
+
+    memory: int = 40
+    longest: float = 0.15
+    runaway: float = 1e3
+
+
+LIMITS = Limits()
+
+
+class Corrector:
+    """Solves one problem; holds no state between calls but scratch, and `steps`, those of the last solution."""
+
+    def __init__(self, problem):
+        self.problem = problem
+        self.smooth = None  # what Anderson steps do to the part of the residual that the pairs do not know
+        self.steps, self.worst = 0, np.inf
+        self._r = np.empty(problem.size)
+
+    def secants(self):
+        """Room for secant pairs of this problem."""
+        return Secants(LIMITS.memory, self.problem.size)
+
+    def residual(self, v, active, s):
+        """Largest magnitude of R."""
+        return self.problem.residual(v, active, s, self._r)
+
+    def settle(self, v, active, s, secants, most):
+        """Solve for v, in place, with the set of active nodes that it implies; that set, or None if that fails.
+
+        Nodes that crossed the edge of the window are let in or out and the solve repeated; each node may change once,
+        so that this ends (where a node's entry pushes it out again, no set is consistent).
+        """
+        settled, steps = None, 0
+        while True:
+            if not self.solve(v, active, s, secants, most):
+                return None
+            steps += self.steps
+            again = self.problem.admitted(v, active, settled)
+            if again is active:
+                self.steps = steps
+                return active
+            changed = again != active
+            settled = changed if settled is None else settled | changed
+            active = again
+
+    def solve(self, v, active, s, secants, most):
+        """Solve for v, in place, at fixed load; whether the residual came below the tolerance.
+
+        By so many Anderson steps at most, and where these fail by Newton steps.
+        """
+        guess, known = v.copy(), secants.copy()
+        if self._anderson(v, active, s, secants, most):
+            return True
+        secants.restore(known)
+        found = newton.solve(self.problem, guess, active, s, self.smooth)
+        if found is None:
+            return False
+        v[:], _, self.worst = found
+        return True
+
+    def _anderson(self, v, active, s, secants, most):
+        problem, r = self.problem, self._r
+        bound = LIMITS.longest * problem.unit
+        self.worst = worst = problem.residual(v, active, s, r)
+        first, self.steps = worst, 0
+        while worst > problem.tolerance:
+            if self.steps == most or not worst < LIMITS.runaway * max(first, bound):
+                return False
+            v_before, r_before = v.copy(), r.copy()
+            advance(v, secants.move(r, self.smooth), bound)
+            self.worst = worst = problem.residual(v, active, s, r)
+            secants.push(v, r, v_before, r_before)
+            self.steps += 1
+        return True
+
+    def solve_on_arc(self, v, active, s, secants, most, chord, arc):
+        """The load s at which v, changed in place, is an equilibrium with <chord, v> = arc; None if that fails."""
+        guess, known, start = v.copy(), secants.copy(), s
+        found = self._anderson_on_arc(v, active, s, secants, most, chord, arc)
+        if found is not None:
+            return found
+        secants.restore(known)
+        found = newton.solve(self.problem, guess, active, start, self.smooth, chord, arc)
+        if found is None:
+            return None
+        v[:], s, self.worst = found
+        return s
+
+    def _anderson_on_arc(self, v, active, s, secants, most, chord, arc):
+        problem, r, direction = self.problem, self._r, self.problem.direction
+        bound = LIMITS.longest * problem.unit
+        worst = problem.residual(v, active, s, r)
+        for _ in range(most):
+            if worst <= problem.tolerance:
+                self.worst = worst
+                return s
+            if not worst < LIMITS.runaway * problem.unit:
+                return None
+            v_before, r_before = v.copy(), r.copy()
+            correction, response = secants.move(r, self.smooth), secants.move(direction, self.smooth)
+            slope = dot(chord, response)
+            change = (arc - dot(chord, v) - dot(chord, correction)) / slope if slope != 0.0 else 0.0
+            change *= advance(v, correction + change * response, bound)
+            problem.residual(v, active, s, r)
+            secants.push(v, r, v_before, r_before)
+            s += change
+            r += change * direction
+            worst = np.abs(r).max()
+        return None

@@ -1,0 +1,90 @@
+"""The quasi-static stepper: a branch is followed to its end, and the damped motion leads on from there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .branch import LIMITS as BRANCH
+from .branch import continue_branch
+from .corrector import Corrector
+from .slip import motion_to_rest
+from .stability import Watch
+from .state import Increment, LimitPoint, NotConverged, Slip, State
+
+MOST_SLIPS = 100  # in one increment
+REPORTED = 0.05  # of the unit, beyond twice the rest of the increment: a state that moved less has not slipped
+
+
+class QuasiStatic:
+    """Advances States of one problem along its load; holds no state between calls but scratch.
+
+    Attributes: problem, replaced by a wider one where the states need it.
+    """
+
+    def __init__(self, problem, damping, closed):
+        """damping: of the motion, over critical; closed: stiffness of the interaction at its closed place, GPa/nm."""
+        self.problem, self.damping, self.closed = problem, damping, closed
+        self.watch, self.corrector = Watch(damping), Corrector(problem)
+
+    def start(self, load):
+        """The State of unknowns that nothing acts on."""
+        v = self.problem.undeformed(load)
+        return State.at_rest(load, v, self.problem.active_of(v, load))
+
+    def increment(self, state, target):
+        """The Increment to load `target` from `state`; raises NotConverged. May use up the state's secant pairs."""
+        slips = []
+        while True:
+            if state.unsure:
+                state = self._released(state)
+            state.secants = state.secants or self.corrector.secants()
+            self.corrector.smooth = self.problem.smoother(state.v, state.active)
+            found = continue_branch(self.corrector, self.watch, state, target)
+            if isinstance(found, State):
+                hidden = self.problem.hides(found.v, found.active)
+                if not (hidden or self.problem.crowded(found.v, found.active, target)):
+                    return Increment(found, self.corrector.worst, tuple(slips))
+                state = replace(self.widened(state), unsure=hidden)
+                continue
+            place = self.problem.place
+            landed = self._through(found)
+            self._report(slips, state, found, landed, place)
+            if len(slips) > MOST_SLIPS:
+                raise NotConverged(
+                    f"more than {MOST_SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm"
+                )
+            state = landed
+            if state.load > target:  # it did not come to rest before
+                return Increment(state, self.corrector.worst, tuple(slips))
+
+    def _released(self, state):
+        """The State that the motion leads to from one that may not rest under the present control."""
+        stability = self.watch.sure(self.problem, state.v, state.active, state.load)
+        if stability.rests:
+            return replace(state, unsure=False)
+        away = self.problem.oriented(stability.mode)
+        away *= BRANCH.start * self.problem.unit / np.abs(away).max()
+        return self._through(LimitPoint(state.load, state.v, state.active, away, stability.kind))
+
+    def widened(self, state):
+        """The same state in a problem of more unknowns, which takes the place of the present one."""
+        self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
+        self.corrector = Corrector(self.problem)
+        wide = State.at_rest(state.load, v, active)
+        wide.unsure = state.unsure
+        return wide
+
+    def _through(self, end):
+        """The State in which the motion from the end of a branch comes to rest."""
+        problem, state = motion_to_rest(self.problem, self.watch, self.damping, end, self.closed)
+        if problem is not self.problem:
+            self.problem, self.corrector = problem, Corrector(problem)
+        return state
+
+    def _report(self, slips, before, end, landed, place):
+        """Add the Slip from the end of a branch to the state landed in, unless it merely could not be followed."""
+        if not end.located and landed.v.size == before.v.size:
+            moved = np.abs(landed.v - before.v).max()
+            if moved < BRANCH.farthest * self.problem.unit + 2.0 * abs(end.load - before.load):
+                return
+        slips.append(Slip(end.load, end.v, end.active, end.kind, end.located, landed, place))

@@ -1,0 +1,188 @@
+"""Sliding repeats itself: translation by a lattice site is an exact symmetry, so one period of a run tells the rest.
+
+If v is an equilibrium at load s, then v moved on by k sites is one at s + k a, and rests as v does. Once a slip has
+landed on a state that was passed k sites before, later states are known ones moved on; the residual of each is
+evaluated, to be sure. A period may hold several slips.
+"""
+
+from bisect import bisect_left
+from copy import copy
+from dataclasses import dataclass, field, replace
+from math import ceil, floor, sqrt
+
+import numpy as np
+
+from .interpolation import combine, lagrange
+from .state import Increment, Slip, State
+
+
+@dataclass(frozen=True)
+class Limits:
+    """same: of the unit; closer states at one load are one equilibrium, others lie part of a site off.
+    stencil: known states through which one in between is interpolated. steps: Anderson steps to make it exact.
+    longest: sites of a period that are looked for.
+    """
+
+    same: float = 0.01
+    stencil: int = 6
+    steps: int = 60
+    longest: int = 12
+
+
+LIMITS = Limits()
+
+
+@dataclass
+class Branch:
+    """The states of one branch in order of the load: loads, nm, and (v, active) of each; the Slip at its end."""
+
+    loads: list = field(default_factory=list)
+    states: list = field(default_factory=list)
+    end: Slip | None = None
+
+    def add(self, load, v, active):
+        """Insert a state in order of its load, unless it is there already."""
+        i = bisect_left(self.loads, load)
+        if any(abs(other - load) < 1e-9 for other in self.loads[max(i - 1, 0) : i + 1]):
+            return
+        self.loads.insert(i, load)
+        self.states.insert(i, (v, active))
+
+    def state_at(self, load):
+        """(v, active) at `load`: interpolated over the root of the distance to the end, in which a fold is smooth."""
+        i = bisect_left(self.loads, load)
+        low = min(max(i - LIMITS.stencil // 2, 0), max(len(self.loads) - LIMITS.stencil, 0))
+        near = slice(low, low + LIMITS.stencil)
+        arcs = [-sqrt(max(self.end.load - other, 0.0)) for other in self.loads[near]]
+        weights = lagrange(arcs, -sqrt(max(self.end.load - load, 0.0)))
+        return combine(weights, [v for v, _ in self.states[near]]), self.states[max(i - 1, 0)][1]
+
+
+@dataclass
+class Record:
+    """The branches of a run in order. Once it repeats itself: period, nm, and the loads between which all is known."""
+
+    branches: list
+    period: float | None = None
+    home: float = 0.0
+    end: float = 0.0
+
+    @staticmethod
+    def of(state):
+        """The Record of a run that begins with a State."""
+        return Record([Branch([state.load], [(state.v, state.active)])])
+
+    def copy(self):
+        """The same states in lists of their own, so that going on with one leaves the other as it is."""
+        return replace(self, branches=[replace(b, loads=list(b.loads), states=list(b.states)) for b in self.branches])
+
+    def add(self, increment):
+        """Take in what an Increment passed."""
+        for slip in increment.slips:
+            branch = self.branches[-1]
+            branch.end = slip
+            branch.add(slip.load, slip.v, slip.active)
+            self.branches.append(Branch([slip.after.load], [(slip.after.v, slip.after.active)]))
+        self.branches[-1].add(increment.state.load, increment.state.v, increment.state.active)
+
+    def branch_at(self, load):
+        """The ended Branch that holds that load, or None."""
+        for branch in reversed(self.branches):
+            if branch.end is not None and branch.loads[0] <= load <= branch.end.load:
+                return branch
+        return None
+
+    def resting(self, load):
+        """The next known load at which the surface rests: a slip may come to rest later than it begins."""
+        if load < self.home:
+            return self.home
+        after = [b.loads[0] for b in self.branches if b.loads[0] >= load]
+        return load if self.branch_at(load) is not None or not after else min(after)
+
+
+class Replay:
+    """A stepper that wraps another along a load that is a displacement: what repeats is moved on, not solved for."""
+
+    def __init__(self, stepper, spacing):
+        self.stepper, self.spacing = stepper, spacing
+
+    @property
+    def problem(self):
+        return self.stepper.problem
+
+    def start(self, load):
+        """As of the stepper."""
+        return self.stepper.start(load)
+
+    def increment(self, state, target):
+        """As of the stepper."""
+        record = state.record if state.record is not None else Record.of(state)
+        if record.period is not None:
+            known = self._known(state, record, target)
+            if known is not None:
+                return known
+            record = Record.of(state)
+        done = self.stepper.increment(state, target)
+        if done.state.v.size != record.branches[0].states[0][0].size:  # the problem has grown
+            record = Record.of(done.state)
+        else:
+            record.add(done)
+            if done.slips and all(slip.located for slip in done.slips):
+                self._close(record, done.slips[-1])
+        done.state.record = record
+        return done
+
+    def _close(self, record, slip):
+        """Find out whether the state that a slip landed in was passed before, some sites back."""
+        first, landed = record.branches[0].loads[0], slip.after
+        same = LIMITS.same * self.problem.unit
+        for sites in range(1, min(LIMITS.longest, floor((slip.load - first) / self.spacing + 1e-3)) + 1):
+            period = sites * self.spacing
+            home = landed.load - period
+            branch = record.branch_at(max(home, first))
+            if branch is None or len(branch.loads) < 2:
+                continue
+            v, _ = branch.state_at(home)
+            if np.abs(self.problem.translated(v, period) - landed.v).max() > same:
+                continue
+            place = record.branches.index(branch)
+            if not all(b.end.located for b in record.branches[place:-1]):
+                return
+            start = max(0, bisect_left(branch.loads, home) - LIMITS.stencil)
+            record.branches = [copy(b) for b in record.branches[place:-1]]
+            record.branches[0] = replace(branch, loads=branch.loads[start:], states=branch.states[start:])
+            record.period, record.home, record.end = period, home, slip.load
+            return
+
+    def _known(self, state, record, target):
+        """The Increment to `target` from the record; None if it tells nothing."""
+        turns = max(0, ceil((target - record.end) / record.period))
+        shift, problem = turns * record.period, self.problem
+        load = record.resting(target - shift)
+        branch = record.branch_at(load)
+        if branch is None:
+            return None
+        if load > target - shift:  # it does not rest before; else the load asked for, to the last digit
+            target = load + shift
+        v, active = branch.state_at(load)
+        guess, before = problem.translated(v, shift), problem.evaluations
+        v = guess.copy()
+        secants = state.secants or self.stepper.corrector.secants()
+        active = self.stepper.corrector.settle(v, active, target, secants, LIMITS.steps)
+        if active is None or np.abs(v - guess).max() > LIMITS.same * problem.unit:
+            return None
+        if problem.evaluations > before + 1:  # not accurate enough as interpolated: now it is known better
+            branch.add(load, problem.translated(v, -shift), active)
+        slips = tuple(self._slips(record, state.load, target))
+        past = [(target, v)] if slips else [(target, v), *state.past[:4]]
+        moved = State(target, v, active, past, secants, state.modes, record=record)
+        return Increment(moved, self.stepper.corrector.worst, slips, True)
+
+    def _slips(self, record, low, high):
+        """The known Slips between two loads, the higher included."""
+        for turns in range(ceil((low - record.end) / record.period), ceil((high - record.end) / record.period) + 1):
+            shift = turns * record.period
+            for branch in record.branches:
+                if low < branch.end.load + shift <= high:
+                    v = self.problem.translated(branch.end.v, shift)
+                    yield replace(branch.end, load=branch.end.load + shift, v=v)

@@ -1,0 +1,522 @@
+"""Continuation, motion and replay on problems of one and two unknowns with known answers."""
+
+from math import inf
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from toys import CUBIC, Node, Toy, cubic, lattice, spiral
+
+from solver.continuation.corrector import Corrector
+from solver.continuation.gfmd import Gfmd
+from solver.continuation.motion import Creep, ExplicitMotion, Motion
+from solver.continuation.quasistatic import QuasiStatic
+from solver.continuation.replay import Replay
+from solver.continuation.state import NotConverged
+
+ACTIVE = np.ones(1, bool)
+
+
+def followed(stepper, state, targets):
+    """The Increments to those loads, one after the other."""
+    done = []
+    for target in targets:
+        if target > state.load:
+            done.append(stepper.increment(state, target))
+            state = done[-1].state
+    return done
+
+
+def slips_of(increments):
+    return [slip for done in increments for slip in done.slips]
+
+
+# A fold
+
+
+@pytest.mark.parametrize("damping", [0.3, 1.0, inf])
+@pytest.mark.parametrize("du", [0.01, 0.1, 0.37, 1.0, 2.5])
+def test_a_fold_is_located_to_1e_9_whatever_the_increment(du, damping):
+    """2.5: the whole branch in one increment. The load at a fold is as sharp as the square of an error in v."""
+    toy = cubic()
+    stepper = QuasiStatic(toy, damping, 2.0)
+    done = followed(stepper, toy.at_rest(-2.0, -1.6), np.append(np.arange(-2.0 + du, 0.5, du), 0.5))
+    (slip,) = slips_of(done)
+    assert slip.load == pytest.approx(CUBIC.fold, abs=1e-9)
+    assert slip.v[0] == pytest.approx(CUBIC.at, abs=1e-4)
+    assert slip.kind == "fold" and slip.located
+    # the rest after it, at the same load: the other root
+    assert slip.after.load == slip.load and slip.after.v[0] == pytest.approx(CUBIC.rest, abs=1e-8)
+    assert done[-1].state.load == pytest.approx(0.5, abs=1e-12)
+    assert done[-1].state.v[0] == pytest.approx(toy.at_rest(0.5, 1.2).v[0], abs=1e-11)
+
+
+def test_states_up_to_a_fold_are_those_of_the_stable_branch():
+    """The last target lies 1e-7 before the fold, where the branches are 4e-4 apart."""
+    toy = cubic()
+    targets = [*np.arange(-1.9, 0.38, 0.1), 0.38, CUBIC.fold - 1e-7]
+    done = followed(QuasiStatic(toy, 1.0, 2.0), toy.at_rest(-2.0, -1.6), targets)
+    assert not slips_of(done) and [d.state.load for d in done] == targets
+    for d in done:
+        v = d.state.v[0]
+        assert abs(d.state.load + v - v**3) <= toy.tolerance and 1.0 - 3.0 * v * v < 0.0
+        assert d.residual <= toy.tolerance
+
+
+def test_a_branch_that_does_not_end_is_followed_without_slips():
+    """Half the force: 1 - v^2 + ..., one root for every load, however steep."""
+    toy = Toy(lambda v: 0.99 * np.sin(v), lambda v: np.diag(0.99 * np.cos(v)))
+    done = followed(QuasiStatic(toy, 1.0, 1.0), toy.at_rest(-3.0, -3.0), np.arange(-2.9, 3.05, 0.1))
+    assert not slips_of(done)
+    for d in done:
+        exact = brentq(lambda v, s=d.state.load: s + 0.99 * np.sin(v) - v, -5.0, 5.0, xtol=1e-15)
+        assert d.state.v[0] == pytest.approx(exact, abs=1e-9)
+
+
+# Prandtl-Tomlinson
+
+
+A, PERIOD = 1.0, 2.4
+Q = 2.0 * np.pi / PERIOD
+
+
+def tomlinson_fold(A=A):
+    """(u, load) at the first fold of T = -A sin(q u), k = 1."""
+    u = np.arccos(-1.0 / (A * Q)) / Q
+    return u, u + A * np.sin(Q * u)
+
+
+def first_rest(load, u, A=A):
+    """The next root of load - u - A sin(q u) beyond u."""
+    grid = np.linspace(u + 1e-3, u + 2 * PERIOD, 4001)
+    f = load - grid - A * np.sin(Q * grid)
+    i = int(np.argmax((f[:-1] > 0.0) & (f[1:] <= 0.0)))
+    return brentq(lambda x: load - x - A * np.sin(Q * x), grid[i], grid[i + 1], xtol=1e-14)
+
+
+@pytest.mark.parametrize("du", [0.05, 0.3, 1.0])
+def test_the_overdamped_tomlinson_model_slips_at_its_fold_to_the_next_rest(du):
+    u, fold = tomlinson_fold()
+    toy = lattice((A, 0.0), period=PERIOD)
+    slips = slips_of(followed(QuasiStatic(toy, inf, A * Q), toy.at_rest(0.0, 0.0), np.arange(du, 10.0, du)))
+    assert [slip.load for slip in slips] == pytest.approx(fold + PERIOD * np.arange(len(slips)), abs=1e-9)
+    assert len(slips) == int((np.arange(du, 10.0, du)[-1] - fold) / PERIOD) + 1
+    for k, slip in enumerate(slips):
+        assert slip.after.v[0] == pytest.approx(first_rest(fold, u) + k * PERIOD, abs=1e-8)
+
+
+def test_slips_of_one_increment_are_each_located():
+    """After a slip there is no second state to extrapolate from; here five follow on the way to one load."""
+    _, fold = tomlinson_fold()
+    toy = lattice((A, 0.0), period=PERIOD)
+    stepper = QuasiStatic(toy, inf, A * Q)
+    done = stepper.increment(toy.at_rest(0.0, 0.0), fold + 4.5 * PERIOD)
+    assert [slip.load for slip in done.slips] == pytest.approx(fold + PERIOD * np.arange(5), abs=1e-9)
+    assert all(slip.located and slip.kind == "fold" for slip in done.slips)
+
+
+def test_a_fold_is_located_from_a_state_without_history_just_before_it():
+    """1e-3 and 1e-6 before the fold, where v moves 20 and 700 times faster than the load."""
+    u, fold = tomlinson_fold()
+    toy = lattice((A, 0.0), period=PERIOD)
+    for before in (1e-2, 1e-3, 1e-6):
+        state = toy.at_rest(fold - before, u - (2.0 * before / (A * Q * Q * np.sin(Q * u))) ** 0.5)
+        assert state.v[0] < u and len(state.past) == 1
+        (slip,) = QuasiStatic(toy, inf, A * Q).increment(state, fold + 0.1).slips
+        assert slip.located and slip.load == pytest.approx(fold, abs=1e-9)
+
+
+@pytest.mark.parametrize("A", [1.0, 3.0])
+@pytest.mark.parametrize("damping", [0.05, 0.1, 0.3, 1.0, 4.0])
+def test_inertia_carries_as_far_as_an_integrated_equation_of_motion(damping, A):
+    """u'' = s - u + T(u) - gamma u' from the fold, by a Runge-Kutta scheme at 1e-10: the same well, to 1e-8."""
+    u, fold = tomlinson_fold(A)
+    toy = lattice((A, 0.0), period=PERIOD)
+    stepper = QuasiStatic(toy, damping, A * Q)
+    (slip, *_) = slips_of(followed(stepper, toy.at_rest(0.0, 0.0), np.arange(0.1, fold + 0.1, 0.1)))
+
+    def motion(t, y):
+        return [y[1], slip.load - y[0] - A * np.sin(Q * y[0]) - 2.0 * damping * y[1]]
+
+    end = solve_ivp(motion, (0.0, 60.0 / min(damping, 1.0 / damping)), [u + 0.05, 0.0], rtol=1e-10, atol=1e-12).y[0, -1]
+    assert slip.after.v[0] == pytest.approx(end, abs=1e-7)
+
+
+def test_a_damping_beyond_all_bounds_is_infinite_damping():
+    """At 1e3 over critical the well is that of the overdamped limit, which knows no velocity."""
+    toy = lattice((3.0, 0.0), period=PERIOD)
+    rests = []
+    for damping in (30.0, inf):
+        slips = slips_of(followed(QuasiStatic(toy, damping, 3.0 * Q), toy.at_rest(0.0, 0.0), np.arange(0.1, 6.0, 0.1)))
+        rests.append([slip.after.v[0] for slip in slips])
+    assert rests[0] == pytest.approx(rests[1], abs=1e-8) and len(rests[0]) >= 1
+
+
+# One contract
+
+
+@pytest.mark.parametrize("damping", [0.2, 1.0, 4.0, inf])
+def test_every_stepper_reaches_the_same_states(damping):
+    """The motion at every increment, branches and motion, and what repeats moved on."""
+    toys = [lattice((A, 0.0), period=PERIOD, k=1.0) for _ in range(3)]
+    for toy in toys:
+        toy.tolerance = 1e-10
+    steppers = [
+        Gfmd(toys[0], damping, A * Q),
+        QuasiStatic(toys[1], damping, A * Q),
+        Replay(QuasiStatic(toys[2], damping, A * Q), PERIOD),
+    ]
+    targets = np.arange(0.1, 9.0, 0.1)
+    runs = [followed(stepper, toy.at_rest(0.0, 0.0), targets) for stepper, toy in zip(steppers, toys, strict=True)]
+    states = np.array([[done.state.v[0] for done in run] for run in runs])
+    assert states[1] == pytest.approx(states[0], abs=1e-8)
+    assert states[2] == pytest.approx(states[0], abs=1e-8)
+    slipped = [[bool(done.slips) for done in run] for run in runs]
+    assert slipped[0] == slipped[1] == slipped[2] and sum(slipped[0]) >= 2
+    for run in runs:
+        assert max(done.residual for done in run) <= 1e-10
+        assert [done.state.load for done in run] == list(targets)
+
+
+def test_an_increment_does_not_depend_on_which_stepper_object_computes_it():
+    """A step is state in, state out."""
+    toy = lattice((A, 0.0), period=PERIOD)
+    one = followed(QuasiStatic(toy, 1.0, A * Q), toy.at_rest(0.0, 0.0), np.arange(0.1, 9.0, 0.1))
+    state, many = toy.at_rest(0.0, 0.0), []
+    for target in np.arange(0.1, 9.0, 0.1):
+        many.append(QuasiStatic(lattice((A, 0.0), period=PERIOD), 1.0, A * Q).increment(state, target))
+        state = many[-1].state
+    assert [done.state.v[0] for done in one] == [done.state.v[0] for done in many]
+
+
+# Flutter
+
+
+FLUTTER = {"growth": 0.8, "reach": 3.0, "turn": 0.8}  # no fold, one equilibrium at every load
+
+
+def flutter_loads(damping):
+    """The loads between which the only equilibrium of `spiral` flutters: lambda^2 + gamma lambda = a +- i b."""
+    toy, gamma2 = spiral(**FLUTTER), 4.0 * damping**2
+
+    def excess(r):
+        return toy.real(r) if damping == inf else toy.imaginary2(r) + gamma2 * toy.real(r)
+
+    grid = np.linspace(0.05, 3.0, 2000)
+    signs = np.sign([excess(r) for r in grid])
+    ends = [brentq(excess, grid[i], grid[i + 1], xtol=1e-14) for i in np.flatnonzero(np.diff(signs))]
+    return [float(toy.load(r)) for r in ends]
+
+
+@pytest.mark.parametrize("damping", [0.6, 1.0, inf])
+@pytest.mark.parametrize("du", [0.02, 0.11])
+def test_flutter_ends_a_branch_where_a_pair_of_modes_starts_to_grow_under_the_motion(du, damping):
+    first, _ = flutter_loads(damping)
+    toy = spiral(**FLUTTER)
+    done = followed(QuasiStatic(toy, damping, 2.0), toy.at_rest(0.0, np.zeros(2)), np.arange(du, first + du, du))
+    (slip,) = slips_of(done)
+    assert slip.kind == "flutter" and slip.located
+    assert slip.load == pytest.approx(first, abs=1e-6)
+
+
+def test_less_damping_lets_a_branch_flutter_earlier():
+    """What the test above rests on: the loads are apart by more than it tells."""
+    loads = [flutter_loads(damping)[0] for damping in (0.6, 1.0, inf)]
+    assert np.diff(loads).min() > 0.02
+
+
+@pytest.mark.parametrize("damping", [1.0, inf])
+def test_while_nothing_rests_the_load_goes_on_until_something_does(damping):
+    """Between the two loads the only equilibrium flutters: the motion comes to rest beyond the second."""
+    first, second = flutter_loads(damping)
+    toy = spiral(**FLUTTER)
+    done = followed(QuasiStatic(toy, damping, 2.0), toy.at_rest(0.0, np.zeros(2)), np.arange(0.05, second + 1.0, 0.05))
+    loads = [d.state.load for d in done]
+    assert not [s for s in loads if first < s < second]
+    assert min(s for s in loads if s > first) < second + 0.3
+    for d in done:
+        assert toy.load(np.linalg.norm(d.state.v)) == pytest.approx(d.state.load, abs=1e-10)
+    (slip,) = slips_of(done)
+    assert slip.after.load >= second
+
+
+# Motion
+
+
+def oscillator(k=1.7):
+    """A node that feels nothing but its spring."""
+    return Node(Toy(np.zeros_like, lambda v: np.zeros((v.size, v.size)), k=k))
+
+
+def linear_decay(t, omega2, gamma, x0):
+    """x of x'' = -omega2 x - gamma x' from rest at x0."""
+    root = np.sqrt(complex(gamma**2 / 4.0 - omega2))
+    fast, slow = -gamma / 2.0 - root, -gamma / 2.0 + root
+    return (x0 * (slow * np.exp(fast * t) - fast * np.exp(slow * t)) / (slow - fast)).real
+
+
+@pytest.mark.parametrize("kind", [Motion, ExplicitMotion])
+@pytest.mark.parametrize("damping", [0.1, 0.7, 2.5])
+def test_a_node_on_its_spring_moves_as_the_linear_oscillator(damping, kind):
+    """Below and above critical; the error over a swing falls with the square of the step."""
+    k, off = 1.7, []
+    for closed in (40.0, 4000.0):
+        node = oscillator(k)
+        motion = kind(node, np.array([[1.0], [0.3]], complex), 0.0, damping, closed)
+        motion.soften(0.0)
+        times, places = [], []
+        for n in range(1, int(6.0 / motion.step)):
+            motion.advance(ACTIVE, 1)
+            times.append(n * motion.step)
+            places.append(motion.y[:, 0].real.copy())
+        exact = linear_decay(np.array(times), k, 2.0 * damping * k**0.5, 1.0)
+        off.append(np.abs(np.array(places) - exact[:, None] * [1.0, 0.3]).max())
+    assert off[0] < 0.03
+    assert off[1] < off[0] / 50.0
+
+
+def test_a_fast_mode_follows_and_leaves_a_slow_one_as_it_is_but_for_a_sixteenth_of_its_mass():
+    """With a step beyond the fast mode's bound of stability. Where masses are needed, all modes get step^2 sigma/4."""
+
+    class Two(Node):
+        """Two directions of different stiffness, nothing else."""
+
+        def __init__(self, stiff):
+            super().__init__(Toy(np.zeros_like, lambda v: np.zeros((v.size, v.size)), k=1.0))
+            self.stiffness = np.array([[1.0], [stiff], [0.0]])
+
+    for stiff in (1.0, 1e7):
+        motion = Motion(Two(stiff), np.array([[1.0], [1.0]], complex), 0.0, 0.5, 40_000.0)
+        motion.soften(0.0)
+        motion.advance(ACTIVE, round(8.0 / motion.step))
+        slow, fast = motion.y[:, 0].real
+        mass = 1.0 + (stiff > 1.0) * motion.step**2 / 4.0 * 40_000.0
+        assert slow == pytest.approx(linear_decay(8.0 / mass**0.5, 1.0, 1.0, 1.0), abs=1e-3)
+    assert mass < 1.07
+    assert motion.step * 1e7**0.5 > 2.0  # beyond what explicit steps bear
+    assert abs(fast) < 0.3  # friction over the root of its mass: exp(-2) or so; a whole first step would start it at -3
+
+
+def test_creep_decays_exponentially_and_in_proportion_to_stiffness():
+    """gamma u' = -k u at one mobility for all: decay rates of two modes are in the ratio of their stiffness."""
+
+    class Two(Node):
+        def __init__(self):
+            super().__init__(Toy(np.zeros_like, lambda v: np.zeros((v.size, v.size)), k=1.0))
+            self.stiffness = np.array([[1.0], [2.5], [0.0]])
+
+    motion, places = Creep(Two(), np.array([[1.0], [1.0]], complex), 0.0, inf, 1000.0), []
+    motion.soften(0.0)
+    for _ in range(40):
+        motion.advance(ACTIVE, 200)
+        places.append(np.log(np.abs(motion.y[:, 0])))
+    rates = np.diff(np.array(places), axis=0)
+    assert np.ptp(rates, axis=0).max() < 1e-9 * np.abs(rates).max()
+    # a step of 1/4000 of the time in which springs close: first order
+    assert rates[0, 1] / rates[0, 0] == pytest.approx(2.5, rel=2e-3)
+    # in its own time, an implicit step delays by the stiffness that it counts on
+    sigma = 0.25 / motion.step
+    assert rates[0, 0] == pytest.approx(-200.0 * motion.step / (1.0 + sigma * motion.step), rel=2e-3)
+
+
+def test_creep_comes_to_rest_without_swinging_past():
+    """Overdamped: towards the next rest of a lattice, never back."""
+    _, fold = tomlinson_fold(3.0)
+    toy = lattice((3.0, 0.0), period=PERIOD)
+    motion = Creep(toy.motion(), np.array([[tomlinson_fold(3.0)[0] + 0.05], [0.0]], complex), fold, inf, 3.0 * Q)
+    places = []
+    for _ in range(4000):
+        motion.soften(toy.motion().interface(motion.y[:1, 0].real, ACTIVE))
+        motion.advance(ACTIVE, 1)
+        places.append(motion.y[0, 0].real)
+    assert np.diff(places).min() > -1e-12
+    assert places[-1] == pytest.approx(first_rest(fold, tomlinson_fold(3.0)[0], 3.0), abs=1e-6)
+
+
+def test_the_load_may_change_while_something_moves():
+    """drive: the spring pulls to another place from then on."""
+    motion = Motion(oscillator(), np.zeros((2, 1), complex), 0.0, 1.0, 40.0)
+    motion.soften(0.0)
+    motion.advance(ACTIVE, 50)
+    assert np.abs(motion.y).max() == 0.0
+    motion.drive(2.0)
+    motion.advance(ACTIVE, 4000)
+    assert motion.y[0, 0] == pytest.approx(2.0, abs=1e-9) and abs(motion.y[1, 0]) < 1e-12
+
+
+# Anderson
+
+
+class Linear(Toy):
+    """R = s d + b - M v, with M = 1 + a compact part, not symmetric."""
+
+    def __init__(self, size=12):
+        rng = np.random.default_rng(3)
+        self.M = np.eye(size) + rng.normal(size=(size, size)) * 0.5 ** np.arange(size) / size**0.5
+        self.b = rng.normal(size=size)
+        super().__init__(None, None, size=size, tolerance=1e-11)
+        self.unit = 100.0  # no step is long
+
+    def residual(self, v, active, s, out):
+        self.evaluations += 1
+        out[:] = s * self.direction + self.b - self.M @ v
+        return float(np.abs(out).max())
+
+    def tangent(self, v, active):
+        return lambda w: -self.M @ w
+
+
+def test_anderson_steps_solve_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
+    problem = Linear()
+    corrector = Corrector(problem)
+    v = np.zeros(problem.size)
+    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants(), 2 * problem.size)
+    assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-10)
+    assert corrector.steps <= problem.size + 2  # in exact arithmetic one more than unknowns
+
+
+def test_secant_pairs_kept_from_one_load_serve_at_the_next():
+    problem = Linear()
+    corrector = Corrector(problem)
+    secants, v = corrector.secants(), np.zeros(problem.size)
+    assert corrector.solve(v, ACTIVE, 0.0, secants, 60)
+    assert corrector.solve(v, ACTIVE, 1.0, secants, 60) and corrector.steps <= 4 < problem.size
+    expected = np.linalg.solve(problem.M, problem.b + problem.direction)
+    assert v == pytest.approx(expected, abs=1e-10)
+
+
+def test_where_anderson_steps_do_not_suffice_newton_s_do():
+    problem = Linear()
+    corrector, v = Corrector(problem), np.zeros(problem.size)
+    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants(), 3)
+    assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-9)
+
+
+def test_a_solution_that_does_not_exist_is_not_claimed():
+    """R = s - 1 - v^2 has no root below s = 1."""
+    toy = Toy(lambda v: v - 1.0 - v**2, lambda v: np.diag(1.0 - 2.0 * v))
+    corrector = Corrector(toy)
+    assert not corrector.solve(np.array([0.3]), ACTIVE, 0.5, corrector.secants(), 60)
+    assert corrector.solve(np.array([0.3]), ACTIVE, 1.25, corrector.secants(), 60)
+
+
+def test_by_arc_length_the_load_is_solved_for_beyond_a_fold():
+    """On the unstable branch of the cubic, v = -0.3 belongs to the load v^3 - v."""
+    toy = cubic()
+    corrector, v = Corrector(toy), np.array([-0.35])
+    load = corrector.solve_on_arc(v, ACTIVE, 0.3, corrector.secants(), 60, np.array([1.0]), -0.3)
+    assert v[0] == pytest.approx(-0.3, abs=1e-11) and load == pytest.approx(-(0.3**3) + 0.3, abs=1e-11)
+
+
+# Replay
+
+
+def exact_path(toy, loads, period, sweep=400):
+    """v of the overdamped model at increasing loads, each from the rest before, by the next root of its force."""
+    v, places = 0.0, []
+    for load in loads:
+
+        def force(x, load=load):
+            return load - x + toy.T(np.array([x]))[0]
+
+        step = period / sweep
+        x = v - step
+        while force(x) < 0.0:
+            x -= step
+        while force(x + step) > 0.0:
+            x += step
+        v = brentq(force, x, x + step, xtol=1e-14)
+        places.append(v)
+    return np.array(places)
+
+
+@pytest.mark.parametrize("waves", [((1.0, 0.0),), ((0.6, 0.0), (0.8, 0.4))])
+def test_known_states_moved_on_are_the_exact_ones(waves):
+    """One well per period, and two wells of different depth: two slips per period, at two folds."""
+    toy = lattice(*waves, period=PERIOD)
+    loads = np.arange(1, 301) * 0.05
+    start = toy.at_rest(0.0, exact_path(toy, [0.0], PERIOD))
+    done = followed(Replay(QuasiStatic(toy, inf, 4.0), PERIOD), start, loads)
+    assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
+    assert sum(d.repeated for d in done) > 0.5 * len(done)
+    assert max(d.residual for d in done) <= toy.tolerance
+    slips = np.array([slip.load for slip in slips_of(done)])
+    per_period = len(waves)
+    assert len(slips) >= 4 * per_period
+    assert slips[per_period:] - slips[:-per_period] == pytest.approx(PERIOD, abs=1e-9)
+    if per_period == 2:
+        assert not np.allclose(np.diff(slips), PERIOD / 2.0, atol=0.05)
+    assert all(slip.located for slip in slips_of(done))
+
+
+def test_repeated_states_cost_an_evaluation_each():
+    toy = lattice((0.6, 0.0), (0.8, 0.4), period=PERIOD)
+    stepper, state, spent = (
+        Replay(QuasiStatic(toy, inf, 4.0), PERIOD),
+        toy.at_rest(0.0, exact_path(toy, [0.0], 1.0)),
+        [],
+    )
+    for load in np.arange(1, 401) * PERIOD / 24:  # commensurate: no state in between is asked for
+        before = toy.evaluations
+        done = stepper.increment(state, load)
+        state = done.state
+        if done.repeated:
+            spent.append(toy.evaluations - before)
+    assert len(spent) > 300 and np.median(spent) == 1
+
+
+def test_a_lattice_that_does_not_repeat_itself_is_not_replayed_wrongly():
+    """Amplitudes that grow by 2 % a period: every state is verified, so that none is merely moved on."""
+
+    def T(u):
+        return -(1.0 + 0.02 * u / PERIOD) * np.sin(Q * u)
+
+    def J(u):
+        return np.diag(-(1.0 + 0.02 * u / PERIOD) * Q * np.cos(Q * u) - 0.02 / PERIOD * np.sin(Q * u))
+
+    toy = Toy(T, J)
+    loads = np.arange(1, 200) * 0.1
+    done = followed(Replay(QuasiStatic(toy, inf, 4.0), PERIOD), toy.at_rest(0.0, 0.0), loads)
+    assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
+    loads = [slip.load for slip in slips_of(done)]
+    assert len(loads) >= 6
+    exact = [max(x + (1.0 + 0.02 * x / PERIOD) * np.sin(Q * x) for x in np.arange(u, u + 0.8, 1e-5))
+             for u in 0.6 + PERIOD * np.arange(len(loads))]  # fmt: skip
+    assert loads == pytest.approx(exact, abs=1e-8)
+
+
+def test_replay_leaves_the_record_of_a_state_behind_as_it_is():
+    """Going on twice from the same state gives the same twice."""
+    toy = lattice((1.0, 0.0), period=PERIOD)
+    stepper, state = Replay(QuasiStatic(toy, inf, 4.0), PERIOD), toy.at_rest(0.0, 0.0)
+    for load in np.arange(1, 100) * 0.1:
+        state = stepper.increment(state, load).state
+    kept = state.record.copy()
+    first = [d.state.v[0] for d in followed(stepper, state, [10.03, 10.7])]
+    state.record = kept
+    again = [d.state.v[0] for d in followed(stepper, state, [10.03, 10.7])]
+    assert first == pytest.approx(again, abs=1e-12)
+
+
+# Failure
+
+
+def test_a_motion_that_never_rests_is_told():
+    """A force that turns and grows without bound: no rest anywhere."""
+    turned = np.array([[1.5, -3.0], [3.0, 1.5]])
+    toy = Toy(lambda u: turned @ u, lambda u: turned, size=2)
+    state = toy.at_rest(0.5, np.zeros(2))
+    state.unsure = True
+    with pytest.raises(NotConverged, match=r"diverges|does not come to rest|still moving"):
+        QuasiStatic(toy, 1.0, 3.0).increment(state, 0.6)
+
+
+def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
+    """The cubic at s = 0, v = 0: an equilibrium, and none of the motion's rests."""
+    toy = cubic()
+    state = toy.at_rest(0.0, 0.0)
+    state.unsure = True
+    done = QuasiStatic(toy, 1.0, 2.0).increment(state, 0.05)
+    assert abs(done.state.v[0]) > 0.9
+    assert abs(0.05 + done.state.v[0] - done.state.v[0] ** 3) < 1e-11

@@ -1,0 +1,124 @@
+"""The judge of stability under the paper's motion, against known answers."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from solver import Scene, load_path, spectrum
+from solver.extended import displacement, springs
+from solver.spectrum import Critical, critical, exponents, friction, growth, matrix, rate, stiffness, tangent
+
+
+def frame_of(scene, ux, uz, nodes=None):
+    """A frame with every node at that displacement, whether or not anything holds it there."""
+    u = np.broadcast_to(np.array([[ux], [uz]]), (2, nodes or scene.nodes))
+    m = u.shape[1]
+    T, _ = springs(scene, u[0], scene.profile[:m] + u[1], np.ones(m, bool))
+    return SimpleNamespace(first=0, u=u, T=T.astype(float))
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """A punch deep in contact, sheared: (scene, frame); `damping` below a half of critical makes it flutter."""
+    scene = Scene(delta_bar=1.0, damping=0.1, nodes=192, width=468.75, u_x_max=6.7, du_x=0.67, du_z=0.5)
+    return scene, list(load_path(scene))[-1]
+
+
+def test_a_layer_left_alone_decays_at_half_its_friction():
+    scene = Scene(nodes=64, width=156.25)
+    far = frame_of(scene, 0.0, 100.0)
+    far.T[:] = 0.0
+    assert growth(scene, far) == pytest.approx(-0.5 * friction(scene), rel=1e-6)
+    assert friction(scene) == pytest.approx(2.0 * (scene.shear_modulus / scene.width) ** 0.5, rel=1e-12)
+    assert growth(scene, far, held=True) == pytest.approx(0.0, abs=1e-12)  # nothing holds the top
+
+
+def test_the_stiffness_undoes_the_compliance():
+    scene = Scene(nodes=32, width=78.0, nu=0.3, height=0.4)
+    T = np.random.default_rng(0).normal(size=(2, 32))
+    k = stiffness(scene)
+    u, _ = displacement(scene, T)
+    back = matrix(scene, 0, np.zeros((2, 2, 32)), k) @ u.astype(float).ravel()
+    assert back == pytest.approx(-T.ravel(), abs=1e-11)
+
+
+def test_the_tangent_is_that_of_the_springs(pressed):
+    scene, frame = pressed
+    profile, active = scene.profile[frame.first :][: frame.u.shape[1]], (frame.T != 0.0).any(axis=0)
+    J = tangent(scene, frame)
+    for d in range(2):
+        ahead, behind = frame.u.astype(np.longdouble), frame.u.astype(np.longdouble)
+        ahead[d], behind[d] = ahead[d] + 1e-6, behind[d] - 1e-6
+        slope = (springs(scene, ahead[0], profile + ahead[1], active)[0]
+                 - springs(scene, behind[0], profile + behind[1], active)[0]) / 2e-6  # fmt: skip
+        assert J[:, d].astype(float) == pytest.approx(slope.astype(float), abs=1e-9)
+
+
+def test_uniform_waves_solve_the_quadratic_of_each_block():
+    scene = Scene(surface="flat", nodes=24, width=58.56, nu=0.3)
+    frame = frame_of(scene, 0.4, 0.3)
+    J, mu = tangent(scene, frame)[:, :, 0].astype(float), exponents(scene, frame)
+    G, h = scene.shear_modulus, scene.width
+    a, d = J[0, 0] - G / h, J[1, 1] - 2.0 * G * 0.7 / (0.4 * h)
+    root = np.sqrt(complex((a - d) ** 2 / 4.0 + J[0, 1] * J[1, 0]))
+    for hand in ((a + d) / 2.0 + root, (a + d) / 2.0 - root):
+        assert np.abs(mu - hand).min() < 1e-12 * abs(hand)
+    k = stiffness(scene)
+    dense = np.linalg.eigvals(matrix(scene, 0, tangent(scene, frame).astype(float), k)).astype(complex)
+    assert max(np.abs(dense - value).min() for value in mu) < 1e-9
+    assert growth(scene, frame) == pytest.approx(float(rate(dense, friction(scene)).max()), abs=1e-9)
+
+
+def test_at_a_fold_growth_vanishes_and_changes_sign():
+    scene = Scene(surface="flat", phi_ratio=0.1, nodes=32, width=32 * 2.44, height=32.0)
+
+    def slope(u):
+        return float(tangent(scene, frame_of(scene, u, 0.0))[0, 0, 0]) - scene.shear_modulus / (32.0 * scene.width)
+
+    fold = brentq(slope, 0.1, scene.spacing / 2.0, xtol=1e-14)
+    at = critical(scene, frame_of(scene, fold, 0.0))
+    assert abs(at.growth) < 1e-9 and at.kind == "fold"
+    assert growth(scene, frame_of(scene, fold - 1e-3, 0.0)) < 0.0 < growth(scene, frame_of(scene, fold + 1e-3, 0.0))
+
+
+def test_a_complex_pair_crosses_on_the_parabola():
+    gamma = 0.3
+    for real in (0.01, 1.0, 50.0):
+        imag = gamma * np.sqrt(real)
+        assert rate(-real + 1j * imag, gamma) == pytest.approx(0.0, abs=1e-13)
+        assert rate(-real + 1.01j * imag, gamma) > 0.0 > rate(-real - 0.99j * imag, gamma)
+    assert rate(-2.0 + 5.0j, np.inf) == -2.0
+    assert Critical(0.0, -1.0 + 0.3j).kind == "flutter"
+    # the larger root indeed: of lambda^2 + gamma lambda = mu
+    mu = np.array([-3.0 + 1.0j, 0.2, -0.01, 2.0j])
+    roots = [np.roots([1.0, gamma, -value]).real.max() for value in mu]
+    assert rate(mu, gamma) == pytest.approx(roots, abs=1e-12)
+
+
+def test_an_attracted_flat_is_unstable_to_waves_alone():
+    scene = Scene(surface="flat", nu=0.499, E=17.5, nodes=256, width=625.0)
+    found = critical(scene, frame_of(scene, 0.0, 2.0))
+    pull = scene.phi_n * np.exp(-2.0) * np.exp(-((np.arange(-2, 3) * scene.spacing) ** 2)).sum()
+    k = stiffness(scene)
+    assert pull < k[1, 0] and found.growth > 0.0 and found.kind == "fold"
+    assert found.mu.real == pytest.approx(pull - k[1].min(), rel=0.1)  # but for the coupling to x
+
+
+def test_little_damping_lets_a_pressed_punch_flutter(pressed):
+    scene, frame = pressed
+    found = critical(scene, frame)
+    assert found.growth == pytest.approx(0.0132, abs=2e-4) and found.kind == "flutter"
+    assert growth(scene.changed(damping=1.0), frame) < 0.0
+    assert growth(scene, frame, held=True) == pytest.approx(found.growth, rel=0.1)  # short waves: the top keeps still
+
+
+@pytest.mark.parametrize("damping", [0.1, 0.15, 1.0])
+def test_the_motion_finds_what_dense_eigenvalues_do(pressed, monkeypatch, damping):
+    scene, frame = pressed[0].changed(damping=damping), pressed[1]
+    exact = growth(scene, frame)
+    monkeypatch.setattr(spectrum, "MOST_NODES", 8)
+    assert growth(scene, frame, exact=True) == exact
+    assert growth(scene, frame) == pytest.approx(exact, abs=0.05 * friction(scene))
+    assert growth(scene, frame) < exact + 1e-9 or exact < 0.0
