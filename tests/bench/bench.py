@@ -16,17 +16,20 @@ import platform
 import resource
 import statistics
 import time
+from math import inf
 
 import numpy as np
 
 from solver import Scene, load_path
 from solver.contact import Contact, patch
-from solver.fast import MEMORY
-from solver.layer import transforms
+from solver.continuation.anderson import Secants
+from solver.continuation.corrector import LIMITS
+from solver.equilibrium import Equilibrium
+from solver.layer import Convolution, transforms
 from solver.left_out import ALL
+from solver.loading import approach
 from solver.loadpath import BULGE
 from solver.presets import preset
-from solver.secants import Secants
 
 PRESETS = {
     "Fig. 6": preset("fig6").scene,
@@ -133,7 +136,7 @@ def size(nodes):
 
 def flat():
     """Flat on flat: seconds per 1000 increments."""
-    scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=100.0)
+    scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=100.0, damping=inf)
     frames, seconds = timed(scene)
     return {"increments": len(frames), "seconds": seconds, "per_1000": 1e3 * seconds / len(frames)}
 
@@ -142,17 +145,19 @@ def parts(row):
     """Microseconds of the parts of a force evaluation and of a secant step, on the default patch."""
     scene = Scene()
     contact = Contact(scene, *patch(scene, BULGE))
-    u = np.random.default_rng(0).normal(size=(2, contact.size))
-    active, r, layer = contact.within_window(u), np.empty_like(u), contact.compliance
-    secants = Secants(MEMORY, u.size)
-    for _ in range(MEMORY):
-        secants.push(*np.random.default_rng(1).normal(size=(4, u.size)))
+    problem = Equilibrium(contact, approach())
+    v = np.random.default_rng(0).normal(size=problem.size)
+    active, r = problem.active_of(v, 0.0), np.empty_like(v)
+    layer = Convolution(contact.modes.compliance, contact.nodes, contact.size)
+    secants = Secants(LIMITS.memory, v.size)
+    for _ in range(LIMITS.memory):
+        secants.push(*np.random.default_rng(1).normal(size=(4, v.size)))
     forward, backward = transforms(layer.length)[3:]
     micro = {
         "two transforms": lambda: (forward(), backward()),
         "layer (transforms and product)": layer.apply,
-        "force evaluation": lambda: contact.residual(u, active, (0.0, 0.0), r),
-        "secant step without it": lambda: secants.push(*[secants.move(r.ravel())] * 4),
+        "force evaluation": lambda: problem.residual(v, active, 0.0, r),
+        "secant step without it": lambda: secants.push(*[secants.move(r)] * 4),
     }
     found = {}
     for name, call in micro.items():
