@@ -2,7 +2,7 @@
 
 import csv
 import json
-from math import isfinite, nan
+from math import inf, isfinite, nan
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def write_npz(file, scene, frames):
 
 
 def write_json(file, report):
-    """Strict JSON: what is not a number becomes null."""
+    """Strict JSON: what is not a number becomes null, infinity the text that `--set` takes for it."""
     with open(file, "w", encoding="utf-8") as out:
         json.dump(plain(report), out, indent=2, allow_nan=False)
         out.write("\n")
@@ -54,4 +54,6 @@ def plain(value):
         return np.frombuffer(value, "<f8").tolist()
     if isinstance(value, np.generic):
         value = value.item()
+    if value == inf:
+        return "inf"
     return None if isinstance(value, float) and not isfinite(value) else value

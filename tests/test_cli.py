@@ -143,6 +143,19 @@ def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
     assert "0 slips" in out
 
 
+def test_infinite_damping_is_taken_and_written_as_text(call, tmp_path):
+    code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=1", "damping=inf", "--json", tmp_path / "j")
+    assert code == 0 and strict(tmp_path / "j")["scene"]["damping"] == "inf"
+
+
+def test_every_end_of_a_branch_is_an_event_with_its_kind_and_place(call, tmp_path):
+    call("run", "--set", "nodes=256", "width=625", "u_x_max=8", "--json", tmp_path / "j")
+    events = strict(tmp_path / "j")["events"]
+    assert {e["stage"] for e in events} == {"approach", "shear"}
+    assert all(e["kind"] == "fold" and e["located"] is True for e in events)
+    assert all(("delta" if e["stage"] == "approach" else "U_x") in e and e["F_bar"] is not None for e in events)
+
+
 def test_without_shear_there_is_one_row(call, tmp_path):
     code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=0", "--csv", tmp_path / "c")
     assert code == 0
