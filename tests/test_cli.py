@@ -149,7 +149,7 @@ def test_infinite_damping_is_taken_and_written_as_text(call, tmp_path):
 
 
 def test_every_end_of_a_branch_is_an_event_with_its_kind_and_place(call, tmp_path):
-    call("run", "--set", "nodes=256", "width=625", "u_x_max=8", "--json", tmp_path / "j")
+    call("run", "--set", "du_x=0.5", "u_x_max=12", "--json", tmp_path / "j")
     events = strict(tmp_path / "j")["events"]
     assert {e["stage"] for e in events} == {"approach", "shear"}
     assert all(e["kind"] == "fold" and e["located"] is True for e in events)
