@@ -195,7 +195,7 @@ def test_quick_atlas_finds_nothing_wrong_and_writes_its_report(tmp_path, capsys)
     assert [b for b in bad if b not in missed] == [] and len(missed) <= 2
     assert code == (1 if missed else 0)
     # what gives up is softer than E = 0.1, or flutters for ever
-    assert report["converged_of_valid"] >= 0.93
+    assert report["converged_of_valid"] >= 0.9
     for scene in report["scenes"]:
         if scene["verdict"] == "gave up":
             assert "Not converged at" in scene["reason"] and "try" in scene["reason"]
