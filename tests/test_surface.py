@@ -220,7 +220,9 @@ def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(valu
     assert narrow[-1].u.shape[1] < 0.8 * wide[-1].u.shape[1] == 0.8 * scene.nodes
     assert max(f.patches for f in wide) > 1
     for one, other in zip(narrow, wide, strict=True):
-        assert (one.F_bar, one.L_bar, one.A_bar) == pytest.approx((other.F_bar, other.L_bar, other.A_bar), abs=1e-9)
+        assert (one.F_bar, one.L_bar) == pytest.approx((other.F_bar, other.L_bar), abs=1e-9)
+        # an edge moves by more than the residual's 1e-8 nm where the gap opens slowly
+        assert one.A_bar == pytest.approx(other.A_bar, abs=2e-8)
         assert (one.trailing, one.leading) == pytest.approx((other.trailing, other.leading), abs=1e-5, nan_ok=True)
         assert one.patches == other.patches
 
