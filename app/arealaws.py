@@ -11,8 +11,8 @@ from app import tasks
 from app.plots import curve, dots, rendered, views
 from app.sweep import Sweep
 from solver import Scene, SceneError
-from solver.fits import quadratic_law, threshold_law
-from solver.laws import INDENTATIONS, INTERFACES
+from solver.analysis.area_laws import quadratic_law, threshold_law
+from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
 
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
 DEPTHS = (*INDENTATIONS, BEYOND)

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 
 from solver import LIMITS, Scene, SceneError
-from solver.legs import legs_of
 from solver.presets import presets
+from solver.run.load_steps import legs_of
 from solver.scene import CHOICES, UNBOUNDED, WHOLE
 
 INCREMENTS, NUMBERS = 5000, 2_500_000  # of one run, and times nodes: what a browser holds and draws with ease

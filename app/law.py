@@ -9,7 +9,7 @@ import holoviews as hv
 import numpy as np
 
 from app.plots import curve, dots, rendered, views
-from solver import np1
+from solver.mechanics import cohesive_law
 
 OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
 GAP = hv.Dimension("gap", label="gap", unit="nm")
@@ -78,13 +78,13 @@ class Page:
         a, d_n, d_t = scene.spacing, scene.delta_n, scene.delta_t
         s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE + 1), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE + 1)
         middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (s, gap)]  # of the pixels: T_t is 0 at the borders
-        shear, normal = np1.traction(scene, *np.meshgrid(*middles))
+        shear, normal = cohesive_law.traction(scene, *np.meshgrid(*middles))
         shear = -shear  # as in the traction plot: what holds the punch back is positive
         limits = {}
         for slot, field in (("shear_map", shear), ("normal_map", normal)):
             self._draw_map(slot, field, s, gap)
             limits[f"law_{slot}.map"] = [min(float(field.min()), -1e-9), max(float(field.max()), 1e-9)]
-        ahead = np1.traction(scene.changed(phi_ratio=1.0), s, 0.0)
+        ahead = cohesive_law.traction(scene.changed(phi_ratio=1.0), s, 0.0)
         rise = -ahead[0] * d_t / scene.phi_n
         self._draw("shear_law", "law", s=s, value=rise)
         self._draw("shear_law", "spring", s=s, value=2.0 * (s / d_t) * np.exp(-((s / d_t) ** 2)))

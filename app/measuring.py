@@ -29,7 +29,7 @@ def work(pipe, scene, wisdom):
 
 def _warm_up():
     """Every method once on a small scene: loading its kernels must not count as its time."""
-    from solver.variants import SERIES, frames
+    from solver.work_precision.methods import SERIES, frames
 
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
     for series in SERIES:
@@ -38,8 +38,8 @@ def _warm_up():
 
 
 def _news(scene):
-    from solver.accuracy import SWEEPS, measure
-    from solver.verdict import choice, command, failures, sentence
+    from solver.work_precision.measure import SWEEPS, measure
+    from solver.work_precision.verdict import choice, command, failures, sentence
 
     sent, count, report = 0.0, 0, None
     for progress, report in measure(scene, quick=True):

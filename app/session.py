@@ -18,8 +18,8 @@ from app.pool import pool as shared_pool
 from app.run import Chains, Run
 from app.wire import Wire
 from solver import SceneError
-from solver.carry import GEOMETRY
 from solver.presets import presets
+from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon

@@ -13,7 +13,7 @@ from app import tasks
 from app.plots import curve, dots, rendered, views
 from app.sweep import Sweep
 from solver import LIMITS, SceneError
-from solver.laws import critical_modulus, friction, tau_max
+from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.presets import presets
 
 NORMAL = 70.0  # GPa, over which forces are shown

@@ -3,8 +3,8 @@
 import numpy as np
 
 from solver import NotConverged, ProfileError, SceneError, load_path, read_profile
-from solver.laws import friction_force, onset
-from solver.picture import fringes, mesh, picture
+from solver.analysis.friction_laws import friction_force, onset
+from solver.analysis.raster import fringes, mesh, picture
 
 DRAWN = 400  # points of a curve, about one per pixel
 SEEN = 0.06  # of the width shown: the largest displacement in the mesh, as it is drawn

@@ -20,12 +20,12 @@ import numpy as np
 import pyfftw
 
 from solver import Checkpoint, Scene, advance
-from solver.carry import carry_on
-from solver.layer import transforms
-from solver.legs import legs_of
-from solver.loadpath import next_frame
-from solver.picture import QUANTITIES, picture
-from solver.work import work_of
+from solver.analysis.energy_balance import work_of
+from solver.analysis.raster import QUANTITIES, picture
+from solver.mechanics.layer import transforms
+from solver.run.carry import carry_on
+from solver.run.load_steps import legs_of
+from solver.run.loadpath import next_frame
 
 NICENESS = 10  # the event loop must win against the physics
 CURVES = (

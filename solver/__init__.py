@@ -7,16 +7,24 @@ Fourier: numpy's rfft signs and scaling; K_xz = -i K_c, K_zx = +i K_c; q = 0 is 
 The residual max |U + C T(u) - u| (nm) measures every method.
 
     for frame in load_path(Scene(delta_bar=0.2)): print(frame.U_x, frame.F_bar, frame.A_bar)
+
+scene, surfaces, profile, presets  what is computed: parameters with ranges, shapes, measured profiles, named scenes
+mechanics/      the physics: NP1 law, elastic layer, contact
+continuation/   branches of equilibria, their ends, the motion between them; knows nothing of contacts
+run/            load steps, increments, frames
+cli, files      the command line and what it writes
+isolated        calls with a deadline in processes of their own
+analysis/  verification/  work_precision/    not needed to run anything: stress inside, proofs, error against run time
 """
 
-from .carry import carry_on
+from .analysis.energy_balance import Work, work_of
 from .continuation.state import NotConverged
-from .frame import Frame, SlipEvent
-from .loadpath import METHODS, Checkpoint, advance, load_path, summarize, whole_surface
-from .measured import ProfileError, read_profile
+from .profile import ProfileError, read_profile
+from .run.carry import carry_on
+from .run.frame import Frame, SlipEvent
+from .run.loadpath import METHODS, Checkpoint, advance, load_path, summarize, whole_surface
 from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError, scene_from_text
-from .surface import Profile
-from .work import Work, work_of
+from .surfaces import Profile
 
 __version__ = "0.1.0"
 __all__ = [

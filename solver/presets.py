@@ -1,4 +1,4 @@
-"""The app's named experiments, for whoever wants them by name; the solver itself does without."""
+"""Named experiments, from presets.toml: those of the paper's figures and some that it leaves open."""
 
 import tomllib
 from dataclasses import dataclass, fields
@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from .scene import Scene, SceneError
 
-PACKAGE, FILE = "app", "presets.toml"
+FILE = "presets.toml"
 TEXTS = ("title", "look")
 
 
@@ -35,19 +35,14 @@ class Preset:
 
 @cache
 def presets():
-    """{name: Preset} in the order of the file, read-only; empty where the app is not installed. Raises PresetError."""
-    try:
-        text = resources.files(PACKAGE).joinpath(FILE).read_text(encoding="utf-8")
-    except (ModuleNotFoundError, FileNotFoundError):
-        return MappingProxyType({})
+    """{name: Preset} in the order of the file, read-only. Raises PresetError."""
+    text = resources.files(__package__).joinpath(FILE).read_text(encoding="utf-8")
     return MappingProxyType(read(text))
 
 
 def preset(name):
     """The Preset of that name; raises PresetError."""
     known = presets()
-    if not known:
-        raise PresetError(f"preset {name!r}: none here, as they come with the app; install it, or use --set")
     if name not in known:
         raise PresetError(f"preset {name!r}: allowed: {', '.join(known)}; use one of these names")
     return known[name]

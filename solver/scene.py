@@ -5,7 +5,7 @@ from math import ceil, e, floor, inf, isfinite, pi, sqrt
 
 import numpy as np
 
-from .surface import SURFACES, Profile, refusal, undeformed_gap
+from .surfaces import SURFACES, Profile, refusal, undeformed_gap
 
 # name: (lowest, highest, unit, meaning). One place for validation, `--set`, the app's labels and its error messages.
 LIMITS = {

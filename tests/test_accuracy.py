@@ -11,14 +11,14 @@ from itertools import islice
 import numpy as np
 import pytest
 
-import solver.__main__ as cli
+import solver.cli as cli
 from solver import Scene
-from solver.accuracy import SWEEPS, measure
 from solver.continuation.gfmd import Gfmd
-from solver.plotpage import write_page
-from solver.variants import SERIES, VARIANTS, frames
-from solver.verdict import branches, choice, data, sentence, table
-from solver.workprecision import Run, compare, perform, ratio, reference, refined
+from solver.work_precision.compare import Run, compare, perform, ratio, reference, refined
+from solver.work_precision.measure import SWEEPS, measure
+from solver.work_precision.methods import SERIES, VARIANTS, frames
+from solver.work_precision.page import write_page
+from solver.work_precision.verdict import branches, choice, data, sentence, table
 
 SMALL = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.2, u_x_max=25.0)
 SETTINGS = ["nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=25"]

@@ -7,9 +7,9 @@ from test_app import Page, pool  # noqa: F401  a fixture
 from app import worker
 from app.controls import values_of
 from solver import Checkpoint, Scene, load_path
-from solver.carry import carry_on
-from solver.loadpath import next_frame
-from solver.work import work_of
+from solver.analysis.energy_balance import work_of
+from solver.run.carry import carry_on
+from solver.run.loadpath import next_frame
 
 SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
 

@@ -9,7 +9,8 @@ from bokeh.document import Document
 from app.finished import Shelf
 from app.pages import SLOTS
 from app.session import Session
-from solver import Scene, np1
+from solver import Scene
+from solver.mechanics import cohesive_law
 
 
 class NoPool:
@@ -83,7 +84,7 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
         s = data["x"][0] + data["dw"][0] * (np.array([columns // 4, 3 * (columns // 4)]) + 0.5) / columns
         gap = data["y"][0] + data["dh"][0] * (rows // 2 + 0.5) / rows
         middle = image[rows // 2, [columns // 4, 3 * (columns // 4)]]
-        assert middle == pytest.approx(-np1.traction(scene, s, gap)[0], rel=1e-6)
+        assert middle == pytest.approx(-cohesive_law.traction(scene, s, gap)[0], rel=1e-6)
         law = json.loads(session.wire.page)["law"]
         assert law["phi_t"] == scene.phi_t and 0.5 < law["peak"] < 0.71  # 1/sqrt(2) for one spring, less for a lattice
 
@@ -91,5 +92,5 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
 def test_the_tangential_law_has_its_peak_where_the_page_says(session):
     order(session, "page", page="law")
     peak = json.loads(session.wire.page)["law"]["peak"]
-    at, beside = np.abs(np1.traction(Scene(), np.array([peak, peak + 0.05]), 0.0)[0])
-    assert at > beside and at > abs(np1.traction(Scene(), peak - 0.05, 0.0)[0])
+    at, beside = np.abs(cohesive_law.traction(Scene(), np.array([peak, peak + 0.05]), 0.0)[0])
+    assert at > beside and at > abs(cohesive_law.traction(Scene(), peak - 0.05, 0.0)[0])

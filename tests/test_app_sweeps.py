@@ -10,9 +10,9 @@ from test_app_pages import NoPool, order
 from app import tasks, worker
 from app.sweep import Results, Sweep
 from solver import Scene, load_path, whole_surface
-from solver.body import inside, principal_difference
-from solver.laws import INDENTATIONS, critical_modulus, onset
-from solver.picture import fringes, picture
+from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
+from solver.analysis.interior import inside, principal_difference
+from solver.analysis.raster import fringes, picture
 from solver.presets import presets
 
 pytest_plugins = ["test_app_pages"]  # its fixture: session

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from solver import Scene, load_path
-from solver.body import inside, mean_stress, principal_difference, transfer
-from solver.layer import Convolution, Modes
-from solver.picture import picture
+from solver.analysis.interior import inside, mean_stress, principal_difference, transfer
+from solver.analysis.raster import picture
+from solver.mechanics.layer import Convolution, Modes
 
 LOAD = (3.0, -2.0)
 ORIGIN = (0.0, 0.0)

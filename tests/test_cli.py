@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import solver.__main__ as cli
+import solver.cli as cli
 from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
 from solver.continuation import gfmd
 from solver.progress import Progress

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.closed_forms import closed_forms
-from solver.conditioning import conditioning, printed
-from solver.extended import displacement, springs
-from solver.layer import compliance, stiffness
-from solver.limits import PULL_OFF_JKR, load_maugis, pull_off_maugis, repulsive_jkr
+from solver.mechanics.layer import compliance, stiffness
+from solver.verification.closed_forms import closed_forms
+from solver.verification.conditioning import conditioning, printed
+from solver.verification.cylinder import PULL_OFF_JKR, load_maugis, pull_off_maugis, repulsive_jkr
+from solver.verification.long_double import displacement, springs
 
 
 @pytest.fixture(scope="module")

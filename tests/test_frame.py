@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.frame import contact_area, contact_edges, forces, peel_asymmetry
+from solver.run.frame import contact_area, contact_edges, forces, peel_asymmetry
 
 SCENE = Scene(nodes=100, width=250.0)
 

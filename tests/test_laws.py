@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import linregress
 
-from solver import Scene, SceneError, load_path, np1, summarize
-from solver.fits import quadratic_law, threshold_law
-from solver.laws import (
+from solver import Scene, SceneError, load_path, summarize
+from solver.analysis.area_laws import quadratic_law, threshold_law
+from solver.analysis.friction_laws import (
     INDENTATIONS,
     INTERFACES,
     critical_modulus,
@@ -22,6 +22,7 @@ from solver.laws import (
     softening,
     tau_max,
 )
+from solver.mechanics import cohesive_law
 
 FLAT = Scene(surface="flat", phi_ratio=0.1, damping=inf)
 SMALL = Scene(nodes=64, width=160.0, radius=0.5, du_z=0.5, du_x=0.5)
@@ -119,14 +120,14 @@ def test_threshold_law_leaves_out_points_without_contact():
 def test_strength_is_the_peak_of_one_spring():
     """Eq. 5 against the law itself, on a lattice so wide that a node feels one spring only."""
     scene = Scene(nodes=100, width=2000.0, phi_ratio=0.3, delta_t=1.2)
-    peak = -np1.traction(scene, np.linspace(0.0, 3.0, 30001), 0.0)[0].min()
+    peak = -cohesive_law.traction(scene, np.linspace(0.0, 3.0, 30001), 0.0)[0].min()
     assert peak == pytest.approx(tau_max(scene), rel=1e-8)  # a grid of 1e-4 nm at a level maximum
 
 
 @pytest.mark.parametrize(("nodes", "delta_t"), [(1024, 1.0), (2500, 1.0), (625, 1.0), (1024, 0.5), (1024, 1.9)])
 def test_softening_is_the_largest_tangent_of_the_window_sum(nodes, delta_t):
     scene = Scene(surface="flat", nodes=nodes, delta_t=delta_t, window_t=8.0)
-    slope = np1.tangent(scene, np.linspace(0.0, scene.spacing, 4001), 0.0)[0].max()
+    slope = cohesive_law.tangent(scene, np.linspace(0.0, scene.spacing, 4001), 0.0)[0].max()
     # both grids miss the maximum by up to half a point; at a = delta_t the window sum cancels to 1e-3 of its terms
     assert softening(scene) == pytest.approx(slope, rel=1e-6, abs=1e-11 * scene.phi_t / delta_t**2)
 
@@ -141,7 +142,7 @@ def test_coarse_lattices_soften_less_than_they_stiffen():
     """Beyond a = 2 delta_t, dT/dx is steeper in registry, where T holds, than where it lets go: the latter decides."""
     single = Scene(surface="flat", nodes=100, width=1000.0)
     assert softening(single) / single.phi_t == pytest.approx(4.0 * np.exp(-1.5), rel=1e-6)  # of one spring
-    assert -np1.tangent(single, 0.0, 0.0)[0] / single.phi_t == pytest.approx(2.0)
+    assert -cohesive_law.tangent(single, 0.0, 0.0)[0] / single.phi_t == pytest.approx(2.0)
 
 
 def test_critical_modulus_is_proportional_to_the_work_and_to_the_height():

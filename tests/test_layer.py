@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.layer import Convolution, Modes, compliance, stiffness
+from solver.mechanics.layer import Convolution, Modes, compliance, stiffness
 
 Q = np.concatenate(([0.0], np.geomspace(1e-6, 10.0, 60)))
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from solver import NotConverged, Scene, SceneError, advance, load_path
-from solver.layer import Modes
-from solver.left_out import ALL
-from solver.legs import legs_of
-from solver.limits import PULL_OFF_JKR, pull_off_maugis
-from solver.np1 import traction
-from solver.spectrum import growth
+from solver.mechanics.cohesive_law import traction
+from solver.mechanics.layer import Modes
+from solver.run.load_steps import legs_of
+from solver.run.shortcuts import ALL
+from solver.verification.cylinder import PULL_OFF_JKR, pull_off_maugis
+from solver.verification.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2, u_x_max=8.0)
 PATHS = [

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from solver import Profile, ProfileError, Scene, SceneError, load_path, read_profile
-from solver.measured import FEWEST_POINTS, MOST_BYTES, MOST_POINTS, STEEPEST
+from solver.profile import FEWEST_POINTS, MOST_BYTES, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
-from solver.surface import LENGTHS
+from solver.surfaces import LENGTHS
 
 X = np.linspace(0.0, 640.0, 257)
 HILLS = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # two whole waves: highest at x = 0, 320, 640

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solver import METHODS, Scene, SceneError, advance, load_path, summarize, whole_surface
-from solver.layer import Modes
+from solver.mechanics.layer import Modes
 
 SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, tolerance=1e-8)
 

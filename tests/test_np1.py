@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.np1 import DEEPEST, WORK, exponential, law_constants, tangent, traction, window_sums
+from solver.mechanics.cohesive_law import DEEPEST, WORK, exponential, law_constants, tangent, traction, window_sums
 
 SCENES = [
     Scene(),

@@ -5,8 +5,8 @@ import pytest
 from test_body import tractions
 
 from solver import Scene, load_path
-from solver.body import inside, mean_stress, principal_difference
-from solver.picture import ACCURACY, QUANTITIES, fringes, mesh, picture
+from solver.analysis.interior import inside, mean_stress, principal_difference
+from solver.analysis.raster import ACCURACY, QUANTITIES, fringes, mesh, picture
 
 ORIGIN = (0.0, 0.0)
 pytest_plugins = ["test_body"]  # its fixtures: frame, pressed

@@ -7,7 +7,7 @@ import pytest
 from plain_gfmd import Plain
 
 from solver import Scene, load_path, whole_surface
-from solver.spectrum import growth
+from solver.verification.spectrum import growth
 
 CASES = [{}, {"delta_bar": -0.15}, {"delta_bar": 0.4, "phi_ratio": 0.1}]
 SMALL = {"nodes": 128, "width": 312.5}

@@ -6,9 +6,20 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from solver import Scene, load_path, spectrum
-from solver.extended import displacement, springs
-from solver.spectrum import Critical, critical, exponents, friction, growth, matrix, rate, stiffness, tangent
+from solver import Scene, load_path
+from solver.verification import spectrum
+from solver.verification.long_double import displacement, springs
+from solver.verification.spectrum import (
+    Critical,
+    critical,
+    exponents,
+    friction,
+    growth,
+    matrix,
+    rate,
+    stiffness,
+    tangent,
+)
 
 
 def frame_of(scene, ux, uz, nodes=None):

@@ -10,13 +10,8 @@ import numpy as np
 import pytest
 
 from solver import Scene, load_path
-from solver.fits import quadratic_law, threshold_law
-from solver.laws import (
-    INDENTATIONS,
-    INTERFACES,
-    figure_8,
-    onset,
-)
+from solver.analysis.area_laws import quadratic_law, threshold_law
+from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, figure_8, onset
 from solver.presets import preset
 
 BLACK, RED, BLUE = INTERFACES

@@ -6,8 +6,9 @@ The drop at a slip, and every frame against one node, is in test_flat.py.
 import numpy as np
 import pytest
 
-from solver import Scene, load_path, np1
-from solver.laws import critical_modulus, friction, onset, tau_max
+from solver import Scene, load_path
+from solver.analysis.friction_laws import critical_modulus, friction, onset, tau_max
+from solver.mechanics import cohesive_law
 from solver.presets import preset
 
 
@@ -28,7 +29,7 @@ def test_stick_is_linear_with_a_slope_set_by_modulus_and_height(values):
     stress = np.array([f.F_bar for f in frames[1:]]) * scene.E
     slope = stress / [f.U_x for f in frames[1:]]
     layer = scene.shear_modulus / (scene.height * scene.width)
-    interface = -np1.tangent(scene, 0.0, 0.0)[0]
+    interface = -cohesive_law.tangent(scene, 0.0, 0.0)[0]
     assert slope[0] == pytest.approx(1.0 / (1.0 / layer + 1.0 / interface), rel=1e-4)  # the first increment, 0.1 nm
     assert slope[0] == pytest.approx(layer, rel=0.05)
     # the interface softens as it yields: the slope is the first one's to 3 % up to the slip

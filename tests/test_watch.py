@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solver import Scene, spectrum
+from solver import Scene
 from solver.continuation.stability import Watch, rate
 from solver.continuation.state import State
-from solver.disturbance import uniform_growth
-from solver.loadpath import Checkpoint, Run, load_path
+from solver.mechanics.disturbance import uniform_growth
+from solver.run.loadpath import Checkpoint, Run, load_path
+from solver.verification import spectrum
 
 SOFT = Scene(E=10.0, delta_bar=0.6, phi_ratio=0.3, u_x_max=22.4)
 FLUTTER = 22.2718524  # nm, its first slip; the fold of the branch lies at 22.4396

@@ -10,7 +10,7 @@ from plain_gfmd import Plain
 from scipy.optimize import brentq, minimize_scalar
 
 from solver import Scene, load_path, whole_surface, work_of
-from solver.work import layer_energy
+from solver.analysis.energy_balance import layer_energy
 
 FLAT = Scene(surface="flat", phi_ratio=0.1, nodes=64, width=160.0, height=16.0, tolerance=1e-10, damping=inf)
 PUNCH = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, tolerance=1e-9)
@@ -54,7 +54,7 @@ def periods(scene, per_period, count=2):
 
 def test_the_springs_energy_is_the_integral_of_their_traction():
     """What `sawtooth` rests on, against the solver's own law."""
-    from solver.np1 import traction
+    from solver.mechanics.cohesive_law import traction
 
     u = np.linspace(0.0, FLAT.spacing, 2001)
     T = traction(FLAT, u, np.zeros_like(u))[0]

@@ -1,7 +1,7 @@
-"""The contract between the methods of this folder and what they are applied to; `equilibrium` and tests fulfil it.
+"""The contract between the methods of this folder and what they are applied to.
 
 A problem is an equilibrium R(v; s) = 0 in unknowns v (size,) under a load s that enters R as a constant, together with
-a motion whose rests the equilibria are. It must offer:
+a motion whose rests the equilibria are. `mechanics.equilibrium` and tests/toys.py fulfil it. It must offer:
 
 1.  `size`, `unit` (the length over which the interaction changes), `tolerance` (of max |R|) and `evaluations`, a count
     that each force evaluation adds one to.

@@ -21,15 +21,15 @@ from math import inf
 import numpy as np
 
 from solver import Scene, load_path
-from solver.contact import Contact, patch
 from solver.continuation.anderson import Secants
 from solver.continuation.corrector import LIMITS
-from solver.equilibrium import Equilibrium
-from solver.layer import Convolution, transforms
-from solver.left_out import ALL
-from solver.loading import approach
-from solver.loadpath import BULGE
+from solver.mechanics.contact import Contact, patch
+from solver.mechanics.equilibrium import Equilibrium
+from solver.mechanics.layer import Convolution, transforms
 from solver.presets import preset
+from solver.run.loading import approach
+from solver.run.loadpath import BULGE
+from solver.run.shortcuts import ALL
 
 PRESETS = {
     "Fig. 6": preset("fig6").scene,

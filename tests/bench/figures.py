@@ -14,8 +14,8 @@ import time
 import numpy as np
 
 from solver import Scene
-from solver.fits import threshold_law
-from solver.laws import INTERFACES, figure_8, friction, onset
+from solver.analysis.area_laws import threshold_law
+from solver.analysis.friction_laws import INTERFACES, figure_8, friction, onset
 
 REPETITIONS = 5
 

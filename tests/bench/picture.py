@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from solver import Scene, load_path
-from solver.picture import QUANTITIES, mesh, picture
+from solver.analysis.raster import QUANTITIES, mesh, picture
 
 HALF, DEPTH = 250.0, 250.0  # nm
 

@@ -10,8 +10,8 @@ Inertia is not damped: where a branch ends, FIRE may come to rest on another one
 import numpy as np
 from numba import njit
 
-from .continuation.gfmd import Gfmd
-from .continuation.motion import Motion
+from ..continuation.gfmd import Gfmd
+from ..continuation.motion import Motion
 
 # Bitzek et al. 2006: steps before the time step grows, its growth and fall, mixing at the start and its fall.
 N_MIN, F_INC, F_DEC, ALPHA, F_ALPHA = 5, 1.1, 0.5, 0.1, 0.99

@@ -1,6 +1,6 @@
 """The wavy half-plane against closed forms: without adhesion (Westergaard 1939) and with it (Johnson 1995).
 
-As in `limits`: one spring per node, a nearly incompressible layer as thick as the cell is wide, no friction. With
+As in `cylinder`: one spring per node, a nearly incompressible layer as thick as the cell is wide, no friction. With
 psi = pi a/lambda of the half-width a, p* = pi E* A/lambda of the amplitude A and alpha^2 = 2 lambda w_a/(pi E* A)^2:
 
     p/p* = sin^2 psi - alpha sqrt(tan psi),  mean pressure p (doi:10.1016/0020-7683(95)00111-9); alpha = 0: Westergaard.
@@ -8,9 +8,9 @@ psi = pi a/lambda of the half-width a, p* = pi E* A/lambda of the amplitude A an
 
 import numpy as np
 
-from .left_out import ALL
-from .limits import driven, raised
-from .scene import Scene
+from ..run.shortcuts import ALL
+from ..scene import Scene
+from .cylinder import driven, raised
 
 E, NU = 7.0, 0.4999  # GPa
 STIFF = E / (1.0 - NU**2)

@@ -2,7 +2,7 @@
 
 A row at depth z needs the modes up to q z = 17 only. They are summed by a transform on a grid of at least four points
 to the shortest wave, and a Gaussian carries the sum to the pixels (Greengard & Lee 2004,
-doi:10.1137/S003614450343200X). `body.inside` is the same without approximation, some hundred times slower.
+doi:10.1137/S003614450343200X). `interior.inside` is the same without approximation, some hundred times slower.
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from math import inf, pi, sqrt
 import numpy as np
 from numba import njit
 
-from .body import displacement, lateral, normal, shape_of, shear, surface_modes, wavenumbers
-from .layer import fft_size
+from ..mechanics.layer import fft_size
+from .interior import displacement, lateral, normal, shape_of, shear, surface_modes, wavenumbers
 
 QUANTITIES = ("normal", "shear", "mean", "difference")  # sigma_zz, sigma_xz, mean stress, sigma_1 - sigma_2
 ACCURACY = 1e-5  # largest error of a picture, of the largest traction (or displacement below the top)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .layer import Convolution, Modes
+from ..mechanics.layer import Convolution, Modes
 
 
 @dataclass(frozen=True)

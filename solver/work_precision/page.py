@@ -4,8 +4,8 @@ from html import escape
 from math import ceil, floor, log10
 from pathlib import Path
 
-from .accuracy import SWEEPS
-from .scene import LIMITS
+from ..scene import LIMITS
+from .measure import SWEEPS
 from .verdict import choice, command, failures, notes, sentence, table, title
 
 # Okabe & Ito's colours, told apart by colour-blind readers; markers as well, for print.

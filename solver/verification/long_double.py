@@ -1,6 +1,6 @@
 """A second opinion on a frame: its residual from sums written out spring by spring and mode by mode, in long double.
 
-Shares no code with `np1`, `layer` or `contact`: the springs are summed one by one in NumPy, the layer's stiffness is
+Shares no code with `mechanics`: the springs are summed one by one in NumPy, the layer's stiffness is
 the textbook quotient of hyperbolic functions, inverted 2 x 2, and the transforms cover the whole cell.
 """
 

@@ -5,14 +5,14 @@ from math import inf
 
 import numpy as np
 
-from . import np1
-from .extended import displacement, springs
-from .layer import Convolution, Modes, compliance, stiffness
-from .left_out import ALL
-from .limits import cylinder
-from .loadpath import load_path
-from .scene import Scene
-from .wavy import wave
+from ..mechanics import cohesive_law
+from ..mechanics.layer import Convolution, Modes, compliance, stiffness
+from ..run.loadpath import load_path
+from ..run.shortcuts import ALL
+from ..scene import Scene
+from .cylinder import cylinder
+from .long_double import displacement, springs
+from .wave import wave
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def periodic_series():
         x, m = np.linspace(0.0, a, 201), np.arange(1, 30)[:, None]
         terms = m * np.exp(-((np.pi * m / a) ** 2)) * np.sin(2 * np.pi * m * x / a)
         series = -4.0 * np.pi**1.5 / a**2 * terms.sum(axis=0)
-        worst = max(worst, relative(np1.traction(scene, x, np.zeros_like(x))[0], series))
+        worst = max(worst, relative(cohesive_law.traction(scene, x, np.zeros_like(x))[0], series))
     return Row("springs in registry: periodic series", worst, 1e-12,
                "window_t = 8 cuts springs of exp(-64); at a = 1.5 six digits cancel in the sum's extremes",
                "Poisson's summation of paper Eq. 2")  # fmt: skip

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extended import LONG, springs
-from .layer import compliance, stiffness
-from .np1 import traction
-from .scene import Scene
+from ..mechanics.cohesive_law import traction
+from ..mechanics.layer import compliance, stiffness
+from ..scene import Scene
+from .long_double import LONG, springs
 
 EPS = float(np.finfo(float).eps)
 

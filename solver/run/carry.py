@@ -5,13 +5,13 @@ from math import ceil
 
 import numpy as np
 
-from .contact import Contact
-from .continuation.state import State
-from .equilibrium import Equilibrium
-from .legs import Leg, legs_of
+from ..continuation.state import State
+from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium
+from ..scene import SceneError
+from .load_steps import Leg, legs_of
 from .loading import Loading
 from .loadpath import Checkpoint, owned
-from .scene import SceneError
 
 GEOMETRY = ("surface", "nodes", "width", "radius", "amplitude", "waves", "rms_slope", "hurst", "roll_off", "cut_off",
             "seed", "measured")  # fmt: skip

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from html import escape
 
-from .stability import BAD, GOOD, by_region, counts
+from .robustness import BAD, GOOD, by_region, counts
 
 COLOURS = ("#0072B2", "#BBBBBB", "#E69F00", *["#D55E00"] * len(BAD))  # Okabe & Ito; what must not be is red
 CSS = """

@@ -16,7 +16,7 @@ from math import cosh, exp, expm1, sinh
 import numpy as np
 from numba import njit
 
-from .layer import stiffness
+from ..mechanics.layer import stiffness
 
 FAR = 50.0  # q (h - z): what the top sends back is exp(-2 FAR) (q h)^2 < 1e-29 of what comes
 CHUNK = 512  # modes of one matrix product: some MB
@@ -39,7 +39,7 @@ def inside(scene, first, traction, load, x, z):
     """Body at the points x (nx,) and z (nz,) in nm, 0 <= z <= h, to round-off: the sum over all modes.
 
     traction (2, m), GPa, on the nodes from `first` on, none elsewhere; load (U_x, U_z) of the top, nm: a Frame's
-    (U_x, -delta). Raises ValueError where z leaves the layer. `picture.picture` is faster and less exact.
+    (U_x, -delta). Raises ValueError where z leaves the layer. `raster.picture` is faster and less exact.
     """
     x, z = np.asarray(x, float), np.asarray(z, float)
     height = scene.height * scene.width

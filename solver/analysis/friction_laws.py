@@ -6,8 +6,8 @@ from math import ceil, e, pi, sqrt
 
 import numpy as np
 
-from .loadpath import load_path
-from .scene import LARGEST_RUN, Scene, SceneError
+from ..run.loadpath import load_path
+from ..scene import LARGEST_RUN, Scene, SceneError
 
 # Paper Fig. 8: three interfaces, named as in the app's presets, over a range of loads from full separation under
 # tension to compression. The paper shows nine loads and names some; the others are ours.

@@ -7,10 +7,10 @@ print(sentence(report))
 from dataclasses import dataclass, replace
 from math import ceil
 
-from .loadpath import load_path
-from .scene import Scene, SceneError
-from .variants import SERIES
-from .workprecision import Point, Run, compare, perform, ratio, reference, refined
+from ..run.loadpath import load_path
+from ..scene import Scene, SceneError
+from .compare import Point, Run, compare, perform, ratio, reference, refined
+from .methods import SERIES
 
 VISIBLE = 1e-4  # of the largest value: what no plot shows, and no experiment on adhesion resolves
 # The values swept; those of du_x and du_z times the scene's own. gfmd and its kin get fewer, they take longer.

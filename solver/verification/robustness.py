@@ -8,13 +8,13 @@ from time import perf_counter
 
 import numpy as np
 
+from ..continuation.state import NotConverged, PulledOff
+from ..isolated import Lost, outcomes
+from ..run.load_steps import legs_of
+from ..run.loadpath import load_path
+from ..scene import SceneError
 from .atlas import CENTRE, cases
-from .continuation.state import NotConverged, PulledOff
-from .extended import DROPPED, opinion
-from .farm import Lost, outcomes
-from .legs import legs_of
-from .loadpath import load_path
-from .scene import SceneError
+from .long_double import DROPPED, opinion
 from .spectrum import growth
 
 GOOD = ("converged", "refused", "gave up")  # what a scene may come to

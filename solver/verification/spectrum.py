@@ -4,14 +4,14 @@ The motion is u'' = K (U - u) + T(u) - gamma u', one unit mass for every Fourier
 k_min the least stiffness of any mode and zeta the scene's damping. A disturbance exp(lambda t) of a rest obeys
 lambda^2 + gamma lambda = mu, with mu an eigenvalue of dT/du - K (GPa/nm): it grows where mu lies outside the parabola
 Im(mu)^2 = -gamma^2 Re(mu), in a fold through mu = 0, in flutter through a complex pair. Overdamped: lambda is mu.
-The layer is that of `extended`, the springs are differentiated here; of the solver only Scene and Frame are used.
+The layer is that of `long_double`, the springs are differentiated here; of the solver only Scene and Frame are used.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from .extended import LONG, compliance
+from .long_double import LONG, compliance
 
 MOST_NODES = 1024  # of the cell, for dense eigenvalues of the whole surface
 AGES, MOST_LOOKS = 40.0, 5  # time over 1/gamma between two looks at what has grown, and how many of them
@@ -68,7 +68,7 @@ def friction(scene):
 
 
 def stiffness(scene, held=False):
-    """(K_xx, K_zz, K_c), GPa/nm, (3, nodes//2 + 1): the compliance of `extended` inverted, in double.
+    """(K_xx, K_zz, K_c), GPa/nm, (3, nodes//2 + 1): the compliance of `long_double` inverted, in double.
 
     held: the uniform normal mode is free, as the layer bears the load at any height of the top.
     """

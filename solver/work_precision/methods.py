@@ -1,7 +1,7 @@
 """The methods that are compared, by name, and one way to run them all: the two of `load_path` and two variants."""
 
+from ..run.loadpath import METHODS, load_path
 from .fire import Fire, MassWeighted
-from .loadpath import METHODS, load_path
 
 SERIES = {
     "fast": "fast: secant steps on a branch, the damped motion between branches",

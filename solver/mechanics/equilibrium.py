@@ -15,8 +15,8 @@ from math import ceil, log2
 import numpy as np
 from numba import njit
 
-from . import np1
-from .continuation.state import PulledOff
+from ..continuation.state import PulledOff
+from . import cohesive_law
 from .disturbance import Disturbances, UniformDisturbance, uniform_growth
 from .layer import transforms
 
@@ -254,7 +254,7 @@ class Surface:
             spectrum = contact.traction(u, active).astype(complex)
         else:
             field = self._traction[:, self._patch]
-            np1.tractions(u, contact.profile, active, contact.law, contact.work, field, contact.size)
+            cohesive_law.tractions(u, contact.profile, active, contact.law, contact.work, field, contact.size)
             self._forward()
             spectrum = self._spectrum
         if self.problem.pressure is not None:
@@ -269,7 +269,7 @@ class Surface:
 
 def closed_stiffness(scene):
     """Stiffness of a node in registry and in touch, the larger of both directions, GPa/nm."""
-    tangent = np1.tangent(scene, 0.0, 0.0)
+    tangent = cohesive_law.tangent(scene, 0.0, 0.0)
     return float(max(-tangent[0], -tangent[3]))
 
 

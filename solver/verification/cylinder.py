@@ -9,15 +9,15 @@ from math import ceil
 
 import numpy as np
 
-from .contact import Contact
-from .continuation.quasistatic import QuasiStatic
-from .continuation.state import State
-from .equilibrium import Equilibrium, closed_stiffness
-from .frame import contact_area, forces
-from .left_out import ALL
-from .loading import Loading
-from .loadpath import Checkpoint, next_frame
-from .scene import Scene
+from ..continuation.quasistatic import QuasiStatic
+from ..continuation.state import State
+from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium, closed_stiffness
+from ..run.frame import contact_area, forces
+from ..run.loading import Loading
+from ..run.loadpath import Checkpoint, next_frame
+from ..run.shortcuts import ALL
+from ..scene import Scene
 
 LIFT = 0.2  # of delta_n, one increment of the retraction
 MOST_LIFTS = 300

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from . import np1
+from . import cohesive_law
 from .layer import Convolution, Modes, UniformMode
 
 MARGIN = 1e-3  # of delta_n, by which a node must cross the edge of the window to be let in or out
@@ -15,7 +15,7 @@ class Contact:
 
     uniform: one node that stands for all; normal_only: without tangential traction.
 
-    Nodes outside the patch carry no traction; where they are follows from the patch (`loadpath.whole_surface`).
+    Nodes outside the patch carry no traction; where they are follows from the patch (`run.loadpath.whole_surface`).
     Buffers belong to this object: not for use by two threads.
     """
 
@@ -23,20 +23,20 @@ class Contact:
         self.scene, self.first, self.size = scene, first, size
         self.profile = np.ascontiguousarray(scene.profile[first : first + size])
         self.window = scene.window_n * scene.delta_n
-        self.law = np1.law_constants(scene)
+        self.law = cohesive_law.law_constants(scene)
         self.modes, self.nodes, self.normal_only, self.uniform = Modes.of(scene), scene.nodes, normal_only, uniform
         modes = self.modes.compliance
         self._layer = UniformMode(modes) if uniform else Convolution(modes, scene.nodes, size, normal_only)
         self.covers_cell = uniform or size == scene.nodes
         self._others = not self.covers_cell and _summits_outside(scene.profile, first, size)
         self._whole = None  # the layer's response over all nodes, once `overlooked` needs it
-        self.work = np.empty((np1.WORK, size))
+        self.work = np.empty((cohesive_law.WORK, size))
         self.evaluations = 0
 
     def response(self, u, active):
         """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.evaluations += 1
-        np1.tractions(u, self.profile, active, self.law, self.work, self._layer.field, self.size)
+        cohesive_law.tractions(u, self.profile, active, self.law, self.work, self._layer.field, self.size)
         self._layer.apply()
         return self._layer.product
 
@@ -48,7 +48,7 @@ class Contact:
     def traction(self, u, active):
         """T(u), (2, size) GPa; a new array."""
         out = np.empty((2, self.size))
-        np1.tractions(u, self.profile, active, self.law, self.work, out, self.size)
+        cohesive_law.tractions(u, self.profile, active, self.law, self.work, out, self.size)
         return out
 
     def pressure(self, traction):
@@ -56,9 +56,9 @@ class Contact:
         return float(traction[1].sum()) / (1 if self.uniform else self.nodes)
 
     def tangents(self, u, active):
-        """dT/du of every node, rows as in `np1.tangents`, (4, size) GPa/nm; a new array."""
+        """dT/du of every node, rows as in `cohesive_law.tangents`, (4, size) GPa/nm; a new array."""
         tangents = np.empty((4, self.size))
-        np1.tangents(u, self.profile, active, self.law, self.work, tangents)
+        cohesive_law.tangents(u, self.profile, active, self.law, self.work, tangents)
         return tangents
 
     def product(self, tangents, w):

@@ -6,16 +6,16 @@ from time import perf_counter
 
 import numpy as np
 
-from .contact import Contact, patch
-from .continuation.gfmd import Gfmd
-from .continuation.quasistatic import QuasiStatic
-from .continuation.replay import Replay
-from .continuation.state import NotConverged, PulledOff, State
-from .equilibrium import Equilibrium, closed_stiffness
+from ..continuation.gfmd import Gfmd
+from ..continuation.quasistatic import QuasiStatic
+from ..continuation.replay import Replay
+from ..continuation.state import NotConverged, PulledOff, State
+from ..mechanics.contact import Contact, patch
+from ..mechanics.equilibrium import Equilibrium, closed_stiffness
+from ..mechanics.layer import Convolution, Modes
 from .frame import Frame, contact_area, forces, slip_event
-from .layer import Convolution, Modes
-from .left_out import ALL
-from .legs import HIGHEST, legs_of, stretched
+from .load_steps import HIGHEST, legs_of, stretched
+from .shortcuts import ALL
 
 METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # of delta_n: a layer deformed no more than that has been let go
@@ -41,7 +41,7 @@ class Checkpoint:
 def load_path(scene, method="fast", leave_out=ALL):
     """Yield the Frames of a scene in order; raises NotConverged where an increment has no equilibrium in reach.
 
-    leave_out: the rules of `left_out` that the fast method may use.
+    leave_out: the rules of `shortcuts` that the fast method may use.
     """
     checkpoint, run = Checkpoint(), Run(scene, method, leave_out)
     while not checkpoint.done:

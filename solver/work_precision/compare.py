@@ -10,11 +10,11 @@ from time import thread_time
 
 import numpy as np
 
-from .continuation.state import NotConverged
-from .left_out import ALL
-from .loadpath import load_path
-from .scene import SceneError
-from .variants import frames
+from ..continuation.state import NotConverged
+from ..run.loadpath import load_path
+from ..run.shortcuts import ALL
+from ..scene import SceneError
+from .methods import frames
 
 QUANTITIES = ("F", "L", "A")
 REFINED = (10, 5, 2, 1)  # the reference's steps in one of the scene's, where the limits allow

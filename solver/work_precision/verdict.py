@@ -2,9 +2,9 @@
 
 from dataclasses import asdict
 
-from .accuracy import LONGEST, SLIPS, SWEEPS, VISIBLE
-from .scene import LIMITS, changes
-from .workprecision import QUANTITIES, SAME_BRANCH
+from ..scene import LIMITS, changes
+from .compare import QUANTITIES, SAME_BRANCH
+from .measure import LONGEST, SLIPS, SWEEPS, VISIBLE
 
 # sweep: (what the other direction is called, whether a larger value is the cheaper one, stage of the slips it moves)
 DIRECTION = {

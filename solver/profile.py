@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .scene import LIMITS
-from .surface import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
+from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
 
 MOST_BYTES = 10_000_000
 MOST_POINTS = int(LIMITS["nodes"][1])  # kept; more than there are nodes would tell nothing

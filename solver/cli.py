@@ -1,0 +1,307 @@
+"""The command line: `python -m solver run` computes one experiment; see `--help`."""
+
+import argparse
+import os
+import sys
+from collections import deque
+from contextlib import suppress
+from dataclasses import asdict, fields, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from . import (
+    LIMITS,
+    METHODS,
+    NotConverged,
+    Scene,
+    SceneError,
+    __version__,
+    load_path,
+    scene_from_text,
+    summarize,
+)
+from .files import write_csv, write_json, write_npz
+from .presets import PresetError, preset, presets
+from .profile import ProfileError, read_profile
+from .progress import Progress
+from .run.load_steps import legs_of
+from .run.shortcuts import account
+from .scene import CHOICES, SURFACES, number_from_text
+
+# Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
+# arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
+WARM_UP = [
+    Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0),
+    Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0),
+]
+NO_FIELD = np.empty((2, 0))
+NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
+
+
+class InputError(ValueError):
+    """Bad input on the command line; the message is one line that names it and says what is allowed."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Reports an error in one line, without the usage text."""
+
+    def error(self, message):
+        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+
+
+def main(argv=None):
+    """Runs the subcommand named in `argv` and returns the exit code."""
+    try:
+        parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
+        parser.add_argument("--version", action="version", version=__version__)
+        commands = parser.add_subparsers(required=True, metavar="COMMAND")
+        for add in (add_run, add_accuracy, add_stability):
+            add(commands)
+        arguments = parser.parse_args(argv)
+        return arguments.command(arguments)
+    except (InputError, PresetError, SceneError) as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+
+
+def add_run(commands):
+    """Adds `run` to the subcommands."""
+    parser = commands.add_parser(
+        "run",
+        help="compute one experiment",
+        description="Computes one experiment along its path, approach and then shear, and prints a summary.",
+        epilog=parameter_table() + "\n\n" + preset_table(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--preset", metavar="NAME", help="start from a named experiment, listed below")
+    parser.add_argument(
+        "--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="parameters, listed below"
+    )
+    parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
+    parser.add_argument("--csv", metavar="FILE", help="write the curves, a row per increment after the approach")
+    parser.add_argument("--npz", metavar="FILE", help="write the curves and the fields of these increments")
+    parser.add_argument("--json", metavar="FILE", help="write scene, version, method and summary")
+    parser.set_defaults(command=run)
+
+
+def add_accuracy(commands):
+    """Adds `accuracy` to the subcommands."""
+    parser = commands.add_parser(
+        "accuracy",
+        help="error against run time",
+        description="Error against run time of one experiment, by every method, swept over tolerance, steps, windows.",
+        epilog=parameter_table(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="as in run")
+    parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
+    parser.add_argument("--slips", type=int, metavar="N", help="end beyond slip N in shear, default 2 (quick 1)")
+    parser.add_argument("--json", metavar="FILE", help="write every number")
+    parser.add_argument("--html", metavar="FILE", help="write the diagram as a page that opens offline")
+    parser.set_defaults(command=accuracy)
+
+
+def accuracy(arguments):
+    """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
+    from .work_precision import page, verdict  # what `run` does not need
+    from .work_precision.measure import measure
+
+    scene = scene_of(settings(arguments.set))
+    if arguments.slips is not None and arguments.slips < 1:
+        raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
+    for option in ("json", "html"):
+        check_writable(option, getattr(arguments, option))
+    try:
+        with Progress(100, unit="per cent") as progress:
+            for done, so_far in measure(scene, arguments.quick, arguments.slips):
+                progress(int(100 * done))
+                report = so_far
+    except (NotConverged, KeyboardInterrupt) as error:
+        print(str(error) or "Interrupted; run again to finish", file=sys.stderr)
+        return NOT_CONVERGED if isinstance(error, NotConverged) else INTERRUPTED
+    print(verdict.text(report))
+    try:
+        if arguments.json is not None:
+            write_json(arguments.json, {"version": __version__} | verdict.data(report))
+        if arguments.html is not None:
+            page.write_page(arguments.html, report)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    return 0
+
+
+def add_stability(commands):
+    """Adds `stability` to the subcommands."""
+    text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
+    parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
+    parser.add_argument("--quick", action="store_true", help="some 200 scenes, about a minute")
+    parser.add_argument("--json", metavar="FILE", help="write every number")
+    parser.add_argument("--html", metavar="FILE", help="write the report as a page that opens offline")
+    parser.set_defaults(command=stability)
+
+
+def stability(arguments):
+    """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
+    from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
+    from .verification.robustness import atlas
+
+    for option in ("json", "html"):
+        check_writable(option, getattr(arguments, option))
+    try:
+        with Progress(100, unit="per cent") as progress:
+            results = atlas(arguments.quick, progress=lambda part: progress(int(100 * part)))
+        report = results, closed_forms.closed_forms(), conditioning.conditioning()
+    except KeyboardInterrupt:
+        print("Interrupted; run again to finish", file=sys.stderr)
+        return INTERRUPTED
+    print(atlas_report.text(*report))
+    try:
+        if arguments.json is not None:
+            write_json(arguments.json, {"version": __version__} | atlas_report.data(*report))
+        if arguments.html is not None:
+            atlas_report.write_page(arguments.html, *report)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    return NOT_CONVERGED if atlas_report.failed(*report) else 0
+
+
+def parameter_table():
+    """Every parameter with its range, default, unit and meaning, as text."""
+    lines = ["parameters:", f"  surface     {' | '.join(SURFACES)}, default {Scene.surface}"]
+    for name in ("path", "hold"):
+        meanings = "; ".join(f"{choice}: {meaning}" for choice, meaning in CHOICES[name].items())
+        lines.append(f"  {name:<11} {' | '.join(CHOICES[name])}, default {getattr(Scene, name)}: {meanings}")
+    lines += ["  profile     a file of x, z in nm for surface=measured, over all its length or over the width given"]
+    for name, (low, high, unit, meaning) in LIMITS.items():
+        default = next(f.default for f in fields(Scene) if f.name == name)
+        span = f"{low:g} .. {high:g}" + (f" [{unit}]" if unit else "")
+        lines.append(f"  {name:<11} {span}, default {default:g}: {meaning}")
+    return "\n".join(lines)
+
+
+def preset_table():
+    """Every preset with its title, as text."""
+    lines = [f"  {name:<11} {known.title}" for name, known in presets().items()]
+    return "\n".join(["presets:", *(lines or ["  none: they come with the app"])])
+
+
+def run(arguments):
+    """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
+    named = {} if arguments.preset is None else preset(arguments.preset).differences
+    scene = scene_of({name: str(value) for name, value in named.items()} | settings(arguments.set))
+    for option in ("csv", "npz", "json"):
+        check_writable(option, getattr(arguments, option))
+    for small in WARM_UP:
+        with suppress(NotConverged):
+            deque(load_path(small, method=arguments.method), maxlen=0)
+    start = perf_counter()
+    frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
+    seconds = perf_counter() - start
+    report = {"version": __version__, "method": arguments.method, "scene": asdict(scene)}
+    left_out = account(scene, frames) if arguments.method == "fast" else {}
+    report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
+    after = [frame for frame in frames if frame.stage != "approach"]
+    for note in scene.measured.notes if scene.measured else ():
+        print(f"profile: {note}")
+    print(described(report, len(frames)))
+    try:
+        if arguments.csv is not None:
+            write_csv(arguments.csv, after)
+        if arguments.npz is not None:
+            write_npz(arguments.npz, scene, after)
+        if arguments.json is not None:
+            write_json(arguments.json, report)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    if failure is not None:
+        print(failure, file=sys.stderr)
+    return code
+
+
+def scene_of(texts):
+    """The Scene of {'name': 'text'}, where profile=FILE reads a measured surface; raises SceneError or InputError."""
+    file = texts.pop("profile", None)
+    if file is None:
+        return scene_from_text(texts)
+    width = number_from_text("width", texts["width"]) if "width" in texts else None
+    try:
+        return scene_from_text(texts, read_profile(Path(file), width))
+    except ProfileError as error:
+        raise InputError(f"profile = {file!r}: {error}") from None
+
+
+def settings(pairs):
+    """{'name': 'text'} from NAME=VALUE arguments; raises InputError."""
+    texts = {}
+    for pair in pairs:
+        name, equals, text = pair.partition("=")
+        if not equals:
+            names = ", ".join(["profile" if f.name == "measured" else f.name for f in fields(Scene)])
+            raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {names}")
+        texts[name.strip()] = text.strip()
+    return texts
+
+
+def check_writable(option, file):
+    """Raises InputError where the file of --option cannot be written; leaves what is there as it is."""
+    if file is None:
+        return
+    new = not os.path.lexists(file)
+    try:
+        with open(file, "ab"):
+            pass
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"--{option} {file!r}: {reason}; allowed: a writable file in an existing directory") from None
+    if new:
+        os.remove(file)
+
+
+def compute(scene, method, fields_too):
+    """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
+    frames = []
+    try:
+        with Progress(sum(leg.increments + 1 for leg in legs_of(scene))) as progress:
+            for frame in load_path(scene, method=method):
+                if frames and not fields_too:  # a curve needs no fields; the last ones stay, for `account`
+                    frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
+                frames.append(frame)
+                progress(len(frames))
+                if not frame.residual <= scene.tolerance:  # a contract of load_path; nan fails it too
+                    return frames, unfinished(scene, frame), NOT_CONVERGED
+    except NotConverged as error:
+        return frames, str(error), NOT_CONVERGED
+    except KeyboardInterrupt:
+        place = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
+        return frames, f"Interrupted {place}; run again to finish", INTERRUPTED
+    return frames, None, 0
+
+
+def unfinished(scene, frame):
+    """The place and a remedy for a frame above tolerance."""
+    return (
+        f"Not converged at U_x = {frame.U_x:g} nm, delta = {frame.delta:g} nm: residual {frame.residual:.2g} nm,"
+        f" tolerance = {scene.tolerance:g} nm; try a smaller du_x and du_z, or a larger tolerance"
+    )
+
+
+def described(report, increments):
+    """The summary in a few lines for people."""
+
+    def shown(name, unit=""):
+        value = report.get(name)
+        return f"{name} = " + ("none" if value is None or value != value else f"{value:.6g}{unit}")
+
+    slips = report.get("slips", 0)
+    first = "the contact sticks"
+    if report.get("U_s") is not None:
+        first = f"first at {shown('U_s', ' nm')}: {shown('F_s')}, {shown('A_s')}"
+    elif "L_min" in report:
+        first = f"pull-off at {shown('L_min')}"
+    state = "converged" if report["converged"] else "NOT converged"
+    return (
+        f"{report['method']}: {increments} increments {state}, {report.get('evaluations', 0)} evaluations,"
+        f" {report['seconds']:.3g} s\n{shown('A_0')}\n{slips} slips; {first}"
+    )

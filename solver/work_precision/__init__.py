@@ -1,0 +1,7 @@
+"""Error against run time of one experiment, by every method. Not needed to run anything.
+
+methods, fire    the methods that are compared
+compare          one run against a reference: errors, branches
+measure          the sweeps of one scene
+verdict, page    what the figures mean in a sentence, and the page with the diagrams
+"""

@@ -1,0 +1,57 @@
+"""What may import what: the core stands without reports, and nothing in the solver knows the app."""
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+import solver
+
+HERE = Path(solver.__file__).parent
+CORE = ["scene.py", "surfaces.py", "profile.py", "mechanics", "continuation", "run"]
+REPORTS = {"analysis", "verification", "work_precision"}
+NUMERICS = {"numpy", "numba", "pyfftw"}
+STANDARD = sys.stdlib_module_names
+
+
+def modules(*places):
+    paths = [HERE / place for place in places]
+    return [path for one in paths for path in ([one] if one.suffix else sorted(one.rglob("*.py")))]
+
+
+def imported(path):
+    """Dotted names of what a module imports, its own package as `solver....`; those within functions too."""
+    package = ["solver", *path.relative_to(HERE).parent.parts]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            stem = ".".join([*base, *([node.module] if node.module else [])])
+            yield from (f"{stem}.{alias.name}" for alias in node.names)
+
+
+@pytest.mark.parametrize("path", modules(*CORE), ids=lambda path: str(path.relative_to(HERE)))
+def test_the_core_needs_numerics_only_and_no_report(path):
+    for name in imported(path):
+        first, *rest = name.split(".")
+        assert first == "solver" or first in STANDARD | NUMERICS, name
+        assert first != "solver" or rest[0] not in REPORTS, name
+
+
+@pytest.mark.parametrize("path", modules("continuation"), ids=lambda path: path.name)
+def test_continuation_knows_nothing_of_contacts(path):
+    for name in imported(path):
+        assert not name.startswith("solver.") or name.startswith("solver.continuation"), name
+
+
+@pytest.mark.parametrize("path", modules("mechanics"), ids=lambda path: path.name)
+def test_mechanics_knows_nothing_of_runs(path):
+    assert not any(name.startswith("solver.run") for name in imported(path))
+
+
+@pytest.mark.parametrize("path", modules("."), ids=lambda path: str(path.relative_to(HERE)))
+def test_the_solver_does_not_know_the_app(path):
+    assert not any(name.split(".")[0] == "app" for name in imported(path))
+    assert '"app"' not in path.read_text()
