@@ -2,9 +2,9 @@
 
 import logging
 
-from app.pages import compose_all
-from app.plots import views
-from app.pool import pool
+from app.service.pool import pool
+from app.views.pages import compose_all
+from app.views.plots import views
 
 
 def on_server_loaded(server_context):

@@ -8,11 +8,11 @@ from pathlib import Path
 import panel as pn
 from bokeh.models import CustomJS
 
-from app.controls import CONTROLS, drawer, limits, values_of
-from app.pages import TITLES
-from app.plots import views
-from app.session import VISITORS, Session, visitors
-from app.worker import FREE
+from app.service.worker import FREE
+from app.session.controls import CONTROLS, drawer, limits, values_of
+from app.session.session import VISITORS, Session, visitors
+from app.views.pages import TITLES
+from app.views.plots import views
 from solver import LIMITS
 from solver.presets import presets
 from solver.scene import CHOICES
@@ -67,12 +67,12 @@ def _page(session):
     """The template with the five figures, and the player that connects them with the session's wire."""
     made = views()
     made["punch"].figure.tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
-    template = pn.Template(_file("page.html").replace("<!-- pages -->", _file("pages.html")))
+    template = pn.Template(_file("html/page.html").replace("<!-- pages -->", _file("html/pages.html")))
     roots = {name: view.figure for name, view in made.items()} | session.pages.slots
     for name, model in roots.items():  # as they are: a pane around each would cost a visitor 4 ms
         model.name = name
         pn.state.curdoc.add_root(model)
-    template.add_variable("style", _file("style.css"))
+    template.add_variable("style", _file("static/style.css"))
     template.add_variable("controls", CONTROLS)
     template.add_variable("values", values_of(session.scene))
     template.add_variable("drawer", drawer())
@@ -109,5 +109,5 @@ def _player(session, made):
             "looks": {preset.name: preset.look for preset in presets().values()},
             "controls": {control.name: list(control.positions) for control in CONTROLS},
         },
-        code="\n".join(_file(name) for name in SCRIPTS),
+        code="\n".join(_file(f"static/js/{name}") for name in SCRIPTS),
     )

@@ -13,12 +13,12 @@ from bokeh.document import Document
 from panel.io.state import set_curdoc
 
 from app import page as page_module
-from app import session as session_module
-from app import worker
-from app.controls import CONTROLS, ENTERED, NAMES, address_of, changed_scene, drawer, scene_from_address
-from app.finished import Shelf
-from app.pool import Pool
-from app.session import Session
+from app.service import worker
+from app.service.finished import Shelf
+from app.service.pool import Pool
+from app.session import session as session_module
+from app.session.controls import CONTROLS, ENTERED, NAMES, address_of, changed_scene, drawer, scene_from_address
+from app.session.session import Session
 from solver import LIMITS, Scene, advance
 from solver.presets import presets
 
@@ -60,7 +60,7 @@ class Page:
 
 
 def unpacked(chunk):
-    """(run, header, curves, fields) of a packed block with its number, as app/store.js reads it."""
+    """(run, header, curves, fields) of a packed block with its number, as app/static/js/store.js reads it."""
     run, length = struct.unpack_from("<II", chunk)
     head = json.loads(chunk[8 : 8 + length])
     n, m, c = head["frames"], head["nodes"], len(worker.CURVES)
@@ -216,7 +216,7 @@ def test_an_unusable_entry_leaves_the_run_on_screen(page):
 
 
 def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeypatch):
-    monkeypatch.setattr("app.pool.GRACE", 600.0)
+    monkeypatch.setattr("app.service.pool.GRACE", 600.0)
     monkeypatch.setattr(session_module, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
     all_at_work(pool)
     page.session.scene = Scene(E=10.0, delta_bar=1.0)

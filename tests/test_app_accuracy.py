@@ -8,9 +8,9 @@ import pytest
 from test_app import Page
 from test_app_serving import PATIENCE, finished
 
-from app import measuring
-from app.bench import Bench
-from app.cautions import cautions
+from app.service import measuring
+from app.service.bench import Bench
+from app.session.cautions import cautions
 from solver import Scene
 
 pytest_plugins = ["test_app_serving", "test_app"]  # their fixtures: server, visit; pool

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from test_app import Page, pool  # noqa: F401  a fixture
 
-from app import worker
-from app.controls import values_of
+from app.service import worker
+from app.session.controls import values_of
 from solver import Checkpoint, Scene, load_path
 from solver.analysis.energy_balance import work_of
 from solver.run.carry import carry_on

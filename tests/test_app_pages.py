@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from bokeh.document import Document
 
-from app.finished import Shelf
-from app.pages import SLOTS
-from app.session import Session
+from app.service.finished import Shelf
+from app.session.session import Session
+from app.views.pages import SLOTS
 from solver import Scene
 from solver.mechanics import cohesive_law
 
@@ -22,7 +22,7 @@ class NoPool:
         self.tasks = []
 
     def submit(self, *task, near=None, background=False):
-        from app.pool import Task
+        from app.service.pool import Task
 
         self.tasks.append(Task(task))
         return self.tasks[-1]
@@ -65,7 +65,7 @@ def test_pages_that_are_not_open_cost_no_task_and_no_word(session):
     session.wire.on_change("page", lambda attribute, old, new: said.append(new))
     order(session, "hello")
     order(session, "scene", E="80")
-    assert not said and all(task.call[0].__module__ == "app.worker" for task in session.pool.tasks)
+    assert not said and all(task.call[0].__module__ == "app.service.worker" for task in session.pool.tasks)
 
 
 def test_an_unknown_page_opens_nothing(session):

@@ -5,16 +5,16 @@ import time
 
 import pytest
 
-from app import worker
-from app.finished import Finished, Shelf
-from app.pool import Pool
+from app.service import worker
+from app.service.finished import Finished, Shelf
+from app.service.pool import Pool
 from solver import Scene
 
 PATIENCE = 60  # s; a limit against hanging, not a claim about speed
 
 
 def test_a_worker_stuck_in_an_abandoned_slice_is_replaced_when_work_waits(monkeypatch):
-    monkeypatch.setattr("app.pool.GRACE", 0.05)
+    monkeypatch.setattr("app.service.pool.GRACE", 0.05)
     workers = Pool(size=1)
     stuck = workers.submit(time.sleep, 10 * PATIENCE)
     while not stuck.running():

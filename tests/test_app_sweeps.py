@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from test_app_pages import NoPool, order
 
-from app import tasks, worker
-from app.sweep import Results, Sweep
+from app.service import tasks, worker
+from app.service.sweep import Results, Sweep
 from solver import Scene, load_path, whole_surface
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
 from solver.analysis.interior import inside, principal_difference

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from app import worker
+from app.service import worker
 from solver import Scene
 
 

@@ -14,7 +14,7 @@ from bokeh.core.serialization import Deserializer, Serializer
 from bokeh.models import HoverTool
 from bokeh.util.serialization import make_id
 
-from app.worker import FREE
+from app.service.worker import FREE
 
 hv.extension("bokeh", logo=False)
 POSITION = hv.Dimension("x", label="x on the substrate, from the middle", unit="nm")  # where a node is

@@ -7,16 +7,16 @@ import time
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 
-from app import tasks, worker
-from app.bench import Bench
-from app.cautions import cautions
-from app.controls import DEFAULT, address_of, changed_scene, increments_of, scene_from_address, values_of
-from app.finished import Finished
-from app.finished import shelf as shared_shelf
-from app.pages import Pages
-from app.pool import pool as shared_pool
-from app.run import Chains, Run
-from app.wire import Wire
+from app.service import tasks, worker
+from app.service.bench import Bench
+from app.service.finished import Finished
+from app.service.finished import shelf as shared_shelf
+from app.service.pool import pool as shared_pool
+from app.session.cautions import cautions
+from app.session.controls import DEFAULT, address_of, changed_scene, increments_of, scene_from_address, values_of
+from app.session.run import Chains, Run
+from app.session.wire import Wire
+from app.views.pages import Pages
 from solver import SceneError
 from solver.presets import presets
 from solver.run.carry import GEOMETRY

@@ -8,7 +8,7 @@ T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/del
 import holoviews as hv
 import numpy as np
 
-from app.plots import curve, dots, rendered, views
+from app.views.plots import curve, dots, rendered, views
 from solver.mechanics import cohesive_law
 
 OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")

@@ -13,8 +13,8 @@ import holoviews as hv
 import numpy as np
 from bokeh.palettes import cividis
 
-from app import tasks
-from app.plots import NODE, rendered, views
+from app.service import tasks
+from app.views.plots import NODE, rendered, views
 
 SIZE = (400, 150)  # columns, rows
 DEPTH = 1.0  # of half the width shown

@@ -7,9 +7,9 @@ kept for all visitors (sweep.py).
 import holoviews as hv
 import numpy as np
 
-from app import tasks
-from app.plots import curve, dots, rendered, views
-from app.sweep import Sweep
+from app.service import tasks
+from app.service.sweep import Sweep
+from app.views.plots import curve, dots, rendered, views
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES

@@ -12,7 +12,7 @@ from importlib import import_module
 
 from bokeh.models import Column
 
-from app.plots import views
+from app.views.plots import views
 
 log = logging.getLogger("app")
 TITLES = {
@@ -34,7 +34,7 @@ SLOTS = {
 def compose_all():
     """Compose the figures of every page once, for all visitors: done when the server starts, as it takes a while."""
     for name in SLOTS:
-        views(import_module(f"app.{name}").compose)
+        views(import_module(f"app.views.{name}").compose)
 
 
 class Pages:
@@ -50,7 +50,7 @@ class Pages:
         self.close()
         if name not in SLOTS:
             return
-        page = import_module(f"app.{name}").Page(self.session, lambda **news: self._tell(page, news))
+        page = import_module(f"app.views.{name}").Page(self.session, lambda **news: self._tell(page, news))
         self.name, self.page = name, page
         for slot, view in page.views.items():
             self.slots[f"{name}_{slot}"].children = [view.figure]

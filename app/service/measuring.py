@@ -5,7 +5,7 @@ The server imports this module for the name of `work` only: all that costs somet
 
 import time
 
-from app import worker
+from app.service import worker
 from solver import Scene, SceneError
 
 PAUSE = 0.2  # s between two messages that bring nothing but progress

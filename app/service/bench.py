@@ -5,9 +5,9 @@ import logging
 import multiprocessing
 import threading
 
-from app.controls import values_of
-from app.measuring import work
-from app.pool import bare_main
+from app.service.measuring import work
+from app.service.pool import bare_main
+from app.session.controls import values_of
 
 log = logging.getLogger("app")
 turn = threading.Lock()  # one measurement at a time: side by side they would measure each other

@@ -9,9 +9,9 @@ import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
 
-from app import tasks
-from app.plots import curve, dots, rendered, views
-from app.sweep import Sweep
+from app.service import tasks
+from app.service.sweep import Sweep
+from app.views.plots import curve, dots, rendered, views
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.presets import presets

@@ -1,0 +1,1 @@
+"""Figures: the live ones, and the pages beside the experiment."""
