@@ -49,7 +49,8 @@ def test_repeated_increments_cost_about_one_evaluation_and_say_so():
     repeated = [f for f in frames if f.repeated]
     assert len(repeated) > 280
     assert np.median([f.evaluations for f in repeated]) == 1
-    assert evaluations(frames) < 2000 < evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
+    # the count varies by some per cent with the transforms that FFTW picked
+    assert evaluations(frames) < 2500 < 10_000 < evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
 
 
 def test_a_slip_known_from_the_record_lies_a_whole_number_of_periods_on():
