@@ -9,13 +9,12 @@ import panel as pn
 from bokeh.models import CustomJS
 
 from app.service.worker import FREE
-from app.session.controls import CONTROLS, drawer, limits, values_of
+from app.session.controls import CONTROLS, drawer, meaning, values_of
 from app.session.session import VISITORS, Session, visitors
 from app.views.pages import TITLES
 from app.views.plots import views
-from solver import LIMITS
 from solver.presets import presets
-from solver.scene import CHOICES
+from solver.scene import CHOICES, LIMITS
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
@@ -76,8 +75,8 @@ def _page(session):
     template.add_variable("controls", CONTROLS)
     template.add_variable("values", values_of(session.scene))
     template.add_variable("drawer", drawer())
-    template.add_variable("meaning", _meaning)
-    template.add_variable("unit", lambda name: LIMITS[name][2] if name in LIMITS else "")
+    template.add_variable("meaning", meaning)
+    template.add_variable("unit", lambda name: LIMITS[name].unit if name in LIMITS else "")
     template.add_variable("choices", CHOICES)
     template.add_variable("presets", presets().values())
     template.add_variable("pages", TITLES.items())
@@ -86,16 +85,6 @@ def _page(session):
     template.add_variable("plain_speed", PLAIN_SPEED)
     pn.state.curdoc.js_on_event("document_ready", _player(session, made))
     return template
-
-
-def _meaning(name):
-    """What a parameter of the drawer is, with its range."""
-    if name in CHOICES:
-        if name == "surface":
-            return "undeformed profile of the surface"
-        return "; ".join(f"{choice}: {what}" for choice, what in CHOICES[name].items())
-    low, high = limits(name)
-    return f"{LIMITS[name][3]}; {low:g} to {high:g}"
 
 
 def _player(session, made):

@@ -8,7 +8,8 @@ The residual max |U + C T(u) - u| (nm) measures every method.
 
     for frame in load_path(Scene(delta_bar=0.2)): print(frame.U_x, frame.F_bar, frame.A_bar)
 
-scene, surfaces, profile, presets  what is computed: parameters with ranges, shapes, measured profiles, named scenes
+scene (schema), surfaces, profile, presets  what is computed: parameters with ranges, shapes, files, named scenes
+text            the one reader of parameters given as text
 mechanics/      the physics: NP1 law, elastic layer, contact
 continuation/   branches of equilibria, their ends, the motion between them; knows nothing of contacts
 run/            load steps, increments, frames
@@ -23,8 +24,9 @@ from .profile import ProfileError, read_profile
 from .run.carry import carry_on
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, advance, load_path, summarize, whole_surface
-from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError, scene_from_text
+from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError
 from .surfaces import Profile
+from .text import scene_from_text
 
 __version__ = "0.1.0"
 __all__ = [

@@ -5,30 +5,21 @@ import os
 import sys
 from collections import deque
 from contextlib import suppress
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
-from . import (
-    LIMITS,
-    METHODS,
-    NotConverged,
-    Scene,
-    SceneError,
-    __version__,
-    load_path,
-    scene_from_text,
-    summarize,
-)
+from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, scene_from_text, summarize
 from .files import write_csv, write_json, write_npz
 from .presets import PresetError, preset, presets
 from .profile import ProfileError, read_profile
 from .progress import Progress
 from .run.load_steps import legs_of
 from .run.shortcuts import account
-from .scene import CHOICES, SURFACES, number_from_text
+from .scene import CHOICES, PARAMETERS
+from .text import number_from_text
 
 # Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
 # arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
@@ -169,22 +160,22 @@ def stability(arguments):
 
 def parameter_table():
     """Every parameter with its range, default, unit and meaning, as text."""
-    lines = ["parameters:", f"  surface     {' | '.join(SURFACES)}, default {Scene.surface}"]
-    for name in ("path", "hold"):
-        meanings = "; ".join(f"{choice}: {meaning}" for choice, meaning in CHOICES[name].items())
-        lines.append(f"  {name:<11} {' | '.join(CHOICES[name])}, default {getattr(Scene, name)}: {meanings}")
+    lines = ["parameters:"]
+    for name, known in PARAMETERS.items():
+        if name in CHOICES:
+            span = " | ".join(known.choices)
+            meaning = f"{known.meaning}; " + "; ".join(f"{word}: {what}" for word, what in known.choices.items())
+        else:
+            span, meaning = known.span, known.meaning
+        lines.append(f"  {name:<11} {span}, default {getattr(Scene, name):{'' if name in CHOICES else 'g'}}: {meaning}")
     lines += ["  profile     a file of x, z in nm for surface=measured, over all its length or over the width given"]
-    for name, (low, high, unit, meaning) in LIMITS.items():
-        default = next(f.default for f in fields(Scene) if f.name == name)
-        span = f"{low:g} .. {high:g}" + (f" [{unit}]" if unit else "")
-        lines.append(f"  {name:<11} {span}, default {default:g}: {meaning}")
     return "\n".join(lines)
 
 
 def preset_table():
     """Every preset with its title, as text."""
     lines = [f"  {name:<11} {known.title}" for name, known in presets().items()]
-    return "\n".join(["presets:", *(lines or ["  none: they come with the app"])])
+    return "\n".join(["presets:", *lines])
 
 
 def run(arguments):
@@ -222,14 +213,17 @@ def run(arguments):
 
 def scene_of(texts):
     """The Scene of {'name': 'text'}, where profile=FILE reads a measured surface; raises SceneError or InputError."""
-    file = texts.pop("profile", None)
-    if file is None:
-        return scene_from_text(texts)
-    width = number_from_text("width", texts["width"]) if "width" in texts else None
-    try:
-        return scene_from_text(texts, read_profile(Path(file), width))
-    except ProfileError as error:
-        raise InputError(f"profile = {file!r}: {error}") from None
+    file, notes, profile = texts.pop("profile", None), [], None
+    if file is not None:
+        width = number_from_text("width", texts["width"]) if "width" in texts else None
+        try:
+            profile = read_profile(Path(file), width)
+        except ProfileError as error:
+            raise InputError(f"profile = {file!r}: {error}") from None
+    scene = scene_from_text(texts, profile, notes)
+    for note in notes:
+        print(note)
+    return scene
 
 
 def settings(pairs):
@@ -238,8 +232,7 @@ def settings(pairs):
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals:
-            names = ", ".join(["profile" if f.name == "measured" else f.name for f in fields(Scene)])
-            raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {names}")
+            raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {', '.join([*PARAMETERS, 'profile'])}")
         texts[name.strip()] = text.strip()
     return texts
 

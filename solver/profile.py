@@ -8,12 +8,14 @@ import numpy as np
 
 from .scene import LIMITS
 from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
+from .text import UNITS
 
 MOST_BYTES = 10_000_000
-MOST_POINTS = int(LIMITS["nodes"][1])  # kept; more than there are nodes would tell nothing
+MOST_POINTS = int(LIMITS["nodes"].high)  # kept; more than there are nodes would tell nothing
 LARGEST = 1e9  # nm
 JOIN = 0.05  # of the length, at each end, over which the ends are brought together
 FINER = 4  # points at equal distances for one at unequal ones
+HEADED = re.compile(r"[\[(/]\s*(nm|[µμu]m|Å)\b")  # a unit in the heading, as in x [nm], z (nm), z/nm
 SEPARATOR = re.compile(r"[,;\t]")  # or any blanks, where none of these occurs
 
 
@@ -21,10 +23,12 @@ def read_profile(source, width=None):
     """The Profile in a CSV of x, z (nm): its mean line removed, made periodic, at equal distances; raises ProfileError.
 
     source: a path (os.PathLike), or the file's content as str or bytes. Columns are separated by comma, semicolon, tab
-    or space; a heading, empty lines and what follows # are passed over. width (nm): the middle part of that width.
+    or space; empty lines and what follows # are passed over, and a heading but for its units, as in x [µm], z [nm].
+    width (nm): the middle part of that width.
     """
-    lines, x, z = _columns(_text(source))
-    notes = [f"{x.size} points; x and z are read as nm; summits of z face the substrate."]
+    lines, x, z, units = _columns(_text(source))
+    read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
+    notes = [f"{x.size} points; {read}; summits of z face the substrate."]
     if width is not None:
         lines, x, z = _middle(lines, x, z, float(width), notes)
     if x.size < FEWEST_POINTS:
@@ -68,8 +72,8 @@ def _content(path):
 
 
 def _columns(text):
-    """(line numbers, x, z), each (points,), of the lines that hold data."""
-    lines, points, heading = [], [], False
+    """(line numbers, x, z), each (points,), of the lines that hold data, x and z in nm; and their units in the file."""
+    lines, points, heading = [], [], ""
     for number, line in enumerate(text.split("\n"), start=1):
         if "\0" in line:
             raise ProfileError("a zero byte, so this is no text; save the profile as CSV", number)
@@ -78,14 +82,15 @@ def _columns(text):
             continue
         cells = [cell.strip() for cell in SEPARATOR.split(line)] if SEPARATOR.search(line) else line.split()
         if not points and not heading and not any(map(_is_number, cells)):
-            heading = True
+            heading = line
             continue
         points.append(_point(cells, number, points[-1][0] if points else -np.inf))
         lines.append(number)
     if not points:
         raise ProfileError("no points; two columns x, z in nm are needed", text.count("\n") + 1)
-    x, z = np.array(points).T
-    return np.array(lines), x, z
+    units = (2 * [unit.replace("μ", "µ") for unit in HEADED.findall(heading)] or ["nm", "nm"])[:2]
+    x, z = np.array(points).T * [[UNITS["nm"][unit]] for unit in units]
+    return np.array(lines), x, z, units
 
 
 def _is_number(cell):

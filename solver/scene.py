@@ -1,119 +1,96 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
-from dataclasses import dataclass, fields, replace
-from math import ceil, e, floor, inf, isfinite, pi, sqrt
+from dataclasses import dataclass, replace
+from math import ceil, e, floor, pi, sqrt
 
 import numpy as np
 
-from .surfaces import SURFACES, Profile, refusal, undeformed_gap
+from .schema import Choice, Range, SceneError, number, parameters, word
+from .surfaces import SURFACES, Profile, undeformed_gap
 
-# name: (lowest, highest, unit, meaning). One place for validation, `--set`, the app's labels and its error messages.
-LIMITS = {
-    "delta_bar": (-1.0, 3.0, "10 δₙ", "indentation depth δ over δ₀ = 10 δₙ"),
-    "phi_n": (1e-3, 1e3, "N/m", "normal work of separation of one spring"),
-    "phi_ratio": (0.0, 100.0, "", "tangential over normal work of separation"),
-    "E": (1e-2, 1e6, "GPa", "Young's modulus of the layer"),
-    "nu": (0.0, 0.4999, "", "Poisson's ratio of the layer"),
-    "delta_n": (1e-2, 1e2, "nm", "normal characteristic length of the interface"),
-    "delta_t": (1e-2, 1e2, "nm", "tangential characteristic length of the interface"),
-    "width": (1.0, 1e6, "nm", "width w of the periodic cell"),
-    "nodes": (4, 16384, "", "surface nodes over the width; the node spacing is the lattice period"),
-    "height": (1e-2, 1e2, "w", "height h of the layer over the width w"),
-    "radius": (0.1, 1e3, "w", "radius R of the protrusion over the width w"),
-    "amplitude": (1e-3, 1e4, "nm", "amplitude of the wave, half its height from crest to trough"),
-    "waves": (1, 2048, "", "wavelengths of the wave over the width w, a whole number"),
-    "rms_slope": (1e-5, 0.1, "", "root mean square slope of the rough profile"),
-    "hurst": (0.0, 1.0, "", "Hurst exponent H of the rough profile, its spectrum falls as q^(-1-2H)"),
-    "roll_off": (1e-4, 1.0, "w", "wavelength over w from which on, upwards, the rough spectrum is flat"),
-    "cut_off": (1e-4, 1.0, "w", "shortest wavelength of the rough profile over w"),
-    "seed": (0, 999999, "", "which of all rough profiles of that spectrum, a whole number"),
-    "window_n": (4.0, 40.0, "δₙ", "normal extent of the interaction window"),
-    "window_t": (4.0, 20.0, "δₜ", "tangential half-width of the interaction window"),
-    "du_z": (1e-3, 1.0, "δₙ", "normal increment of the approach"),
-    "du_x": (1e-3, 1.0, "δₜ", "tangential increment of the shear"),
-    "u_x_max": (0.0, 1e4, "nm", "largest tangential displacement of the top"),
-    "damping": (
-        0.05,
-        4.0,
-        "",
-        "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped",
-    ),
-    "tolerance": (1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame"),
-}
+EPSILON = 2.2e-16  # round-off of double precision
+ROUNDINGS = 2.0  # that add up in a residual, over what `Scene.attainable` estimates; measured on soft scenes
+LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
+SPACING = (0.05, 20.0)  # a/delta_t: finer lattices carry no friction, coarser ones no lattice sum
+
+LOAD_PATH, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"
+KINDS = {name: surface.meaning for name, surface in SURFACES.items()}
 PATHS = {
     "shear": "approach, then shear",
     "unload": "approach, retraction and approach again at U_x = 0",
     "loop": "approach, then shear to u_x_max, back to -u_x_max, and forth again",
 }
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
-# name: {choice: meaning}, of the parameters that are words
-CHOICES = {"surface": SURFACES, "path": PATHS, "hold": HOLDS}
-EPSILON = 2.2e-16  # round-off of double precision
-ROUNDINGS = 2.0  # that add up in a residual, over what `Scene.attainable` estimates; measured on soft scenes
-LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
-WHOLE = ("nodes", "waves", "seed")
-UNBOUNDED = ("damping",)  # may be infinite as well
-SPACING = (0.05, 20.0)  # a/delta_t: finer lattices carry no friction, coarser ones no lattice sum
-
-
-class SceneError(ValueError):
-    """A parameter out of its range; the message names it, its value, the range and the remedy."""
-
-    def __init__(self, name, value, allowed, remedy):
-        self.name = name
-        self._given = name, value, allowed, remedy
-        super().__init__(f"{name} = {value!r}: {allowed}; {remedy}")
-
-    def __reduce__(self):  # by default it would be made from its message alone, and a worker that raises it be lost
-        return SceneError, self._given
 
 
 @dataclass(frozen=True)
 class Scene:
     """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; defaults where it is silent are ours).
 
-    Raises SceneError when built with a value outside LIMITS, of the wrong type, or with an impossible combination.
+    A number is declared by its default, lowest and highest value, unit, meaning and group; a word by its default,
+    choices, meaning and group. Raises SceneError when built with a value of the wrong type or outside its range, or
+    with an impossible combination.
     """
 
-    surface: str = "circular"  # undeformed profile, one of SURFACES
-    delta_bar: float = 0.0  # indentation over delta_0 = 10 delta_n
-    phi_n: float = 2.0  # N/m
-    phi_ratio: float = 1.0  # phi_t / phi_n
-    E: float = 70.0  # GPa
-    nu: float = 0.45
-    delta_n: float = 1.0  # nm
-    delta_t: float = 1.0  # nm
-    width: float = 2500.0  # nm
-    nodes: int = 1024
-    height: float = 1.0  # h / w
-    radius: float = 2.5  # R / w
-    amplitude: float = 5.0  # nm
-    waves: int = 2
-    rms_slope: float = 0.03
-    hurst: float = 0.8
-    roll_off: float = 0.5  # in w
-    cut_off: float = 0.05  # in w
-    seed: int = 1
+    delta_bar: float = number(0.0, -1.0, 3.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOAD_PATH)
+    path: str = word("shear", PATHS, "stages of the load path", LOAD_PATH)
+    hold: str = word("delta", HOLDS, "what is held during shear", LOAD_PATH)
+    u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the top", LOAD_PATH)
+    damping: float = number(
+        1.0,
+        0.05,
+        4.0,
+        "",
+        "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped",
+        LOAD_PATH,
+        unbounded=True,
+    )
+    du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOAD_PATH)
+    du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOAD_PATH)
+    tolerance: float = number(
+        1e-8, 1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame", LOAD_PATH
+    )
+
+    surface: str = word("circular", KINDS, "undeformed profile of the surface", SURFACE)
+    radius: float = number(2.5, 0.1, 1e3, "w", "radius R of the protrusion over the width w", SURFACE)
+    amplitude: float = number(
+        5.0, 1e-3, 1e4, "nm", "amplitude of the wave, half its height from crest to trough", SURFACE
+    )
+    waves: int = number(2, 1, 2048, "", "wavelengths of the wave over the width w, a whole number", SURFACE, whole=True)
+    rms_slope: float = number(0.03, 1e-5, 0.1, "", "root mean square slope of the rough profile", SURFACE)
+    hurst: float = number(
+        0.8, 0.0, 1.0, "", "Hurst exponent H of the rough profile, its spectrum falls as q^(-1-2H)", SURFACE
+    )
+    roll_off: float = number(
+        0.5, 1e-4, 1.0, "w", "wavelength over w from which on, upwards, the rough spectrum is flat", SURFACE
+    )
+    cut_off: float = number(0.05, 1e-4, 1.0, "w", "shortest wavelength of the rough profile over w", SURFACE)
+    seed: int = number(
+        1, 0, 999999, "", "which of all rough profiles of that spectrum, a whole number", SURFACE, whole=True
+    )
     measured: Profile | None = None  # what surface 'measured' shows
-    window_n: float = 10.0  # in delta_n
-    window_t: float = 5.0  # in delta_t, half-width
-    du_z: float = 0.1  # in delta_n
-    du_x: float = 0.1  # in delta_t
-    u_x_max: float = 40.0  # nm
-    path: str = "shear"  # one of PATHS
-    hold: str = "delta"  # during shear, one of HOLDS
-    damping: float = 1.0  # of slips, in units of critical for the slowest mode
-    tolerance: float = 1e-8  # nm
+
+    phi_n: float = number(2.0, 1e-3, 1e3, "N/m", "normal work of separation of one spring", INTERFACE)
+    phi_ratio: float = number(1.0, 0.0, 100.0, "", "tangential over normal work of separation", INTERFACE)
+    delta_n: float = number(1.0, 1e-2, 1e2, "nm", "normal characteristic length of the interface", INTERFACE)
+    delta_t: float = number(1.0, 1e-2, 1e2, "nm", "tangential characteristic length of the interface", INTERFACE)
+    window_n: float = number(10.0, 4.0, 40.0, "δₙ", "normal extent of the interaction window", INTERFACE)
+    window_t: float = number(5.0, 4.0, 20.0, "δₜ", "tangential half-width of the interaction window", INTERFACE)
+
+    E: float = number(70.0, 1e-2, 1e6, "GPa", "Young's modulus of the layer", LAYER)
+    nu: float = number(0.45, 0.0, 0.4999, "", "Poisson's ratio of the layer", LAYER)
+    height: float = number(1.0, 1e-2, 1e2, "w", "height h of the layer over the width w", LAYER)
+    width: float = number(2500.0, 1.0, 1e6, "nm", "width w of the periodic cell", LAYER)
+    nodes: int = number(
+        1024, 4, 16384, "", "surface nodes over the width; the node spacing is the lattice period", LAYER, whole=True
+    )
 
     def __post_init__(self):
-        for name, choices in CHOICES.items():
-            if getattr(self, name) not in tuple(choices):
-                raise SceneError(name, getattr(self, name), f"allowed: {', '.join(choices)}", "choose one of them")
-        for name, (low, high, _, _) in LIMITS.items():
-            object.__setattr__(self, name, _number(name, getattr(self, name), low, high))
+        for name, parameter in PARAMETERS.items():
+            object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
         if not isinstance(self.measured, Profile | None):
             raise SceneError("measured", self.measured, "allowed: a Profile or None", "use solver.read_profile")
-        if refused := refusal(self):
+        if refused := SURFACES[self.surface].refused(self):
             raise SceneError(refused[0], getattr(self, refused[0]), *refused[1:])
         if self.path == "unload" and self.hold == "load":
             raise SceneError("hold", self.hold, "allowed with path 'unload': delta", "choose path 'shear' or 'loop'")
@@ -125,7 +102,7 @@ class Scene:
                 f" {self.height * self.width:.3g} nm thick would be pressed through its bottom",
                 "lower it, or enlarge height or width",
             )
-        if self.attainable > LIMITS["tolerance"][1]:
+        if self.attainable > LIMITS["tolerance"].high:
             raise SceneError(
                 "E",
                 self.E,
@@ -147,7 +124,9 @@ class Scene:
                 self.nodes,
                 f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
                 f" {SPACING[0] * self.delta_t:g} .. {SPACING[1] * self.delta_t:g} nm",
-                "change nodes, width or delta_t",
+                "give x and z of the profile in nm, or change nodes"
+                if self.surface == "measured"
+                else "change nodes, width or delta_t",
             )
         for name, steps in (("du_x", self.shear_increments), ("du_z", self.approach_increments)):
             if steps > LARGEST_RUN:
@@ -210,10 +189,6 @@ class Scene:
     def shear_increments(self):
         return floor(self.u_x_max / (self.du_x * self.delta_t) + 1e-9)
 
-    def approach_at(self, k):
-        """Indentation of approach increment k, nm; the last one is exactly `delta`."""
-        return min(self.delta, k * self.du_z * self.delta_n - self.delta_0)
-
     def shear_at(self, k):
         """U_x of shear increment k, nm."""
         return k * self.du_x * self.delta_t
@@ -233,50 +208,6 @@ class Scene:
         return replace(self, **values)
 
 
-def _number(name, value, low, high):
-    whole = name in WHOLE
-    allowed = f"allowed: {low:g} .. {high:g}" + (" or inf" if name in UNBOUNDED else "")
-    kind = "a whole number" if whole else "a number"
-    if isinstance(value, (bool, str, bytes)):
-        raise SceneError(name, value, allowed, f"give {kind} in that range")
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise SceneError(name, value, allowed, f"give {kind} in that range") from None
-    if name in UNBOUNDED and number == inf:
-        return number
-    if not isfinite(number) or not low <= number <= high or (whole and number != int(number)):
-        raise SceneError(name, value, allowed, f"give {kind} in that range")
-    return int(number) if whole else number
-
-
-def changes(scene):
-    """'name=value ...' of what differs from the default, as `--set` takes it; a measured profile as profile=FILE."""
-    own, usual = vars(scene), vars(Scene())
-    changed = {name: value for name, value in own.items() if value != usual[name]}
-    if changed.pop("measured", None):
-        changed["profile"] = "FILE"
-    return " ".join(f"{name}={value}" for name, value in changed.items())
-
-
-def scene_from_text(pairs, profile=None):
-    """A Scene from {'name': 'text'}, as the command line and the page's address give it; raises SceneError.
-
-    profile: a measured Profile; the scene then shows it, over its own length, unless `pairs` say otherwise.
-    """
-    names = [f.name for f in fields(Scene) if f.name != "measured"]
-    values = {"surface": "measured", "width": profile.length, "measured": profile} if profile else {}
-    for name, text in pairs.items():
-        if name not in names:
-            raise SceneError("name", name, f"allowed: {', '.join(names)}", "use one of these names")
-        values[name] = text if name in CHOICES else number_from_text(name, text)
-    return Scene(**values)
-
-
-def number_from_text(name, text):
-    """The number that `text` gives for parameter `name`; raises SceneError where it is none."""
-    try:
-        return float(text)
-    except ValueError:
-        low, high = LIMITS[name][:2]
-        raise SceneError(name, text, f"allowed: {low:g} .. {high:g}", "give a number in that range") from None
+PARAMETERS = parameters(Scene)  # {name: Range or Choice}
+LIMITS = {name: known for name, known in PARAMETERS.items() if isinstance(known, Range)}
+CHOICES = {name: known.choices for name, known in PARAMETERS.items() if isinstance(known, Choice)}

@@ -1,4 +1,4 @@
-"""The undeformed surface of the layer: every kind is a function from a Scene to its nodes' gap g0 (nm) at delta = 0.
+"""The undeformed surface of the layer: every kind is a Surface, whose `gap` gives the gap g0 (nm) of a Scene's nodes.
 
 Every gap is periodic over w, and at delta = 0 the surfaces just touch if nothing deforms. The lowest point of the
 continuous profile of the punch and the wave is at 0, their lowest node above it unless one stands on a crest; of the
@@ -7,6 +7,7 @@ all, and edges come in order; only of a measured profile it is where the Profile
 well, unless means over the node spacing fill the deepest valley.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -123,6 +124,17 @@ def wave(scene):
     return scene.amplitude * (1.0 + np.cos(2.0 * np.pi * k / scene.nodes))
 
 
+def _wave_refused(scene):
+    """As every `refused`: (parameter, what is allowed, remedy), or None where the surface can be built."""
+    most = scene.nodes // FEWEST_NODES
+    if scene.waves > most:
+        return "waves", f"allowed: 1 .. {most}, {FEWEST_NODES} nodes to a wavelength", "lower it, or enlarge nodes"
+    highest = STEEPEST * scene.width / (2.0 * np.pi * scene.waves)
+    if scene.amplitude > highest:
+        return "amplitude", f"allowed: up to {highest:.4g} nm, where the slope is {STEEPEST:g}", "lower it, or waves"
+    return None
+
+
 def rough(scene):
     """Self-affine: C(q) ~ q^(-1-2H) from roll-off to cut-off, flat below, none above; random phases.
 
@@ -139,6 +151,25 @@ def rough(scene):
     return np.roll(gap - gap.min(), -int(np.argmax(gap)))
 
 
+def _uniform(seed, count):
+    """The first `count` of a stream of numbers in [0, 1), from the generator's bits: the same with every NumPy."""
+    return (np.random.Philox(key=seed).random_raw(count) >> np.uint64(11)) * 2.0**-53
+
+
+def _modes(scene):
+    """Number of the cut-off's mode: the shortest wave of a rough profile fits so often into the cell."""
+    return int(1.0 / scene.cut_off + 1e-9)
+
+
+def _rough_refused(scene):
+    least = SHORTEST / scene.nodes
+    if scene.cut_off < least:
+        return "cut_off", f"allowed: {least:.4g} .. 1 w, {SHORTEST} node spacings or more", "enlarge it, or nodes"
+    if scene.cut_off > scene.roll_off:
+        return "cut_off", f"allowed: up to roll_off = {scene.roll_off:g}", "lower it, or enlarge roll_off"
+    return None
+
+
 def measured(scene):
     """The profile's summits face the substrate: highest z less z, linearly between its points.
 
@@ -153,57 +184,6 @@ def measured(scene):
     return gap - gap.min()
 
 
-SURFACES = {"circular": circular, "flat": flat, "wave": wave, "rough": rough, "measured": measured}
-
-
-def undeformed_gap(scene):
-    """g0 of every node, nm, (nodes,); a new array."""
-    return _kept(scene).copy()
-
-
-@lru_cache(maxsize=8)
-def _kept(scene):
-    return SURFACES[scene.surface](scene)
-
-
-def _uniform(seed, count):
-    """The first `count` of a stream of numbers in [0, 1), from the generator's bits: the same with every NumPy."""
-    return (np.random.Philox(key=seed).random_raw(count) >> np.uint64(11)) * 2.0**-53
-
-
-def _modes(scene):
-    """Number of the cut-off's mode: the shortest wave of a rough profile fits so often into the cell."""
-    return int(1.0 / scene.cut_off + 1e-9)
-
-
-def refusal(scene):
-    """(parameter, what is allowed, remedy) where the scene's surface cannot be built from its parameters, or None."""
-    if scene.surface == "wave":
-        return _wave_refused(scene)
-    if scene.surface == "rough":
-        return _rough_refused(scene)
-    return _measured_refused(scene) if scene.surface == "measured" else None
-
-
-def _wave_refused(scene):
-    most = scene.nodes // FEWEST_NODES
-    if scene.waves > most:
-        return "waves", f"allowed: 1 .. {most}, {FEWEST_NODES} nodes to a wavelength", "lower it, or enlarge nodes"
-    highest = STEEPEST * scene.width / (2.0 * np.pi * scene.waves)
-    if scene.amplitude > highest:
-        return "amplitude", f"allowed: up to {highest:.4g} nm, where the slope is {STEEPEST:g}", "lower it, or waves"
-    return None
-
-
-def _rough_refused(scene):
-    least = SHORTEST / scene.nodes
-    if scene.cut_off < least:
-        return "cut_off", f"allowed: {least:.4g} .. 1 w, {SHORTEST} node spacings or more", "enlarge it, or nodes"
-    if scene.cut_off > scene.roll_off:
-        return "cut_off", f"allowed: up to roll_off = {scene.roll_off:g}", "lower it, or enlarge roll_off"
-    return None
-
-
 def _measured_refused(scene):
     if scene.measured is None:
         return (
@@ -215,3 +195,36 @@ def _measured_refused(scene):
     if abs(scene.width - length) > 1e-9 * length:
         return "width", f"allowed: the profile's {length!r} nm", "set that width, or read the profile with yours"
     return None
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One kind of surface, as `surface=` names it.
+
+    gap: from a Scene to g0 of its nodes, nm, (nodes,). parameters: the fields of Scene that only this kind reads.
+    refused: from a Scene to (parameter, what is allowed, remedy) where it cannot be built, else None.
+    """
+
+    meaning: str
+    gap: Callable
+    parameters: tuple = ()
+    refused: Callable = lambda scene: None
+
+
+SURFACES = {
+    "circular": Surface("the paper's cylindrical punch", circular, ("radius",)),
+    "flat": Surface("flat on flat", flat),
+    "wave": Surface("a cosine", wave, ("amplitude", "waves"), _wave_refused),
+    "rough": Surface("self-affine", rough, ("rms_slope", "hurst", "roll_off", "cut_off", "seed"), _rough_refused),
+    "measured": Surface("a profile from a file", measured, ("measured",), _measured_refused),
+}
+
+
+def undeformed_gap(scene):
+    """g0 of every node, nm, (nodes,); a new array."""
+    return _kept(scene).copy()
+
+
+@lru_cache(maxsize=8)
+def _kept(scene):
+    return SURFACES[scene.surface].gap(scene)

@@ -17,10 +17,11 @@ from app.service import worker
 from app.service.finished import Shelf
 from app.service.pool import Pool
 from app.session import session as session_module
-from app.session.controls import CONTROLS, ENTERED, NAMES, address_of, changed_scene, drawer, scene_from_address
+from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, drawer, scene_from_address
 from app.session.session import Session
 from solver import LIMITS, Scene, advance
 from solver.presets import presets
+from solver.scene import PARAMETERS
 
 SHORT = Scene(u_x_max=6.0)
 PATIENCE = 60  # s; a limit against hanging, not a claim about speed
@@ -110,13 +111,24 @@ def test_the_default_position_of_every_slider_is_the_default_scene():
     assert scene == Scene() and not errors
 
 
-@pytest.mark.parametrize("text", ["nan", "inf", "1e9", "-7", "", "0,5", "two", None, [1]])
+@pytest.mark.parametrize("text", ["nan", "inf", "1e9", "-7", "", "2,500", "two", None, [1]])
 @pytest.mark.parametrize("name", NAMES)
 def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, text):
     scene, errors = changed_scene(SHORT, {name: text})
     assert scene == SHORT
     control = next(control for control in CONTROLS if control.name == name)
-    assert name in errors[name] and f"{control.low:g} to {control.high:g}" in errors[name]
+    assert name in errors[name] and f"{control.low:g} .. {control.high:g}" in errors[name]
+
+
+def test_entries_are_read_as_people_write_them_and_a_comma_is_said(page):
+    page.order("scene", delta_bar="−0,5", E="0.09 TPa")
+    assert page.session.scene == SHORT.changed(delta_bar=-0.5, E=90.0)
+    assert page.status()["errors"] == {} and "decimal point, -0.5" in page.status()["notes"][0]
+
+
+def test_the_address_is_read_as_an_entry_is():
+    scene, _, notes = scene_from_address({"delta_bar": [b"0,4"], "E": [b"90 GPa"]})
+    assert scene == Scene(delta_bar=0.4, E=90.0) and len(notes) == 1 and "comma" in notes[0]
 
 
 def test_each_value_of_the_address_is_judged_alone():
@@ -144,12 +156,12 @@ def test_an_unknown_preset_in_the_address_is_named_and_the_default_shown():
 @pytest.mark.parametrize(
     ("entries", "said"),
     [
-        ({"phi_n": "-1"}, "phi_n = -1 is out of range; allowed: 0.001 to 1000"),
+        ({"phi_n": "-1"}, "phi_n = -1.0: allowed: 0.001 .. 1000 N/m; give a number in that range"),
         ({"nodes": "1e6"}, "nodes"),
         ({"surface": "measured"}, "choose a file under profile"),
-        ({"surface": "bumpy"}, "surface = “bumpy”; allowed: circular"),
+        ({"surface": "bumpy"}, "surface = 'bumpy': allowed: circular"),
         ({"du_x": "0.001"}, "40102 increments"),
-        ({"tolerance": "two"}, "“two” is not a number"),
+        ({"tolerance": "two"}, "tolerance = 'two': allowed: 1e-12 .. 0.001 nm; give a number"),
     ],
 )
 def test_the_drawer_refuses_what_cannot_be_run_and_says_why(entries, said):
@@ -160,7 +172,7 @@ def test_the_drawer_refuses_what_cannot_be_run_and_says_why(entries, said):
 
 def test_the_drawer_holds_every_parameter_without_a_slider_once():
     names = [name for group in drawer().values() for name in group]
-    assert sorted([*names, *NAMES]) == sorted(ENTERED)
+    assert sorted([*names, *NAMES]) == sorted(PARAMETERS)
 
 
 def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():

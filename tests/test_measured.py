@@ -31,6 +31,23 @@ def test_columns_may_be_separated_and_headed_in_any_usual_way(separator, heading
     assert read_profile(table(X, HILLS, separator, heading)) == read_profile(table(X, HILLS))
 
 
+@pytest.mark.parametrize("heading", ["x [µm], z [nm]\n", "x/um; z/nm\n", "x (μm) z (nm)\n"])
+def test_units_of_the_heading_count_and_are_told(heading):
+    read = read_profile(table(X / 1000.0, HILLS, heading=heading))
+    assert read.length == pytest.approx(640.0) and read.z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-9)
+    assert "x is read as " in read.notes[0] and "z as nm" in read.notes[0]
+
+
+def test_one_unit_in_the_heading_is_that_of_both_columns():
+    assert read_profile(table(X / 1000.0, HILLS / 1000.0, heading="x, z (µm)\n")).length == pytest.approx(640.0)
+
+
+def test_a_file_in_micrometres_without_a_heading_is_refused_with_the_likely_reason():
+    profile = read_profile(table(X / 100.0, HILLS / 100.0))
+    with pytest.raises(SceneError, match="give x and z of the profile in nm"):
+        Scene(surface="measured", measured=profile, width=profile.length)
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_text_bytes_and_files_are_the_same_to_it(tmp_path, end):
     file = tmp_path / "p.csv"

@@ -1,13 +1,16 @@
 """Scene: what is accepted, what is refused, and that a refusal says what to do."""
 
 import pickle
+from dataclasses import fields
 from math import inf, nan
 
 import numpy as np
 import pytest
 
 from solver import LIMITS, Scene, SceneError, scene_from_text
-from solver.scene import UNBOUNDED
+from solver.run.load_steps import legs_of
+from solver.scene import PARAMETERS
+from solver.text import number_from_text
 
 # Values at a limit that need another parameter to follow, or the node spacing would leave its own range.
 COMPANIONS = {
@@ -48,7 +51,7 @@ def test_beyond_a_limit_the_message_names_parameter_value_and_range(name, side):
 @pytest.mark.parametrize("name", LIMITS)
 @pytest.mark.parametrize("value", [nan, inf, -inf, "text", "1.0", None, True, [1.0], 10**400, 1j])
 def test_what_is_not_a_finite_number_is_refused(name, value):
-    if name in UNBOUNDED and value == inf:
+    if LIMITS[name].unbounded and value == inf:
         assert Scene(**{name: value}) == scene_from_text({name: "inf"})
         return
     with pytest.raises(SceneError, match=f"^{name} = "):
@@ -82,10 +85,59 @@ def test_text_becomes_a_scene():
     assert isinstance(scene.nodes, int)
 
 
-@pytest.mark.parametrize("text", ["", "nan", "inf", "1e999", "ten", "0x10", "1,5", "1;import os"])
+@pytest.mark.parametrize(
+    "text", ["", "nan", "inf", "1e999", "ten", "0x10", "1,234", "1,5,5", "1_0", "70 kPa", "1;import os"]
+)
 def test_text_that_is_no_number_in_range_is_refused(text):
     with pytest.raises(SceneError, match=r"^E = .*0\.01 \.\. 1e\+06"):
         scene_from_text({"E": text})
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("delta_bar", "−0.5", -0.5),  # the minus sign that the app shows
+        ("delta_bar", " 4e−1 ", 0.4),
+        ("E", "70 GPa", 70.0),
+        ("E", "70\u2009GPa", 70.0),  # thin space
+        ("E", "70\u202f000 MPa", None),  # spaces within a number are not read
+        ("E", "500MPa", 0.5),
+        ("width", "2.5 µm", 2500.0),
+        ("phi_n", "50 mJ/m²", 0.05),
+        ("window_n", "12 δₙ", 12.0),
+        ("window_n", "12 nm", None),  # which depends on delta_n
+        ("damping", "∞", inf),
+        ("nodes", "1e3", 1000.0),
+        ("nodes", 512, 512.0),
+    ],
+)
+def test_numbers_are_read_as_people_write_them(name, text, value):
+    if value is None:
+        with pytest.raises(SceneError, match=f"^{name} = .*allowed: .*with its unit"):
+            number_from_text(name, text)
+    else:
+        assert number_from_text(name, text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("0,3", 0.3), ("0,125", 0.125), ("−1,5e−3", -1.5e-3), ("12,3456", 12.3456)]
+)
+def test_a_decimal_comma_is_read_and_said(text, value):
+    notes = []
+    assert number_from_text("delta_bar", text, notes) == value
+    assert len(notes) == 1 and "delta_bar" in notes[0] and "comma" in notes[0] and f"{value:g}" in notes[0]
+
+
+def test_a_comma_that_may_part_thousands_is_refused_with_both_readings():
+    with pytest.raises(SceneError, match=r"width = '2,500': 2\.500 or 2500\? allowed.*write a decimal point"):
+        number_from_text("width", "2,500")
+
+
+def test_every_parameter_says_what_it_is_where_it_is_declared():
+    """All but the profile of a measured surface, which is no number and no word."""
+    assert [f.name for f in fields(Scene) if f.name not in PARAMETERS] == ["measured"]
+    for known in PARAMETERS.values():
+        assert known.meaning and known.group
 
 
 def test_an_unknown_name_is_refused_with_the_known_ones():
@@ -110,7 +162,8 @@ def test_changed_values_are_validated_too():
 @pytest.mark.parametrize(("delta_bar", "du_z"), [(0.0, 0.1), (0.4, 0.1), (-0.15, 0.3), (-1.0, 0.1), (0.123, 0.7)])
 def test_approach_starts_ten_lengths_away_and_ends_exactly_at_its_target(delta_bar, du_z):
     scene = Scene(delta_bar=delta_bar, du_z=du_z, delta_n=2.0)
-    path = [scene.approach_at(k) for k in range(scene.approach_increments + 1)]
+    approach = legs_of(scene)[0]
+    path = [approach.at(k) for k in range(approach.increments + 1)]
     assert path[0] == -20.0
     assert path[-1] == scene.delta
     assert np.all(np.diff(path) > 0.0)

@@ -1,14 +1,15 @@
 """The parameters a visitor may change: three sliders and the drawer of all others; the reading of what was entered."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
-from solver import LIMITS, Scene, SceneError
+from solver import CHOICES, LIMITS, Scene, SceneError
 from solver.presets import presets
 from solver.run.load_steps import legs_of
-from solver.scene import CHOICES, UNBOUNDED, WHOLE
+from solver.scene import PARAMETERS
+from solver.text import number_from_text
 
 INCREMENTS, NUMBERS = 5000, 2_500_000  # of one run, and times nodes: what a browser holds and draws with ease
 MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
@@ -77,79 +78,58 @@ CONTROLS = (
     ),
 )
 NAMES = tuple(control.name for control in CONTROLS)
-ENTERED = tuple(f.name for f in fields(Scene) if f.name in LIMITS or f.name in CHOICES)  # what can be typed
-GROUPS = {
-    "Load path": ("path", "hold", "u_x_max", "damping", "du_x", "du_z", "tolerance"),
-    "Surface": (),  # those named nowhere else
-    "Interface": ("phi_n", "delta_n", "delta_t", "window_n", "window_t"),
-    "Layer": ("nu", "height", "width", "nodes"),
-}
+RANGES = (  # of the numbers, in the app
+    LIMITS
+    | {control.name: LIMITS[control.name]._replace(low=control.low, high=control.high) for control in CONTROLS}
+    | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}
+)
+STAYS = " The run on screen stays."
 
 
 def drawer():
-    """{group: names} of the parameters without a slider; those named nowhere else belong to the surface."""
-    named = {name for group in GROUPS.values() for name in group} | set(NAMES) | {"surface"}
-    return GROUPS | {"Surface": ("surface", *(name for name in ENTERED if name not in named))}
+    """{group: names} of the parameters without a slider, as they are declared in Scene."""
+    groups = {}
+    for name, known in PARAMETERS.items():
+        if name not in NAMES:
+            groups.setdefault(known.group, []).append(name)
+    return groups
 
 
-class EntryError(ValueError):
-    """A value that cannot be used; the message names parameter, value and range, `name` says where to show it."""
-
-    def __init__(self, name, message):
-        self.name = name
-        super().__init__(f"{message}. The run on screen stays.")
-
-
-def limits(name):
-    """(lowest, highest) value of parameter `name` in the app."""
-    control = next((control for control in CONTROLS if control.name == name), None)
-    if control:
-        return control.low, control.high
-    low, high = LIMITS[name][:2]
-    return low, MOST.get(name, high)
-
-
-def read(name, text):
-    """What was entered for parameter `name`, checked against its range; raises EntryError."""
+def meaning(name):
+    """What a parameter of the drawer is, with its range or its choices."""
     if name in CHOICES:
-        if text not in tuple(CHOICES[name]):
-            raise EntryError(name, f"{name} = “{str(text)[:40]}”; allowed: {', '.join(CHOICES[name])}")
-        return text
-    low, high = limits(name)
-    allowed = f"allowed: {low:g} to {high:g}" + (" or inf" if name in UNBOUNDED else "")
-    try:
-        number = float(text)
-    except (TypeError, ValueError):
-        raise EntryError(name, f"{name} = “{str(text)[:40]}” is not a number; {allowed}") from None
-    if name in UNBOUNDED and number == inf:
-        return number
-    if low <= number <= high and name in WHOLE and number != int(number):
-        raise EntryError(name, f"{name} = {number:g} is not a whole number; {allowed}")
-    if not low <= number <= high:  # false for NaN as well
-        raise EntryError(name, f"{name} = {number:g} is out of range; {allowed}")
-    return number
+        return "; ".join(f"{choice}: {what}" for choice, what in CHOICES[name].items())
+    return f"{RANGES[name].meaning}; {RANGES[name].span}"
 
 
-def changed_scene(scene, entries):
-    """`scene` with every usable value of `entries` {name: text}, and {name: message} of the others."""
+def read(name, text, notes=None):
+    """What was entered for parameter `name`, checked against its range in the app; raises SceneError."""
+    if name in CHOICES:
+        return PARAMETERS[name].checked(name, text)
+    return RANGES[name].checked(name, number_from_text(name, text, notes, RANGES[name]))
+
+
+def changed_scene(scene, entries, notes=None):
+    """`scene` with every usable value of `entries` {name: text}, and {name: message} of the others.
+
+    notes: a list that takes what is to be said of how a text was read.
+    """
     values, errors = {}, {}
-    for name in ENTERED:
+    for name in PARAMETERS:
         if name in entries:
             try:
-                values[name] = read(name, entries[name])
-            except EntryError as error:
-                errors[name] = str(error)
+                values[name] = read(name, entries[name], notes)
+            except SceneError as error:
+                errors[name] = f"{error}.{STAYS}"
     try:
         if values.get("surface") == "measured" and scene.measured is None:
-            raise EntryError("surface", "surface = “measured” needs a profile; choose a file under profile")
+            raise SceneError("surface", "measured", "it needs a profile", "choose a file under profile")
         changed = scene.changed(**values)
-        _of_a_size(changed, values)
+        _refuse_large(changed, values)
         return changed, errors
     except SceneError as error:
-        where = error.name if error.name in ENTERED else next(iter(values), NAMES[0])
-        return scene, errors | {where: f"{error}. The run on screen stays."}
-    except EntryError as error:
-        return scene, errors | {error.name: str(error)}
+        where = error.name if error.name in PARAMETERS else next(iter(values), NAMES[0])
+        return scene, errors | {where: f"{error}.{STAYS}"}
 
 
 def increments_of(scene):
@@ -157,16 +137,18 @@ def increments_of(scene):
     return sum(leg.increments + 1 for leg in legs_of(scene))
 
 
-def _of_a_size(scene, values):
-    """Raise EntryError for a run that is more than a browser should have to hold."""
+def _refuse_large(scene, values):
+    """Raise SceneError for a run that is more than a browser should have to hold."""
     increments = increments_of(scene)
     nodes = 1 if scene.surface == "flat" else scene.nodes
     if increments > INCREMENTS or increments * nodes > NUMBERS:
-        most = min(INCREMENTS, NUMBERS // nodes)
-        raise EntryError(
-            next((name for name in ("nodes", "du_x", "du_z", "u_x_max") if name in values), "u_x_max"),
-            f"The run would take {increments} increments of {nodes} nodes; allowed here: {most} increments; shorten it,"
-            " enlarge du_x or du_z, or use python -m solver run",
+        name = next((name for name in ("nodes", "du_x", "du_z", "u_x_max") if name in values), "u_x_max")
+        raise SceneError(
+            name,
+            getattr(scene, name),
+            f"the run would take {increments} increments of {nodes} nodes,"
+            f" allowed here: {min(INCREMENTS, NUMBERS // nodes)} increments",
+            "shorten it, enlarge du_x or du_z, or use python -m solver run",
         )
 
 
@@ -182,14 +164,16 @@ def scene_from_address(arguments):
         notes.append(f"preset = “{name[:40]}” is unknown; allowed: {', '.join(known)}. The default is shown.")
         name = DEFAULT
     base = known[name].scene
-    scene, errors = changed_scene(base, entries)
+    said = []
+    scene, errors = changed_scene(base, entries, said)
     if errors:
         scene, errors = base, {}
+        said.clear()
         for entry, text in entries.items():  # each is judged alone
-            scene, found = changed_scene(scene, {entry: text})
+            scene, found = changed_scene(scene, {entry: text}, said)
             errors |= found
-    notes += [
-        f"{message.removesuffix(' The run on screen stays.')} The default {shown(getattr(base, entry))} is used."
+    notes += said + [
+        f"{message.removesuffix(STAYS)} The default {shown(getattr(base, entry))} is used."
         for entry, message in errors.items()
     ]
     return scene, name, notes
@@ -202,7 +186,7 @@ def shown(value):
 
 def values_of(scene):
     """{name: value} of everything that can be entered, as JSON knows it: infinity is text."""
-    values = {name: getattr(scene, name) for name in ENTERED}
+    values = {name: getattr(scene, name) for name in PARAMETERS}
     return {name: "inf" if value == inf else value for name, value in values.items()}
 
 

@@ -102,8 +102,8 @@ class Session:
 
         after: (number of a run, frame) whose state the new run goes on from, rather than starting anew.
         """
-        scene, self.errors = changed_scene(self.scene, entries)
         self.notes = []
+        scene, self.errors = changed_scene(self.scene, entries, self.notes)
         if scene == self.scene:
             self.tell()
         else:
@@ -116,7 +116,7 @@ class Session:
         if not after or int(after[0]) not in self.chains:
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
-            self.notes = ["A run goes on with the same surface and path only: this one starts anew."]
+            self.notes += ["A run goes on with the same surface and path only: this one starts anew."]
             return None
         return int(after[0]), int(after[1])
 

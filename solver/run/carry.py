@@ -8,13 +8,12 @@ import numpy as np
 from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
-from ..scene import SceneError
+from ..scene import SURFACES, SceneError
 from .load_steps import Leg, legs_of
 from .loading import Loading
 from .loadpath import Checkpoint, owned
 
-GEOMETRY = ("surface", "nodes", "width", "radius", "amplitude", "waves", "rms_slope", "hurst", "roll_off", "cut_off",
-            "seed", "measured")  # fmt: skip
+GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
 
 
 def carry_on(checkpoint, scene, changed):

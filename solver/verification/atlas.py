@@ -41,7 +41,7 @@ BASES = ({}, {"surface": "flat"}, {"nodes": 1024}, {"delta_bar": 0.3, "nodes": 2
 PAIR_BASES = ({}, {"delta_bar": 0.5, "nodes": 97}, {"surface": "flat"})
 RANDOM = 950
 QUICK = {"single": 35, "pair": 40, "random": 25}
-COARSEST = LIMITS["tolerance"][1]
+COARSEST = LIMITS["tolerance"].high
 SEED = 20190610
 SHEAR = 40  # increments of the shear; at coarse steps some 8 lattice periods of the default
 # Parameters outside their range, or impossible together: each must be refused.

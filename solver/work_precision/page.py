@@ -100,7 +100,7 @@ def _panel(hv, report, sweep, label, error, work):
         ylim=_decades([row[1] for row in every], 4, LEGEND),
         xlabel=WORK[work],
         ylabel=label,
-        title=f"{sweep} swept [{LIMITS[sweep][2]}]: values beside the points",
+        title=f"{sweep} swept [{LIMITS[sweep].unit}]: values beside the points",
         width=550,
         height=400,
         show_grid=True,

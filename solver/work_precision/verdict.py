@@ -2,7 +2,8 @@
 
 from dataclasses import asdict
 
-from ..scene import LIMITS, changes
+from ..scene import LIMITS
+from ..text import changes
 from .compare import QUANTITIES, SAME_BRANCH
 from .measure import LONGEST, SLIPS, SWEEPS, VISIBLE
 
@@ -149,7 +150,7 @@ def text(report):
         rows = table(report, sweep)
         if len(rows) > 1:
             widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-            unit = LIMITS[sweep][2]
+            unit = LIMITS[sweep].unit
             lines += ["", f"{sweep} [{unit}]"]
             lines += [
                 "  ".join(

@@ -1,0 +1,83 @@
+"""What a parameter is: a range or choices, with unit and meaning, declared once, beside its field of Scene.
+
+Command line, address, entries and drawer of the app, and all messages read these declarations.
+"""
+
+from dataclasses import field, fields
+from math import inf, isfinite
+from typing import NamedTuple
+
+LONGEST = 60  # characters of a value that a message repeats
+
+
+class SceneError(ValueError):
+    """A parameter out of its range; the message names it, its value, the range and the remedy."""
+
+    def __init__(self, name, value, allowed, remedy):
+        self.name = name
+        self._given = name, value, allowed, remedy
+        shown = repr(value)
+        shown = shown if len(shown) <= LONGEST else f"{shown[:LONGEST]}..."
+        super().__init__(f"{name} = {shown}: {allowed}; {remedy}")
+
+    def __reduce__(self):  # by default it would be made from its message alone, and a worker that raises it be lost
+        return SceneError, self._given
+
+
+class Range(NamedTuple):
+    """A number from `low` to `high`, in `unit`; `group` is its heading among the app's parameters."""
+
+    low: float
+    high: float
+    unit: str
+    meaning: str
+    group: str
+    whole: bool = False
+    unbounded: bool = False  # infinity is allowed as well
+
+    @property
+    def span(self):
+        """The range as text, with its unit."""
+        return f"{self.low:g} .. {self.high:g}{' or inf' * self.unbounded} {self.unit}".rstrip()
+
+    def checked(self, name, value):
+        """`value` as an int or float; raises SceneError, which calls the parameter `name`."""
+        try:
+            number = float("nan" if isinstance(value, (bool, str, bytes)) else value)
+        except (TypeError, ValueError, OverflowError):
+            number = float("nan")
+        if self.unbounded and number == inf:
+            return number
+        if isfinite(number) and self.low <= number <= self.high and (not self.whole or number == int(number)):
+            return int(number) if self.whole else number
+        kind = "a whole number" if self.whole else "a number"
+        raise SceneError(name, value, f"allowed: {self.span}", f"give {kind} in that range")
+
+
+class Choice(NamedTuple):
+    """One word of `choices` {word: meaning}."""
+
+    choices: dict
+    meaning: str
+    group: str
+
+    def checked(self, name, value):
+        """`value`, if it is one of the choices; raises SceneError."""
+        if not isinstance(value, str) or value not in self.choices:
+            raise SceneError(name, value, f"allowed: {', '.join(self.choices)}", "choose one of them")
+        return value
+
+
+def number(default, *declared, **more):
+    """A dataclass field that holds a number; the arguments are those of Range."""
+    return field(default=default, metadata={"parameter": Range(*declared, **more)})
+
+
+def word(default, *declared):
+    """A dataclass field that holds one of several words; the arguments are those of Choice."""
+    return field(default=default, metadata={"parameter": Choice(*declared)})
+
+
+def parameters(cls):
+    """{name: Range or Choice} of a dataclass, in the order of its fields."""
+    return {f.name: f.metadata["parameter"] for f in fields(cls) if "parameter" in f.metadata}
