@@ -5,13 +5,13 @@ from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pytest
+from exact_interior import inside, principal_difference
 from test_app_pages import NoPool, order
 
 from app.service import tasks, worker
 from app.service.sweep import Results, Sweep
 from solver import Scene, load_path, whole_surface
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
-from solver.analysis.interior import inside, principal_difference
 from solver.analysis.raster import fringes, picture
 from solver.presets import presets
 
@@ -126,6 +126,18 @@ def test_a_click_on_the_map_of_regimes_loads_that_flat_scene(session):
     scene = session.scene
     assert (scene.surface, scene.E, scene.phi_ratio, scene.delta_bar) == ("flat", 200.0, 0.01, 0.0)
     assert session.preset == "fig4a-blue"
+
+
+def test_the_key_of_the_map_of_regimes_ends_where_its_colours_do(session):
+    """Mean friction of a soft layer over tau_max falls as the lattice gets finer."""
+    order(session, "page", page="stickslip")
+    told = []
+    for nodes in (512, 1024, 2048):
+        session.change({"nodes": str(nodes)})
+        told.append(float(json.loads(session.wire.page)["texts"]["stickslip-most"]))
+        shown = session.pages.page.views["map"].parts["map"].glyph.color_mapper
+        assert told[-1] == pytest.approx(shown.high, rel=0.05)
+    assert told[0] > told[1] > told[2]
 
 
 def test_area_laws_ask_for_the_series_on_screen_first_and_for_those_of_figure_8(session):

@@ -3,9 +3,9 @@
 import mpmath
 import numpy as np
 import pytest
+from exact_interior import inside, mean_stress, principal_difference, transfer
 
 from solver import Scene, load_path
-from solver.analysis.interior import inside, mean_stress, principal_difference, transfer
 from solver.analysis.raster import picture
 from solver.mechanics.layer import Convolution, Modes
 

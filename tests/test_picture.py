@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from exact_interior import inside, mean_stress, principal_difference
 from test_body import tractions
 
 from solver import Scene, load_path
-from solver.analysis.interior import inside, mean_stress, principal_difference
 from solver.analysis.raster import ACCURACY, QUANTITIES, fringes, mesh, picture
 
 ORIGIN = (0.0, 0.0)

@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from peeling import edges
 
 from solver import Scene, load_path
 from solver.analysis.area_laws import quadratic_law, threshold_law
@@ -83,8 +84,8 @@ def test_area_shrinks_slips_and_recovers_again_and_again(name):
 
 def peeled(scene, frames, frame):
     """(trailing, leading) edges' way inward since U_x = 0, in node spacings."""
-    start = frames[0]
-    return (frame.trailing - start.trailing) / scene.spacing, (start.leading - frame.leading) / scene.spacing
+    before, after = edges(scene, frames[0]), edges(scene, frame)
+    return (after[0, 0] - before[0, 0]) / scene.spacing, (before[-1, 1] - after[-1, 1]) / scene.spacing
 
 
 @pytest.mark.parametrize(

@@ -233,7 +233,8 @@ class Page:
             f" the interface softens (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"
             " where every slip swings back to the opposite force."
         )
-        self.tell(texts={"stickslip-said": text}, busy=self.sweep.part)
+        most = f"{self.curve[1].max():.2g}"  # of the map's colours; it depends on the node spacing
+        self.tell(texts={"stickslip-said": text, "stickslip-most": most}, busy=self.sweep.part)
 
 
 def _mean(scene, ratio):

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mechanics.layer import Convolution, Modes
+from ..run.loadpath import whole_surface
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,6 @@ def _surface(scene, here, there):
 
 def _whole(scene, frame):
     """(u, T) of every node of the cell, (2, nodes) each."""
-    layer = Convolution(Modes.of(scene).compliance, scene.nodes, scene.nodes)
-    layer.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
-    layer.apply()
-    return layer.product + np.array([[frame.U_x], [-frame.delta]]), layer.field.copy()
+    T = np.zeros((2, scene.nodes))
+    T[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
+    return whole_surface(scene, frame), T

@@ -177,11 +177,6 @@ def critical_modulus(scene):
     return 2.0 * (1.0 + scene.nu) * scene.height * scene.width * softening(scene)
 
 
-def regime(scene):
-    """'stick-slip' or 'continuous sliding' of a flat contact at delta_bar = 0."""
-    return "stick-slip" if critical_modulus(scene) > scene.E else "continuous sliding"
-
-
 def friction(scene, reference=None):
     """The exact Friction of a flat contact at delta_bar = 0 in steady sliding (Eq. 7), over `reference` GPa (else E).
 

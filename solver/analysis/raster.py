@@ -2,7 +2,7 @@
 
 A row at depth z needs the modes up to q z = 17 only. They are summed by a transform on a grid of at least four points
 to the shortest wave, and a Gaussian carries the sum to the pixels (Greengard & Lee 2004,
-doi:10.1137/S003614450343200X). `interior.inside` is the same without approximation, some hundred times slower.
+doi:10.1137/S003614450343200X). The sum itself, in the tests, takes some hundred times as long.
 """
 
 from dataclasses import dataclass

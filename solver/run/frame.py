@@ -49,13 +49,10 @@ class Frame:
     F_bar: float
     L_bar: float
     A_bar: float
-    trailing: float  # outermost contact edges on the undeformed surface, nm; nan without contact, or without edges
-    leading: float
     residual: float  # max |U + C T(u) - u|, nm
     evaluations: int  # force evaluations of this increment
     slips: tuple = ()  # SlipEvents in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
-    patches: int = 0  # separate stretches under repulsion
 
     @property
     def slip(self):
@@ -85,40 +82,16 @@ def _sums(T):
 
 
 def contact_area(scene, T, first):
-    """(A_bar, trailing, leading, patches) from the sign changes of T_z, interpolated between nodes.
-
-    A_bar: repulsive length over w, of all patches; trailing, leading: the outermost edges in nm (nan without any).
-    """
-    length, edges = _contact(scene, T, first)
-    trailing, leading = (edges[0, 0], edges[-1, 1]) if edges.size else (np.nan, np.nan)
-    return length / scene.nodes, trailing, leading, len(edges)
+    """A_bar: the length under repulsion over w, of all patches, from sign changes of T_z interpolated between nodes."""
+    return _contact(scene, T, first)[0] / scene.nodes
 
 
 def contact_edges(scene, T, first):
-    """(patches, 2) nm: the trailing and the leading edge of every patch, in order; nan in full contact.
+    """(patches, 2) nm, undeformed: the trailing and the leading edge of every patch, in order; nan in full contact.
 
     A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
     """
     return _contact(scene, T, first)[1]
-
-
-def peel_asymmetry(scene, before, after):
-    """(back - front)/(back + front), how far the trailing and the leading edges of all patches moved inward in between.
-
-    before, after: Frames. 1: all at the trailing edges, 0: symmetric; nan where nothing moved, or where patches came,
-    went, parted or met: unless each overlaps one of the other frame, modulo w.
-    """
-    then, now = (contact_edges(scene, f.T, f.first) for f in (before, after))
-    half_then, half_now = (0.5 * (edges[:, 1] - edges[:, 0]) for edges in (then, now))
-    # of every patch then to every one now, by way of the nearest ends of the cell
-    moved = now.mean(axis=1) - then.mean(axis=1)[:, None]
-    moved = (moved + 0.5 * scene.width) % scene.width - 0.5 * scene.width
-    pairs = np.abs(moved) < half_now + half_then[:, None]
-    if not ((pairs.sum(axis=0) == 1).all() and (pairs.sum(axis=1) == 1).all()):
-        return np.nan
-    # a patch whose middle moves by d and that shrinks by 2 s moves inward by d + s behind and s - d in front
-    shrunk = half_then.sum() - half_now.sum()
-    return float(moved[pairs].sum() / shrunk) if shrunk != 0.0 else np.nan
 
 
 def _contact(scene, T, first):
@@ -176,4 +149,4 @@ def _edges(T, closed, least, out):
 
 def slip_event(scene, first, load, T):
     """The SlipEvent of a branch that ended at that load (nm) with tractions T (2, m), GPa."""
-    return SlipEvent(float(load), *forces(scene, T), contact_area(scene, T, first)[0])
+    return SlipEvent(float(load), *forces(scene, T), contact_area(scene, T, first))

@@ -222,7 +222,6 @@ class Run:
         first = 0 if u.shape[1] == scene.nodes else problem.contact.first
         u.flags.writeable = T.flags.writeable = False
         F_bar, L_bar = forces(scene, T)
-        area, trailing, leading, patches = contact_area(scene, T, first)
         return Frame(
             stage=leg.stage,
             index=k,
@@ -233,10 +232,7 @@ class Run:
             T=T,
             F_bar=F_bar,
             L_bar=L_bar,
-            A_bar=area,
-            trailing=trailing,
-            leading=leading,
-            patches=patches,
+            A_bar=contact_area(scene, T, first),
             residual=done.residual,
             evaluations=evaluations,
             slips=tuple(self._event(leg, slip) for slip in done.slips),

@@ -94,7 +94,7 @@ def driven(scene, heights, leave_out=ALL):
         for load in np.linspace(state.load, upwards * height, steps + 1)[1:]:
             state = stepper.increment(state, load).state
         T = stepper.problem.traction(state.v, state.active)
-        yield forces(scene, T)[1] * scene.E, contact_area(scene, T, stepper.problem.contact.first)[0]
+        yield forces(scene, T)[1] * scene.E, contact_area(scene, T, stepper.problem.contact.first)
 
 
 def cylinder():

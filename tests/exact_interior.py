@@ -1,0 +1,76 @@
+"""Displacement and stress inside the layer as the sum over all modes, to round-off: what pictures are held against."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from solver.analysis.interior import displacement, lateral, normal, shape_of, shear, surface_modes, wavenumbers
+
+CHUNK = 512  # modes of one matrix product: some MB
+
+
+@dataclass(frozen=True)
+class Body:
+    """Displacement u (2, nz, nx) in nm, x above z, and stress (3, nz, nx) in GPa: sigma_xx, sigma_zz, sigma_xz.
+
+    At the points x (nx,) and z (nz,) in nm; plane strain, so that sigma_yy = nu (sigma_xx + sigma_zz).
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+    stress: np.ndarray
+
+
+def inside(scene, first, traction, load, x, z):
+    """Body at the points x (nx,) and z (nz,) in nm, 0 <= z <= h, to round-off: the sum over all modes.
+
+    traction (2, m), GPa, on the nodes from `first` on, none elsewhere; load (U_x, U_z) of the top, nm: a Frame's
+    (U_x, -delta). Raises ValueError where z leaves the layer.
+    """
+    x, z = np.asarray(x, float), np.asarray(z, float)
+    height = scene.height * scene.width
+    if z.size and not (z.min() >= 0.0 and z.max() <= height):
+        raise ValueError(f"z = {z.min():g} .. {z.max():g}: allowed: 0 .. {height:g} nm, the layer; leave out the rest")
+    T_q = surface_modes(scene, first, traction)
+    T_q[:, 1:] *= 2.0  # the modes of -q
+    q = wavenumbers(scene, T_q.shape[1])
+    fields = np.zeros((5, z.size, x.size))
+    for k in range(0, q.size, CHUNK):
+        part = slice(k, k + CHUNK)
+        even, odd = np.moveaxis(transfer(q[part], z, height, scene.shear_modulus, scene.nu), 1, 0)
+        # rows u_x, u_z, sigma_xx, sigma_zz, sigma_xz: `even` answers to T_x in the first and last, to T_z in the others
+        own, other = T_q[[0, 1, 1, 1, 0], None, part], T_q[[1, 0, 0, 0, 1], None, part]
+        mode = even * own + 1j * odd * other
+        turns = np.outer(np.arange(k, k + mode.shape[2]), x / scene.width % 1.0)
+        phase = np.exp(2j * np.pi * (turns % 1.0))
+        fields += mode.real @ phase.real - mode.imag @ phase.imag
+    return Body(x, z, fields[:2] + np.asarray(load, float)[:, None, None], fields[2:])
+
+
+def mean_stress(stress, nu):
+    """(sigma_xx + sigma_yy + sigma_zz)/3 = (1 + nu)(sigma_xx + sigma_zz)/3, GPa, of stress (3, ...): tension > 0."""
+    return (1.0 + nu) / 3.0 * (stress[0] + stress[1])
+
+
+def principal_difference(stress):
+    """sigma_1 - sigma_2 in the plane, GPa, of stress (3, ...): twice the largest shear, what a polariscope shows."""
+    return np.hypot(stress[1] - stress[0], 2.0 * stress[2])
+
+
+@njit
+def transfer(q, z, height, G, nu):
+    """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
+
+    Column 0, even: what u_x and sigma_xz have of T_x, the others of T_z; column 1, odd, times i: the other way round.
+    """
+    out = np.empty((5, 2, z.size, q.size))
+    for r in range(z.size):
+        for k in range(q.size):
+            shape = shape_of(q[k], z[r], height, nu)
+            out[0, 0, r, k], out[0, 1, r, k], out[1, 0, r, k], out[1, 1, r, k] = displacement(q[k], z[r], height, G, nu)
+            out[2, 0, r, k], out[2, 1, r, k] = lateral(shape)
+            out[3, 0, r, k], out[3, 1, r, k] = normal(shape)
+            out[4, 0, r, k], out[4, 1, r, k] = shear(shape)
+    return out
