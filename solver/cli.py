@@ -15,7 +15,6 @@ from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, 
 from .files import write_csv, write_json, write_npz
 from .presets import PresetError, preset, presets
 from .profile import ProfileError, read_profile
-from .progress import Progress
 from .run.load_steps import legs_of
 from .run.shortcuts import account
 from .scene import CHOICES, PARAMETERS
@@ -105,9 +104,9 @@ def accuracy(arguments):
     for option in ("json", "html"):
         check_writable(option, getattr(arguments, option))
     try:
-        with Progress(100, unit="per cent") as progress:
+        with progress(100, "%") as bar:
             for done, so_far in measure(scene, arguments.quick, arguments.slips):
-                progress(int(100 * done))
+                bar.update(int(100 * done) - bar.n)
                 report = so_far
     except (NotConverged, KeyboardInterrupt) as error:
         print(str(error) or "Interrupted; run again to finish", file=sys.stderr)
@@ -141,8 +140,8 @@ def stability(arguments):
     for option in ("json", "html"):
         check_writable(option, getattr(arguments, option))
     try:
-        with Progress(100, unit="per cent") as progress:
-            results = atlas(arguments.quick, progress=lambda part: progress(int(100 * part)))
+        with progress(100, "%") as bar:
+            results = atlas(arguments.quick, progress=lambda part: bar.update(int(100 * part) - bar.n))
         report = results, closed_forms.closed_forms(), conditioning.conditioning()
     except KeyboardInterrupt:
         print("Interrupted; run again to finish", file=sys.stderr)
@@ -256,12 +255,12 @@ def compute(scene, method, fields_too):
     """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
     frames = []
     try:
-        with Progress(sum(leg.increments + 1 for leg in legs_of(scene))) as progress:
+        with progress(sum(leg.increments + 1 for leg in legs_of(scene)), " increments") as bar:
             for frame in load_path(scene, method=method):
                 if frames and not fields_too:  # a curve needs no fields; the last ones stay, for `account`
                     frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
                 frames.append(frame)
-                progress(len(frames))
+                bar.update()
                 if not frame.residual <= scene.tolerance:  # a contract of load_path; nan fails it too
                     return frames, unfinished(scene, frame), NOT_CONVERGED
     except NotConverged as error:
@@ -270,6 +269,13 @@ def compute(scene, method, fields_too):
         place = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
         return frames, f"Interrupted {place}; run again to finish", INTERRUPTED
     return frames, None, 0
+
+
+def progress(total, unit):
+    """A bar of one line that wipes itself, on a terminal only."""
+    from tqdm import tqdm  # which a caller of functions does not need
+
+    return tqdm(total=total, unit=unit, leave=False, disable=None)
 
 
 def unfinished(scene, frame):

@@ -204,10 +204,12 @@ def test_bad_input_is_refused_in_one_line(capsys):
 
 def test_nothing_to_draw_with_is_imported_before_it_is_needed():
     code = (
-        "import sys, solver.plotpage, solver.accuracy, solver.verdict\n"
-        "print([m for m in ('holoviews', 'bokeh', 'panel') if m in sys.modules])"
+        "import sys, solver.cli\n"
+        "from solver.work_precision import measure, page, verdict\n"
+        "from solver.verification import atlas_report, robustness\n"
+        "print([m for m in ('holoviews', 'bokeh', 'pandas', 'tqdm', 'panel') if m in sys.modules])"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "[]\n"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
 @pytest.mark.browser

@@ -16,7 +16,6 @@ import pytest
 import solver.cli as cli
 from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
 from solver.continuation import gfmd
-from solver.progress import Progress
 from solver.scene import CHOICES
 
 ROOT = Path(__file__).parents[1]
@@ -316,17 +315,16 @@ def test_a_residual_above_tolerance_is_never_passed_off_as_converged(call, tmp_p
     assert strict(tmp_path / "j")["converged"] is False
 
 
-def test_progress_is_drawn_on_a_terminal_only():
+def test_progress_is_drawn_on_a_terminal_only(call, monkeypatch):
     class Terminal(io.StringIO):
         def isatty(self):
             return True
 
     for stream, drawn in ((Terminal(), True), (io.StringIO(), False)):
-        with Progress(4, stream) as progress:
-            for done in range(5):
-                progress(done)
-        assert ("of 4 increments" in stream.getvalue()) is drawn
-        assert stream.getvalue().endswith("\r\033[K" if drawn else "")
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert call("run", "--set", *SMALL)[0] == 0
+        assert (" increments" in stream.getvalue()) is drawn
+        assert not stream.getvalue().split("\r")[-1].strip()  # it is wiped
 
 
 def test_help_lists_every_parameter(call):
