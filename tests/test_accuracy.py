@@ -15,10 +15,11 @@ import solver.cli as cli
 from solver import Scene
 from solver.continuation.gfmd import Gfmd
 from solver.work_precision.compare import Run, compare, perform, ratio, reference, refined
+from solver.work_precision.judge import SHORT, judge, scene_for
 from solver.work_precision.measure import SWEEPS, measure
-from solver.work_precision.methods import SERIES, VARIANTS, frames
+from solver.work_precision.methods import SERIES, frames
 from solver.work_precision.page import write_page
-from solver.work_precision.verdict import branches, choice, data, sentence, table
+from solver.work_precision.verdict import branches, choice, data, notes, sentence, table
 
 SMALL = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.2, u_x_max=25.0)
 SETTINGS = ["nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=25"]
@@ -42,6 +43,11 @@ def finish(generator):
             next(generator)
         except StopIteration as end:
             return end.value
+
+
+def known_of(scene):
+    """The reference of a scene, with the states that its judge will ask for."""
+    return finish(reference(scene, ratio(scene_for(scene, False), refined(scene)), 4.0))
 
 
 def shear_frames(scene, series):
@@ -72,12 +78,27 @@ def test_every_method_follows_the_same_branches_at_the_same_loads():
 def test_the_reference_is_confirmed_by_gfmd():
     """By damped dynamics at nearly its tolerance: F before the first slip, to a billionth of the largest."""
     scene = SMALL.changed(u_x_max=8.0, tolerance=1e-11)
-    known = finish(reference(scene, [10]))
+    known = known_of(scene)
     run = Run("tolerance", "gfmd", 1e-11, scene)
-    point = compare(run, finish(perform(run, known, 60.0)), known)
+    point = compare(run, finish(perform(run, known, 60.0)), known, known)
     assert known.scene.tolerance == 1e-12 and ratio(scene, known.scene) == 10
     assert max(point.F, point.L, point.A) < 1e-9
     assert point.branches[0] == point.branches[1] >= 2
+
+
+def test_the_judge_of_branches_is_gfmd_alone():
+    """It locates the slips of the reference to its shortest increment, and lands where that does at half its step."""
+    scene = SMALL.changed(u_x_max=8.0)
+    judged, judgement = finish(judge(scene, known_of(scene), quick=False))
+    assert judgement.right == 2 and not (judgement.differs or judgement.changed or judgement.untold)
+    assert judgement.finer and judgement.apart < 2.0 * SHORT and judgement.error < 1e-4
+    assert judged.scene.tolerance == 1e-6 and len(judged.states) >= 4
+
+
+def test_slips_where_gfmd_changes_its_mind_are_not_counted(report):
+    changed = replace(report.judgement, finer=True, changed=(("shear", 8.5),))
+    lines = notes(replace(report, judgement=changed))
+    assert "With half its time step gfmd changes its mind after the slip at U_x = 8.5 nm: not counted." in lines
 
 
 @pytest.mark.parametrize("series", ["gfmd mass-weighted", "gfmd"])
@@ -87,18 +108,33 @@ def test_damping_above_critical_does_not_change_the_branch(series):
     assert np.abs(slow[-1].u - plain[-1].u).max() < 1e-4 and any(f.slip for f in plain)
 
 
-def test_a_wrong_branch_is_counted_and_named(report, monkeypatch):
-    """With a tenth of critical damping, inertia carries the first slip of this scene two sites instead of one."""
+@pytest.fixture(scope="module")
+def underdamped():
+    """(scene, reference, run, its Curves): a tenth of critical damping carries its first slip two sites, not one."""
 
     class Underdamped(Gfmd):
         def __init__(self, problem, damping, closed):
             super().__init__(problem, 0.1 * damping, closed)
 
-    monkeypatch.setitem(VARIANTS, "underdamped", Underdamped)
     scene = SMALL.changed(E=30.0, u_x_max=9.6, tolerance=1e-6)
-    known = finish(reference(scene, [10]))
-    run = Run("tolerance", "underdamped", 1e-6, scene)
-    point = compare(run, finish(perform(run, known, 60.0)), known)
+    known, run = known_of(scene), Run("tolerance", Underdamped, 1e-6, scene)
+    return scene, known, replace(run, series="underdamped"), finish(perform(run, known, 60.0))
+
+
+def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped):
+    scene, _, _, astray = underdamped
+    _, judgement = finish(judge(scene, astray, quick=True))
+    first = astray.shear_slips()[0]
+    assert ("shear", first) in judgement.differs and judgement.right < len(astray.slips)
+    wrong = replace(report, judgement=judgement)
+    assert f"The reference itself leaves it after the slip at U_x = {first:.5g} nm" in sentence(wrong)
+    assert any("The reference is on another branch than gfmd" in line for line in notes(wrong))
+
+
+def test_a_wrong_branch_is_counted_and_named(report, underdamped):
+    scene, known, run, curves = underdamped
+    judged, _ = finish(judge(scene, known, quick=True))
+    point = compare(run, curves, known, judged)
     first, second = [slip for slip in point.slips if slip.stage == "shear"]
     assert first.same_branch is False
     # the second slip of the others carries them one more site: to where this one has been since the first
@@ -107,7 +143,7 @@ def test_a_wrong_branch_is_counted_and_named(report, monkeypatch):
     assert point.branch_error < 1e-3 and point.worst("position") == first.position
     astray = replace(report, points=(*report.points, point))
     assert "another one by underdamped after 1 of" in branches(astray)
-    assert "underdamped" in sentence(astray) and table(astray, "tolerance")[-1][-1] == "{} of {}".format(
+    assert "underdamped" in sentence(astray) and table(astray, "tolerance").iat[-1, -1] == "{} of {}".format(
         *point.branches
     )
 
@@ -119,10 +155,10 @@ def test_a_tighter_tolerance_that_is_worse_is_named(report):
 
 
 def test_a_run_that_takes_too_long_is_stopped_and_says_so():
-    known = finish(reference(SMALL.changed(u_x_max=1.0), [10]))
+    known = known_of(SMALL.changed(u_x_max=1.0))
     run = Run("tolerance", "gfmd", 1e-8, SMALL.changed(u_x_max=1.0))
     curves = finish(perform(run, known, 0.0))
-    point = compare(run, curves, known)
+    point = compare(run, curves, known, known)
     assert curves.stopped and "stopped after 0 s at approach increment 0" in point.failure
     assert point.F is None and point.branch_error is None
 
@@ -140,13 +176,6 @@ def test_measuring_can_be_watched_and_stopped(measured):
     assert np.diff(done).min() > -1e-12  # sums of parts: round-off
     assert pickle.loads(pickle.dumps(measured[-1])) == measured[-1]
     assert len(list(islice(measure(SMALL, quick=True), 3))) == 3
-
-
-def test_a_scene_that_sticks_is_measured_without_slips():
-    scene = SMALL.changed(u_x_max=0.4, tolerance=1e-6)
-    _, report = list(measure(scene, quick=True))[-1]
-    assert not [slip for slip in report.known_slips if slip[0] == "shear"]
-    assert report.horizon == 0.4 and "gives F to" in sentence(report)
 
 
 def test_the_report_in_plain_data_has_every_number(report):
@@ -182,14 +211,16 @@ class Tags(HTMLParser):
         self.found.append((tag, dict(attributes)))
 
 
-def test_the_command_writes_a_page_and_numbers(tmp_path, capsys):
+def test_the_command_measures_a_scene_that_sticks_and_writes_a_page_and_numbers(tmp_path, capsys):
     page, numbers = tmp_path / "a.html", tmp_path / "a.json"
     files = ["--html", str(page), "--json", str(numbers)]
-    assert cli.main(["accuracy", "--quick", *files, "--set", *SETTINGS]) == 0
+    assert cli.main(["accuracy", "--quick", *files, "--set", *SETTINGS, "u_x_max=0.4", "tolerance=1e-6"]) == 0
     shown = capsys.readouterr().out
     assert "same branch" in shown and "FIRE" in shown and shown.splitlines()[-1].startswith("tolerance ")
     written = json.loads(numbers.read_text())
     assert written["scene"]["nodes"] == 64 and written["version"] and written["sentence"] in shown
+    assert written["U_x_end"] == 0.4 and "gives F to" in written["sentence"]
+    assert not [slip for slip in written["reference"]["slips"] if slip["stage"] == "shear"]
     tags = Tags(page.read_text(encoding="utf-8")).found
     assert not [attributes for _, attributes in tags if attributes.keys() & {"src", "href"}]
     assert "python -m solver accuracy --quick --set" in page.read_text(encoding="utf-8")

@@ -31,6 +31,8 @@ LIMITS = Limits()
 class Gfmd:
     """Advances States of one problem by damped motion; the contract is that of `quasistatic.QuasiStatic`."""
 
+    pace = 1.0  # of its time steps, over the usual ones
+
     def __init__(self, problem, damping, closed):
         self.problem, self.damping, self.closed = problem, damping, closed
 
@@ -74,7 +76,7 @@ class Gfmd:
         limit = problem.evaluations + LIMITS.budget
         motion = self._motion(dynamics, dynamics.start(v, active, load), target)
         while True:
-            motion.soften(self._stiffness(dynamics, v, active))
+            motion.soften(self._stiffness(dynamics, v, active), self.pace)
             motion.advance(active, LIMITS.check)
             v = dynamics.unknowns(motion.y, target)
             residual = problem.residual(v, active, target, r)

@@ -117,7 +117,8 @@ class ExplicitMotion(Motion):
     def _of_stiffness(self, power, pace):
         k = self.dynamics.stiffness
         largest = float((np.maximum(k[0], k[1]) + np.abs(k[2])).max())
-        return self._newmark(LIMITS.explicit * 2.0 / sqrt(largest + 2.0**power * LIMITS.safe), np.ones_like)
+        step = pace * LIMITS.explicit * 2.0 / sqrt(largest + 2.0**power * LIMITS.safe)
+        return self._newmark(step, np.ones_like)
 
 
 class Creep(Motion):

@@ -3,16 +3,10 @@
 from dataclasses import asdict
 from html import escape
 
+from .. import html_page
 from .robustness import BAD, GOOD, by_region, counts
 
 COLOURS = ("#0072B2", "#BBBBBB", "#E69F00", *["#D55E00"] * len(BAD))  # Okabe & Ito; what must not be is red
-CSS = """
-body { font: 15px/1.45 system-ui, sans-serif; color: #222; background: #fff; max-width: 1120px; margin: 24px auto }
-h1 { font-size: 21px } h2 { font-size: 16px; margin: 22px 0 2px }
-code { background: #f2f2f2; padding: 2px 5px }
-td, th { padding: 2px 12px 2px 0; text-align: right; vertical-align: top }
-td:first-child, th:first-child, td.text { text-align: left }
-"""
 
 
 def failed(results, forms, limits):
@@ -43,35 +37,51 @@ def share(results):
 
 
 def tables(results, forms, limits):
-    """[(title, header, rows of text)] of the whole report."""
+    """[(title, DataFrame of text)] of the whole report."""
+    from pandas import DataFrame  # takes longer to import than the solver
+
+    def frame(header, rows):
+        return DataFrame(rows, columns=header)
+
     unfinished = [r for r in results if r["verdict"] not in ("converged", "refused")]
+    command = "python -m solver run"
     return [
         (
             f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones",
-            ("probed", *GOOD, *BAD),
-            [("all", *map(str, counts(results).values()))]
-            + [(name, *map(str, found.values())) for name, found in by_region(results)],
+            frame(
+                ("probed", *GOOD, *BAD),
+                [("all", *counts(results).values())]
+                + [(name, *found.values()) for name, found in by_region(results)],
+            ),
         ),
         (
             "Closed forms",
-            ("form", "error", "allowed", "held", "reason for what is allowed", "source"),
-            [(f.name, f"{f.error:.1e}", f"{f.tolerance:.0e}", "yes" if f.held else "NO", f.reason, f.source)
-             for f in forms],
+            frame(
+                ("form", "error", "allowed", "held", "reason for what is allowed", "source"),
+                [(f.name, f"{f.error:.1e}", f"{f.tolerance:.0e}", "yes" if f.held else "NO", f.reason, f.source)
+                 for f in forms],
+            ),
         ),
         (
             "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)",
-            ("where", "attained", "as printed", "remedy"),
-            [(c.name, f"{c.attained:.1e}", _number(c.textbook), c.remedy) for c in limits],
+            frame(
+                ("where", "attained", "as printed", "remedy"),
+                [(c.name, f"{c.attained:.1e}", _number(c.textbook), c.remedy) for c in limits],
+            ),
         ),
         (
             "Scenes that gave up, or worse",
-            ("verdict", "python -m solver run", "reason"),
-            [(r["verdict"], r["set"], r["reason"]) for r in unfinished] or [("none", "", "")],
+            frame(
+                ("verdict", command, "reason"),
+                [(r["verdict"], r["set"], r["reason"]) for r in unfinished] or [("none", "", "")],
+            ),
         ),
         (
             "Scenes within every range, refused for their combination",
-            ("verdict", "python -m solver run", "reason"),
-            [("refused", r["set"], r["reason"]) for r in results if r["verdict"] == "refused" != r["kind"]],
+            frame(
+                ("verdict", command, "reason"),
+                [("refused", r["set"], r["reason"]) for r in results if r["verdict"] == "refused" != r["kind"]],
+            ),
         ),
     ]  # fmt: skip
 
@@ -82,41 +92,21 @@ def _number(value):
 
 def text(results, forms, limits):
     """The tables for a terminal."""
-    lines = []
-    for title, header, rows in tables(results, forms, limits):
-        widths = [max(len(row[k]) for row in (header, *rows)) for k in range(len(header))]
-        lines += [title, *("  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)).rstrip()
-                           for r in (header, *rows)), ""]  # fmt: skip
-    return "\n".join(lines)
+    shown = tables(results, forms, limits)
+    return "\n".join(f"{title}\n{frame.to_string(index=False, justify='left')}\n" for title, frame in shown)
 
 
 def write_page(file, results, forms, limits):
     """Write the tables and two diagrams as one HTML file; raises OSError."""
-    from bokeh.embed import file_html
-    from bokeh.layouts import column
-    from bokeh.models import Div
-    from bokeh.resources import INLINE
-
     note = (
         "Every scene is an approach and a short shear. A sample of its frames is judged by sums written out spring by"
-        " spring and mode by mode in long double, which share no code with the solver."
+        " spring and mode by mode in long double, which share no code with the solver, and by the dense spectrum of the"
+        " motion."
     )
-    parts = [Div(text=f"<style>{CSS}</style><h1>Stability on stiff and extreme scenes</h1><p>{note}</p>", width=1100)]
-    parts += [_bars(results), _residuals(results)]
-    parts += [Div(text=_table(*table), width=1100) for table in tables(results, forms, limits)]
-    with open(file, "w", encoding="utf-8") as out:
-        out.write(file_html(column(*parts), INLINE, "Stability of the contact solver"))
-
-
-def _table(title, header, rows):
-    head = "".join(f"<th>{escape(name)}</th>" for name in header)
-    body = "".join("<tr>" + "".join(_cell(cell) for cell in row) + "</tr>" for row in rows)
-    return f"<h2>{escape(title)}</h2><table><tr>{head}</tr>{body}</table>"
-
-
-def _cell(cell):
-    shown = f"<code>{escape(cell)}</code>" if cell.startswith("--set") else escape(cell)
-    return f'<td class="text">{shown}</td>' if len(cell) > 12 else f"<td>{shown}</td>"
+    parts = [f"<h1>Stability on stiff and extreme scenes</h1><p>{note}</p>", _bars(results), _residuals(results)]
+    for title, frame in tables(results, forms, limits):
+        parts.append(f"<h2>{escape(title)}</h2>{html_page.table(frame, 'words' if len(frame.columns) < 5 else None)}")
+    html_page.write_page(file, "Stability of the contact solver", *parts)
 
 
 def _bars(results):

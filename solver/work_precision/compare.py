@@ -1,7 +1,8 @@
-"""Work against precision of one run: what it costs, and how far it is from a reference at the same displacements.
+"""Work against precision of one run: what it costs, how far it is from a reference, and whether its branches are right.
 
-The reference is `fast` at the smallest tolerance and a tenth of the step, without moving known states on. Its
-increments contain those of every run compared with it, so that nothing is interpolated.
+Errors on a branch are measured against `fast` at the smallest tolerance and a tenth of the step, without moving known
+states on. Its increments contain those of every run compared with it, so that nothing is interpolated. Branches are
+judged by `judge`, the paper's GFMD alone; so is the reference.
 """
 
 from dataclasses import dataclass, field
@@ -43,7 +44,7 @@ class Curves:
     scene: object
     rows: list = field(default_factory=list)  # [F_bar, L_bar, A_bar], row k at U_x = scene.shear_at(k)
     slips: list = field(default_factory=list)  # [(stage, SlipEvent)]
-    states: dict = field(default_factory=dict)  # shear increment: (first node, u)
+    states: dict = field(default_factory=dict)  # `place` in shear: (first node, u)
     seconds: float = 0.0
     evaluations: int = 0
     failure: str | None = None
@@ -56,7 +57,7 @@ class Curves:
         if frame.stage == "shear":
             self.rows.append((frame.F_bar, frame.L_bar, frame.A_bar))
             if keep:
-                self.states[frame.index] = (frame.first, frame.u)
+                self.states[place(frame)] = (frame.first, frame.u)
 
     def shear_slips(self):
         """Loads (nm) of the slips in shear, in order."""
@@ -131,42 +132,42 @@ def ratio(coarse, fine):
     return round(steps) if steps > 0.5 and abs(steps - round(steps)) < ON_GRID else None
 
 
-def after(load, step):
-    """The increment right after a slip at that load (nm): one farther than the first beyond it, in steps in nm.
+def place(frame):
+    """U_x (nm) by which states of different runs are matched, without the round-off of increments."""
+    return round(frame.U_x, 9)
 
-    One farther, because near the end of a branch a loose tolerance may delay a slip into the next increment.
+
+def reference(scene, every, reach):
+    """Generator of progress (0..1); returns Curves with the states to compare.
+
+    These are kept in every `every`-th increment at U_x = 0 and up to `reach` nm beyond each slip.
     """
-    return floor(load / step + ON_GRID) + 2
-
-
-def reference(scene, ratios):
-    """Generator of progress (0..1); returns Curves with the states after each slip for runs of those step ratios."""
     for tolerance in TIGHTEST:
         try:
             curves = Curves(refined(scene).changed(tolerance=tolerance))
-            yield from _reference(curves, sorted(set(ratios)))
+            yield from _reference(curves, every, reach)
             return curves
         except (NotConverged, SceneError) as failure:
             last = failure
     raise last
 
 
-def _reference(curves, ratios):
-    scene = curves.scene
-    step, total = scene.du_x * scene.delta_t, scene.approach_increments + scene.shear_increments + 2
-    wanted, start = {0}, thread_time()
-    lengths = [(n, step * n) for n in ratios]
+def _reference(curves, every, reach):
+    scene, start = curves.scene, thread_time()
+    total, last = scene.approach_increments + scene.shear_increments + 2, 0.0
     for done, frame in enumerate(load_path(scene, leave_out=ALL - {"translation"})):
-        if frame.stage == "shear":
-            for event in frame.slips:
-                wanted |= {n * (after(event.load, length) - back) for n, length in lengths for back in (0, 1)}
-        curves.take(frame, frame.stage == "shear" and frame.index in wanted)
+        last = max([last, *(event.load for event in frame.slips)]) if frame.stage == "shear" else 0.0
+        near = frame.stage == "shear" and frame.U_x <= last + reach
+        curves.take(frame, near and frame.index % every == 0)
         yield done / total
     curves.seconds = thread_time() - start
 
 
 def perform(run, known, longest):
-    """Generator of progress (0..1); returns the Curves of a run, stopped after `longest` s, for `compare`."""
+    """Generator of progress (0..1); returns the Curves of a run, stopped after `longest` s, for `compare`.
+
+    known: the Curves whose states it is going to be compared with.
+    """
     best = None
     for repeat in range(run.repeats):
         curves = yield from _performed(run, known, longest, repeat)
@@ -179,7 +180,6 @@ def perform(run, known, longest):
 
 def _performed(run, known, longest, repeat):
     scene, curves = run.scene, Curves(run.scene)
-    steps = ratio(scene, known.scene)
     total = (scene.approach_increments + scene.shear_increments + 2) * run.repeats
     path, done = frames(scene, run.series), repeat * (total // run.repeats)
     try:
@@ -189,11 +189,11 @@ def _performed(run, known, longest, repeat):
             curves.seconds += thread_time() - start
             if frame is None:
                 break
-            curves.take(frame, frame.stage == "shear" and frame.index * steps in known.states)
+            curves.take(frame, frame.stage == "shear" and place(frame) in known.states)
             if curves.seconds > longest:
-                place = f"{frame.stage} increment {frame.index}"
+                where = f"{frame.stage} increment {frame.index}"
                 curves.stopped = True
-                curves.failure = f"stopped after {longest:g} s at {place}; use a larger tolerance or step"
+                curves.failure = f"stopped after {longest:g} s at {where}; use a larger tolerance or step"
                 break
             done += 1
             yield done / total
@@ -202,26 +202,25 @@ def _performed(run, known, longest, repeat):
     return curves
 
 
-def compare(run, curves, known):
-    """The Point of a run with these Curves against the reference `known`."""
-    steps = ratio(run.scene, known.scene)
+def compare(run, curves, known, judged):
+    """The Point of a run with these Curves; its errors against the Curves `known`, its branches against `judged`."""
     return Point(
         run.sweep,
         run.series,
         run.value,
         curves.seconds,
         curves.evaluations,
-        *_on_branch(curves, known, steps),
-        tuple(_slip_errors(curves, known, steps)),
+        *on_branch(curves, known),
+        tuple(slip_errors(curves, known, judged)),
         max(0, len(curves.shear_slips()) - len(known.shear_slips())),
         curves.failure,
     )
 
 
-def _on_branch(curves, known, steps):
+def on_branch(curves, known):
     """Errors of F, L, A before the first slip of either, over the reference's largest value."""
     end = min([*known.shear_slips()[:1], *curves.shear_slips()[:1], np.inf])
-    rows = len(curves.rows)
+    rows, steps = len(curves.rows), ratio(curves.scene, known.scene)
     step = curves.scene.du_x * curves.scene.delta_t
     if isfinite(end):
         rows = min(rows, floor(end / step + ON_GRID) + 1)
@@ -234,35 +233,41 @@ def _on_branch(curves, known, steps):
     return [float(error) for error in errors / scale]
 
 
-def _slip_errors(curves, known, steps):
+def slip_errors(curves, known, judged):
     """A SlipError for every slip of the reference."""
     largest = max((abs(row[0]) for row in known.rows), default=0.0) or 1.0
-    for k, (stage, event) in enumerate(known.slips):
+    for (stage, event), end in zip(known.slips, ends(known), strict=True):
         own = [other for where, other in curves.slips if where == stage]
         nearest = min(own, key=lambda other: abs(other.load - event.load), default=None)
-        following = known.slips[k + 1] if k + 1 < len(known.slips) else None
         yield SlipError(
             stage,
             event.load,
             nearest and abs(nearest.load - event.load),
             nearest and abs(nearest.F_bar - event.F_bar) / largest,
-            _same_branch(curves, known, steps, stage, event, following),
+            same_branch(curves, judged, stage, event.load, end),
         )
 
 
-def _same_branch(curves, known, steps, stage, event, following):
-    """Whether run and reference are in one state right after a slip, before the following (stage, event) or None."""
-    step = curves.scene.du_x * curves.scene.delta_t
-    end = following[1].load if following and following[0] == stage else np.inf
+def ends(known):
+    """For every slip of the reference the load, nm, of the next one in its stage; inf: there is none."""
+    following = zip(known.slips, [*known.slips[1:], (None, None)], strict=False)
+    return [event.load if stage == own else np.inf for (own, _), (stage, event) in following]
+
+
+def same_branch(curves, judged, stage, load, end):
+    """Whether both are in one state right after a slip of the reference, before `end`; None: not to be told.
+
+    An increment farther than the first beyond the slip, for near the end of a branch a loose tolerance may delay it.
+    """
+    both = sorted(curves.states.keys() & judged.states.keys())
     if stage == "approach":  # told at U_x = 0, after the last slip of the approach
-        candidates = [0] if not isfinite(end) else []
+        both = both[:1] if end == np.inf else []
     else:
-        candidates = [k for k in (after(event.load, step), after(event.load, step) - 1) if k * step < end]
-    for k in candidates:
-        if k in curves.states and k * steps in known.states:
-            unit = min(curves.scene.delta_n, curves.scene.delta_t)
-            return _distance(curves.states[k], known.states[k * steps]) < SAME_BRANCH * unit
-    return None
+        step = curves.scene.du_x * curves.scene.delta_t
+        both = [at for at in both if load < at < end]
+        both = [at for at in both if load + step < at][:1] or both[-1:]
+    unit = min(curves.scene.delta_n, curves.scene.delta_t)
+    return _distance(curves.states[both[0]], judged.states[both[0]]) < SAME_BRANCH * unit if both else None
 
 
 def _distance(one, other):

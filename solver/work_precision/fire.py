@@ -44,8 +44,8 @@ class MassWeighted(Gfmd):
 class _Weighted(Motion):
     """The motion with mass K; `soften` takes the spectral radius of dr/du."""
 
-    def soften(self, stiffness):
-        step = SAFETY * 2.0 / np.sqrt(stiffness)
+    def soften(self, stiffness, pace=1.0):
+        step = pace * SAFETY * 2.0 / np.sqrt(stiffness)
         if self._power is not None:
             self.change *= step / self.step
         whole, k, c = 1.0 + step, self.dynamics.stiffness, self.dynamics.compliance
@@ -75,8 +75,8 @@ class _Engine(Motion):
         if dynamics.even:
             self._weight[-1] = 1.0
 
-    def soften(self, stiffness):
-        limit = SAFETY * 2.0 / np.sqrt(stiffness)
+    def soften(self, stiffness, pace=1.0):
+        limit = pace * SAFETY * 2.0 / np.sqrt(stiffness)
         if self._engine is None:
             self._engine = np.array([START * limit, limit, ALPHA, 0.0])
         self._engine[1] = limit

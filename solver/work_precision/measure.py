@@ -10,6 +10,7 @@ from math import ceil
 from ..run.loadpath import load_path
 from ..scene import Scene, SceneError
 from .compare import Point, Run, compare, perform, ratio, reference, refined
+from .judge import Judgement, judge, scene_for
 from .methods import SERIES
 
 VISIBLE = 1e-4  # of the largest value: what no plot shows, and no experiment on adhesion resolves
@@ -30,11 +31,13 @@ FEWER = {
 }
 QUICK = {"gfmd": (1e-4,), "gfmd mass-weighted": (1e-4, 1e-6), "FIRE": (1e-4, 1e-6)}  # tolerances; other sweeps: fast
 WHOLE_WINDOW = {"window_n": 30.0, "window_t": 10.0}  # for the references of these sweeps: e^-30 is nothing cut off
+REACH = 4.0  # of the longest increments beyond a slip, up to where states are compared
 LONGEST = {False: 20.0, True: 4.0}  # s for one run; quick or not
 SLIPS = {False: 2, True: 1}
 REPEATS = {False: 3, True: 2}  # of a run of fast, which is short: the least time counts
 COST = {"fast": 1.0, "gfmd": 25.0, "gfmd mass-weighted": 6.0, "FIRE": 6.0}  # of a run in the progress shown
 REFERENCE = 3.0  # the same for a reference
+JUDGE = {False: 75.0, True: 20.0}  # and for the judge of branches
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ class Report:
     steps: tuple  # (du_x, du_z) of the reference
     seconds: float  # of the reference
     known_slips: tuple
+    judgement: Judgement  # of the reference, by GFMD
     points: tuple = ()
 
     def of(self, sweep, series=None):
@@ -63,24 +67,26 @@ def measure(scene, quick=False, slips=None):
     """
     yield 0.0, None
     slips = slips or SLIPS[quick]
-    short = shortened(scene.changed(path="shear", hold="delta", damping=1.0), slips)  # what every method knows
+    short = shortened(scene.changed(path="shear", hold="delta"), slips)  # what every method knows
     runs = plan(short, quick)
     weights = [COST[run.series] for run in runs]
-    total, done = sum(weights) + REFERENCE * (1 + len(WHOLE_WINDOW)), 0.0
-    known, ratios = {}, [ratio(run.scene, refined(short)) for run in runs]
+    total, done, known = sum(weights) + REFERENCE * (1 + len(WHOLE_WINDOW)) + JUDGE[quick], 0.0, {}
+    every, reach = ratio(scene_for(short, quick), refined(short)), REACH * _coarsest(short)
     for sweep in (None, *WHOLE_WINDOW):
         exact = short.changed(**{sweep: WHOLE_WINDOW[sweep]}) if sweep else short
-        known[sweep] = yield from _through(reference(exact, ratios), done / total, REFERENCE / total, None)
+        known[sweep] = yield from _through(reference(exact, every, reach), done / total, REFERENCE / total, None)
         done += REFERENCE
-    report = _report(scene, quick, slips, short, known[None])
+    judged, judgement = yield from _through(judge(short, known[None], quick), done / total, JUDGE[quick] / total, None)
+    done += JUDGE[quick]
+    report = _report(scene, quick, slips, short, known[None], judgement)
     finished = {}  # (series, scene): Curves; the scene's own values belong to every sweep
     for run, weight in zip(runs, weights, strict=True):
         against, key = known.get(run.sweep, known[None]), (run.series, run.scene)
         if key not in finished and not _too_long(run, runs, finished):
-            work = perform(run, against, LONGEST[quick])
+            work = perform(run, judged, LONGEST[quick])
             finished[key] = yield from _through(work, done / total, weight / total, report)
         done += weight
-        point = compare(run, finished[key], against) if key in finished else _left_out(run)
+        point = compare(run, finished[key], against, judged) if key in finished else _left_out(run)
         report = replace(report, points=(*report.points, point))
         yield done / total, report
 
@@ -104,23 +110,27 @@ def _through(work, start, part, report):
         return end.value
 
 
-def _report(scene, quick, slips, short, known):
+def _report(scene, quick, slips, short, known, judgement):
     fine = known.scene
     events = tuple((stage, event.load, event.F_bar) for stage, event in known.slips)
     steps = (fine.du_x, fine.du_z)
-    return Report(scene, quick, short.u_x_max, slips, fine.tolerance, steps, known.seconds, events)
+    return Report(scene, quick, short.u_x_max, slips, fine.tolerance, steps, known.seconds, events, judgement)
 
 
 def shortened(scene, slips):
     """The scene up to just beyond its first slips, on the grid of the coarsest increment."""
-    seen, end = 0, scene.u_x_max
-    coarsest = max(_values(scene, "du_x", SWEEPS["du_x"])) * scene.delta_t
+    seen, end, coarsest = 0, scene.u_x_max, _coarsest(scene)
     for frame in load_path(scene):
         seen += len(frame.slips) if frame.stage == "shear" else 0
         if seen >= slips:
             end = min(end, (ceil(frame.U_x / coarsest - 1e-9) + 1) * coarsest)
             break
     return scene.changed(u_x_max=end)
+
+
+def _coarsest(scene):
+    """The longest increment of shear tried, nm."""
+    return max(_values(scene, "du_x", SWEEPS["du_x"])) * scene.delta_t
 
 
 def _values(scene, sweep, values):

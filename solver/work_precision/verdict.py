@@ -5,6 +5,7 @@ from dataclasses import asdict
 from ..scene import LIMITS
 from ..text import changes
 from .compare import QUANTITIES, SAME_BRANCH
+from .judge import SHORT
 from .measure import LONGEST, SLIPS, SWEEPS, VISIBLE
 
 # sweep: (what the other direction is called, whether a larger value is the cheaper one, stage of the slips it moves)
@@ -15,7 +16,7 @@ DIRECTION = {
     "window_n": ("wider", False, "shear"),
     "window_t": ("wider", False, "shear"),
 }
-HEAD = ("value", "seconds", "evaluations", "F", "L", "A", "slip, nm", "F_s", "same branch")
+HEAD = ("series", "value", "seconds", "evaluations", "F", "L", "A", "slip, nm", "F_s", "same branch")
 
 
 def sentence(report):
@@ -34,7 +35,7 @@ def choice(report, sweep):
     if cheap is None:
         best = min(points, key=lambda p: p.branch_error)
         return (
-            f"No {sweep} tried brings F, L and A to {VISIBLE:g} on the reference's branches;"
+            f"No {sweep} tried brings F, L and A to {VISIBLE:g} on the right branches;"
             f" the best, {best.value:g}, leaves {best.branch_error:.0e}."
         )
     slip = cheap.worst("position", DIRECTION[sweep][2])
@@ -50,7 +51,7 @@ def choice(report, sweep):
 
 
 def chosen(points):
-    """The first Point with errors below VISIBLE, every branch that of the reference; None if there is none."""
+    """The first Point with errors below VISIBLE, every branch the right one; None if there is none."""
     return next((p for p in points if p.branch_error <= VISIBLE and p.branches[0] == p.branches[1]), None)
 
 
@@ -78,8 +79,38 @@ def branches(report):
         own, slips = _counted([p for p in report.points if p.series == series])
         if own < slips:
             wrong.append(f"{series} after {slips - own} of {slips}")
-    counted = f"The reference's branch was reached after {right} of {told} slips of all runs"
-    return f"{counted}." if not wrong else f"{counted}; another one by {', '.join(wrong)} (see the tables)."
+    counted = f"The branch of the paper's GFMD was reached after {right} of {told} slips of all runs"
+    counted += f"; another one by {', '.join(wrong)} (see the tables)." if wrong else "."
+    astray = _places(report.judgement.differs)
+    return counted + (
+        f" The reference itself leaves it{astray}: errors of what follows mean nothing." if astray else ""
+    )
+
+
+def judged(report):
+    """By what branches are judged, and where that is in doubt; lines of text."""
+    j, known = report.judgement, report.known_slips
+    near = [f"F, L, A before the first slip to {j.error:.0e}"] if j.error is not None else []
+    near += [f"slips in shear to {j.apart:.0e} nm"] if j.apart is not None else []
+    lines = [
+        f"Branches are judged by gfmd, from rest to rest at tolerance {j.tolerance:g} nm, increments halved to"
+        f" {SHORT:g} nm where the surface slips, {j.seconds:.2g} s. The reference follows it through {j.right} of"
+        f" {len(known)} slips" + (f"; both agree on {' and '.join(near)}." if near else ".")
+    ]
+    if j.differs:
+        lines.append(f"The reference is on another branch than gfmd{_places(j.differs)}.")
+    if j.finer:
+        found = f"changes its mind{_places(j.changed)}: not counted" if j.changed else "lands in the same states"
+        lines.append(f"With half its time step gfmd {found}.")
+    if j.untold:
+        lines.append(f"Not judged{_places(j.untold)}: {j.failure or 'the next slip follows too soon'}.")
+    return lines
+
+
+def _places(slips):
+    """Where these slips (stage, load) are, as text."""
+    names = {"shear": "U_x", "approach": "delta"}
+    return " after the slip at " + ", ".join(f"{names[s]} = {load:.5g} nm" for s, load in slips) if slips else ""
 
 
 def _counted(points):
@@ -93,8 +124,10 @@ def failures(report):
 
 
 def table(report, sweep):
-    """Rows of text: the head, then series and numbers of every Point of a sweep."""
-    rows = [("series", *HEAD)]
+    """The Points of a sweep as a DataFrame of text."""
+    from pandas import DataFrame  # takes longer to import than the solver
+
+    rows = []
     for p in report.of(sweep):
         errors = [_short(getattr(p, name)) for name in QUANTITIES]
         place = _short(p.worst("position", DIRECTION[sweep][2]))
@@ -102,7 +135,7 @@ def table(report, sweep):
         right = "{} of {}".format(*p.branches) if p.branches[1] else "-"
         count = "-" if p.evaluations is None else str(p.evaluations)
         rows.append((p.series, f"{p.value:g}", seconds, count, *errors, place, _short(p.worst("force")), right))
-    return rows
+    return DataFrame(rows, columns=HEAD)
 
 
 def _round(value):
@@ -135,9 +168,10 @@ def notes(report):
         f" each is stopped after {LONGEST[report.quick]:g} s. Seconds are those of one core.",
         f"Reference: fast, tolerance {report.tolerance:g} nm, du_x = {du_x:g}, du_z = {du_z:g}, {report.seconds:.2g} s;"
         " for the window sweeps also with that window widened until it cuts nothing off.",
+        *judged(report),
         "F, L, A: largest error before the first slip over the largest value. slip: farthest slip off its place in"
         " the reference (du_z: in approach; others: in shear). F_s: error of F there over the largest F.",
-        f"same branch: states right after a slip, at the same load, differ by less than {SAME_BRANCH:g} of"
+        f"same branch: as gfmd's; states right after a slip, at the same load, differ by less than {SAME_BRANCH:g} of"
         " min(delta_n, delta_t).",
         "gfmd and its kin notice a slip at the increment it happens in, and report the load before it.",
     ]
@@ -146,20 +180,13 @@ def notes(report):
 def text(report):
     """The whole report for people, in lines."""
     lines = [title(report), *notes(report)]
-    for sweep in SWEEPS:
-        rows = table(report, sweep)
-        if len(rows) > 1:
-            widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-            unit = LIMITS[sweep].unit
-            lines += ["", f"{sweep} [{unit}]"]
-            lines += [
-                "  ".join(
-                    cell.ljust(w) if i == 0 else cell.rjust(w)
-                    for i, (cell, w) in enumerate(zip(row, widths, strict=True))
-                )
-                for row in rows
-            ]
-            lines.append(choice(report, sweep))
+    for sweep in filter(report.of, SWEEPS):
+        lines += [
+            "",
+            f"{sweep} [{LIMITS[sweep].unit}]",
+            table(report, sweep).to_string(index=False),
+            choice(report, sweep),
+        ]
     return "\n".join([*lines, "", *failures(report), sentence(report)])
 
 
@@ -179,6 +206,7 @@ def data(report):
             "du_z": report.steps[1],
             "seconds": report.seconds,
             "slips": known,
+            "judged": asdict(report.judgement),
         },
         "same_branch_within": SAME_BRANCH,
         "points": points,
