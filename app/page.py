@@ -8,6 +8,7 @@ from pathlib import Path
 import panel as pn
 from bokeh.models import CustomJS
 
+from app.assets import assets
 from app.service.worker import FREE
 from app.session.controls import CONTROLS, drawer, meaning, values_of
 from app.session.session import VISITORS, Session, visitors
@@ -18,18 +19,6 @@ from solver.scene import CHOICES, LIMITS
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
-SCRIPTS = (  # read as one function, in this order
-    "store.js",
-    "draw.js",
-    "accuracy.js",
-    "pages.js",
-    "law.js",
-    "stickslip.js",
-    "arealaws.js",
-    "solid.js",
-    "player.js",
-    "entries.js",
-)
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
 
@@ -71,7 +60,7 @@ def _page(session):
     for name, model in roots.items():  # as they are: a pane around each would cost a visitor 4 ms
         model.name = name
         pn.state.curdoc.add_root(model)
-    template.add_variable("style", _file("static/style.css"))
+    template.add_variable("assets", assets(pn.state.app_url))
     template.add_variable("controls", CONTROLS)
     template.add_variable("values", values_of(session.scene))
     template.add_variable("drawer", drawer())
@@ -93,10 +82,13 @@ def _player(session, made):
         args={
             "wire": session.wire,
             "figures": {name: view.figure for name, view in made.items()},
-            "parts": {name: view.parts for name, view in made.items()},
-            "colours": {name: view.colours for name, view in made.items()},
+            "slots": session.pages.slots,
             "looks": {preset.name: preset.look for preset in presets().values()},
-            "controls": {control.name: list(control.positions) for control in CONTROLS},
+            "positions": {control.name: list(control.positions) for control in CONTROLS},
+            "main": next(name for name in assets(pn.state.app_url) if name.endswith("/main.js")),
         },
-        code="\n".join(_file(f"static/js/{name}") for name in SCRIPTS),
+        code="""
+            const given = { wire, figures, slots, looks, positions, index: cb_context.index }
+            import(new URL(main, document.baseURI)).then(({ start }) => start(given))
+        """,
     )

@@ -56,18 +56,14 @@ class Page:
     def curve(self, name):
         """The last run's curve of that name, as the browser holds it."""
         last = self.chunks[-1][0]
-        at = worker.CURVES.index(name)
-        return np.concatenate([curves[at] for run, _, curves, _ in self.chunks if run == last])
+        return np.concatenate([curves[name] for run, _, curves, _ in self.chunks if run == last])
 
 
 def unpacked(chunk):
-    """(run, header, curves, fields) of a packed block with its number, as app/static/js/store.js reads it."""
-    run, length = struct.unpack_from("<II", chunk)
-    head = json.loads(chunk[8 : 8 + length])
-    n, m, c = head["frames"], head["nodes"], len(worker.CURVES)
-    curves = np.frombuffer(chunk, "<f4", c * n, 8 + length).reshape(c, n)
-    fields = np.frombuffer(chunk, "<i2", 4 * n * m, 8 + length + 4 * c * n).reshape(4, n, m)
-    return run, head, curves, fields * np.array(head["scales"])[:, None, None]
+    """(run, header, columns, fields in nm and GPa) of a packed block with its number, by name."""
+    head, columns, fields = worker.unpack(chunk[4:])
+    real = {name: field * head["scales"][name] for name, field in fields.items()}
+    return struct.unpack_from("<I", chunk)[0], head, columns, real
 
 
 @pytest.fixture(scope="module")
@@ -180,7 +176,7 @@ def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():
     frames, _ = advance(scene, None, 60.0)
     _, head, _, fields = unpacked(worker.numbered(1, worker.compute(scene, None, 60.0).blocks[-1]))
     assert head["nodes"] == worker.FLAT and head["first"] == (scene.nodes - worker.FLAT) // 2
-    assert fields[3, -1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
+    assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
 
 def test_packed_frames_hold_the_solver_s_numbers():
@@ -190,11 +186,12 @@ def test_packed_frames_hold_the_solver_s_numbers():
     run, head, curves, fields = unpacked(worker.numbered(3, blocks[-1]))
     frame, nodes = frames[-1], head["nodes"]
     assert run == 3 and head["first"] == frame.first and nodes == frame.u.shape[1]
-    assert curves[worker.CURVES.index("F_bar"), -1] == np.float32(frame.F_bar)
+    assert curves["F_bar"][-1] == np.float32(frame.F_bar)
     gap = scene.profile[frame.first : frame.first + nodes] + frame.u[1]
-    last = (gap, frame.u[0], frame.T[1], frame.T[0])
-    for packed, true, scale in zip(fields[:, -1], last, head["scales"], strict=True):
-        assert np.abs(packed - true).max() <= 0.51 * scale  # rounding to int16
+    last = {"gap": gap, "u_x": frame.u[0], "T_z": frame.T[1], "T_x": frame.T[0]}
+    assert set(fields) == set(last)
+    for name, true in last.items():
+        assert np.abs(fields[name][-1] - true).max() <= 0.51 * head["scales"][name]  # rounding to int16
 
 
 def test_a_run_is_streamed_whole_and_in_order(page, slices):

@@ -43,13 +43,13 @@ def test_the_curves_grow_while_the_worker_computes(visit):
 def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
     page = visit()
     finished(page)
-    before = page.evaluate("[...punch.run.shear('F')]")
+    before = page.evaluate("[...punch.run.shear('F_bar')]")
     page.get_by_role("slider", name="Indentation").focus()
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
     assert page.evaluate("punch.status.values.delta_bar") == 0.01
-    assert page.evaluate("[...punch.run.shear('F')]") != before
-    assert page.evaluate("[...punch.ghost.shear('F')]") == before
+    assert page.evaluate("[...punch.run.shear('F_bar')]") != before
+    assert page.evaluate("[...punch.ghost.shear('F_bar')]") == before
     assert drawn(page, "forces", "ghost_F") == len(before)
     assert "delta_bar=0.01" in page.url
     assert page.input_value("#delta_bar-entry") == "0.01"
@@ -164,7 +164,7 @@ def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
     page.keyboard.press("Enter")
     finished(page, run=2)
     assert page.evaluate("punch.status.values.E") == 500
-    assert 0 < page.evaluate("punch.ghost.shear('F').length") < 401  # what was there of the slow one
+    assert 0 < page.evaluate("punch.ghost.shear('F_bar').length") < 401  # what was there of the slow one
 
 
 def test_hovering_and_clicking_a_curve_moves_every_view(visit):

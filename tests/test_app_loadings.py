@@ -85,10 +85,7 @@ def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
         piece = worker.compute(scene, checkpoint, 0.005, last)
         checkpoint, last = piece.checkpoint, piece.last
         for block in piece.blocks:
-            head = worker.header(block)
-            start = len(block) - 8 * head["frames"] * head["nodes"] - 4 * len(worker.CURVES) * head["frames"]
-            curves = np.frombuffer(block, "<f4", len(worker.CURVES) * head["frames"], start)
-            works += list(curves.reshape(len(worker.CURVES), -1)[worker.CURVES.index("work")])
+            works += list(worker.unpack(block)[1]["work"])
     assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 

@@ -17,7 +17,7 @@ def test_a_friction_loop_is_drawn_and_its_dissipation_told(visit):
     page.wait_for_function("() => document.getElementById('status').textContent.includes('dissipated in a cycle')")
     area = page.evaluate(
         """() => {  // of the loop of F over U_x, nJ/m, straight between the increments
-            const { U_x, F, stage } = punch.run.curves, scale = 70 * 2500
+            const { U_x, F_bar: F, stage } = punch.run.curves, scale = 70 * 2500
             const part = (k) => 0.5 * (F[k] + F[k - 1]) * (U_x[k] - U_x[k - 1]) * scale
             return F.reduce((sum, _, k) => sum + (stage[k] >= 2 ? part(k) : 0), 0)
         }"""
@@ -43,12 +43,12 @@ def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
     page.get_by_role("button", name="Pause").click()
     page.evaluate("document.getElementById('scrub').value = 300")
     page.locator("#scrub").dispatch_event("input")
-    before = page.evaluate("punch.run.curves.F.slice(0, 301)")
+    before = page.evaluate("punch.run.curves.F_bar.slice(0, 301)")
     page.get_by_label("carry on from here").check()
     page.fill("#E-entry", "90")
     page.keyboard.press("Enter")
     finished(page, run=2)
-    assert page.evaluate("punch.run.curves.F.slice(0, 301)") == before
+    assert page.evaluate("punch.run.curves.F_bar.slice(0, 301)") == before
     assert page.evaluate("punch.run.curves.U_x[301]") == page.evaluate("punch.run.curves.U_x[300]")
     assert page.evaluate("punch.run.curves.U_x.at(-1)") == 40
     assert page.evaluate("punch.drawn") == 300  # what was looked at stays on screen

@@ -28,12 +28,12 @@ from solver.run.load_steps import legs_of
 from solver.run.loadpath import next_frame
 
 NICENESS = 10  # the event loop must win against the physics
-CURVES = (
+COLUMNS = (  # of a packed block: a number each per frame
     *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
     *("residual", "evaluations", "slip", "slip_at", "work"),
 )
 STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
-FIELDS = ("gap", "u_x", "T_z", "T_x")
+FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
 FLAT = 160  # nodes sent of a flat surface, where all are alike
@@ -197,11 +197,10 @@ def _same_patch(rows):
 
 
 def pack(scene, rows, last):
-    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 curves (columns, n), int16 fields.
+    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
 
-    Fields are (4, n, m): gap, u_x, T_z, T_x.
-
-    What goes to a browser has the number of its run in front (uint32, `numbered`).
+    The header names the columns, and the fields with their scales, in the order in which they follow. What goes to a
+    browser has the number of its run in front (uint32, `numbered`).
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
     at half the bytes of float32. A default run takes 1.3 MB.
@@ -222,7 +221,8 @@ def pack(scene, rows, last):
         "first": first,
         "spacing": scene.spacing,
         "middle": scene.width / 2,
-        "scales": scales,
+        "columns": COLUMNS,
+        "scales": dict(zip(FIELDS, scales, strict=True)),
         "stages": STAGES,
         "abscissa": "delta" if normal else "U_x",
         "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
@@ -244,16 +244,19 @@ def header(block):
     return json.loads(block[4 : 4 + length])
 
 
+def unpack(block):
+    """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block; nothing is copied."""
+    head, start = header(block), 4 + struct.unpack_from("<I", block)[0]
+    n, m, count = head["frames"], head["nodes"], len(head["columns"])
+    columns = np.frombuffer(block, "<f4", count * n, start).reshape(count, n)
+    fields = np.frombuffer(block, "<i2", offset=start + columns.nbytes).reshape(-1, n, m)
+    return head, dict(zip(head["columns"], columns, strict=True)), dict(zip(head["scales"], fields, strict=True))
+
+
 def tractions(block, row):
     """T (2, m), GPa, of a frame of a packed block."""
-    head, start = header(block), 4 + struct.unpack_from("<I", block)[0]
-    count, m = head["frames"], head["nodes"]
-    start += 4 * len(CURVES) * count
-    normal, tangential = (
-        np.frombuffer(block, "<i2", m, start + 2 * m * (field * count + row)) * head["scales"][field]
-        for field in (2, 3)
-    )
-    return np.array([tangential, normal])
+    head, _, fields = unpack(block)
+    return np.array([fields[name][row] * head["scales"][name] for name in ("T_x", "T_z")])
 
 
 def numbered(run, block):

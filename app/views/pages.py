@@ -56,8 +56,7 @@ class Pages:
             self.slots[f"{name}_{slot}"].children = [view.figure]
         self.told = {
             "open": name,
-            "parts": {view.name: list(view.parts) for view in page.views.values()},
-            "colours": {view.name: view.colours for view in page.views.values()},
+            "figures": [view.name for view in page.views.values()],
         }
         page.start()
         self._tell(page, {})

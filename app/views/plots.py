@@ -4,7 +4,7 @@ Units: lengths in nm, tractions in GPa, F̄, L̄ and Ā in thousandths (they are
 """
 
 import json
-import re
+from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -35,12 +35,14 @@ MEANT = {"free": f"attraction below {100 * FREE:.0f} % of its peak", "contact": 
 
 @dataclass
 class View:
-    """One Bokeh figure with what the browser changes in it: {label: renderer or span}, {label: colour variable}."""
+    """One Bokeh figure with what changes in it: {label: renderer, band or line}.
+
+    A part is called "figure.label", and has the colour of style.css that its tag names.
+    """
 
     name: str
     figure: object
     parts: dict = field(default_factory=dict)
-    colours: dict = field(default_factory=dict)
 
 
 def curve(label, x, y, **options):
@@ -59,11 +61,11 @@ def rendered(name, elements, colours, **ranges):
     """Render an overlay and find in it, by label, what will be updated."""
     overlay = hv.Overlay(elements).opts(show_legend=False, responsive=True, toolbar=None, default_tools=[], title="")
     plot = hv.renderer("bokeh").get_plot(overlay)
-    view = View(name, plot.state, colours=colours)
+    view = View(name, plot.state)
     for element, subplot in zip(elements, plot.subplots.values(), strict=True):
         handles = subplot.handles
         part = view.parts[element.label] = handles.get("glyph_renderer", handles["glyph"])
-        part.name = f"{name}.{element.label}"
+        part.update(name=f"{name}.{element.label}", tags=[colours.get(element.label, "")])
         if element.label == "cursor":
             part.level = "overlay"  # a canvas of its own: moving it paints nothing else
     _dress(view.figure, name)
@@ -198,12 +200,14 @@ def _composed(compose):
 def views(compose=_compose):
     """The views {name: View} of `compose` for one visitor: Bokeh models of their own, under ids of their own."""
     made, text = _composed(compose)
-    ids = {}
-    text = re.sub(r'"id": "(p\d+)"', lambda found: f'"id": "{ids.setdefault(found[1], make_id())}"', text)
-    figures = Deserializer().decode(json.loads(text))
+    ids = defaultdict(make_id)
+
+    def own(value):
+        return value | {"id": ids[value["id"]]} if "id" in value else value
+
     mine = {}
-    for view, figure in zip(made.values(), figures, strict=True):
+    for figure in Deserializer().decode(json.loads(text, object_hook=own)):
         items = {item.name: item for item in (*figure.renderers, *figure.center)}
-        parts = {label: items[part.name] for label, part in view.parts.items()}
-        mine[view.name] = View(view.name, figure, parts, view.colours)
+        parts = {label: items[part.name] for label, part in made[figure.name].parts.items()}
+        mine[figure.name] = View(figure.name, figure, parts)
     return mine

@@ -1,5 +1,9 @@
 // The dialog "Accuracy": asks for a measurement, shows its progress, and draws what is measured as it comes.
 
+import { order } from "./channel.js"
+import { by, minus, on } from "./dom.js"
+import { me } from "./state.js"
+
 // series: [class in style.css, outline of the marker around 0, 0, place of the text beside it: x, y, anchor]
 const MARKERS = {
   "fast": ["fast", "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0z", 9, -5, "start"],
@@ -10,27 +14,26 @@ const MARKERS = {
 const CROSS = "M-8-8l16 16M-8 8l16-16"
 const PLOTS = { seconds: "time of one core [s]", evaluations: "force evaluations [1]" }
 const AROUND = { left: 66, right: 16, top: 10, bottom: 46 } // px beside the frame
-const bench = (id) => document.getElementById(id)
 let measurement = null // what the server said last
 
-function openBench() {
+export function openBench() {
   tellBench()
-  bench("bench").showModal()
+  by("bench").showModal()
   drawBench()
 }
 
-function measured() {
-  measurement = JSON.parse(wire.accuracy)
+export function measured(text) {
+  measurement = JSON.parse(text)
   tellBench()
   drawBench()
 }
 
-const described = (values) => `δ̄ = ${values.delta_bar}, φₜ/φₙ = ${values.phi_ratio}, Ē = ${values.E} GPa`.replace("-", "−")
+const described = (values) => minus(`δ̄ = ${values.delta_bar}, φₜ/φₙ = ${values.phi_ratio}, Ē = ${values.E} GPa`)
 
 function tellBench() {
   const now = me.status.values
-  bench("bench-scene").textContent = now ? described(now) : ""
-  bench("measure").disabled = !now
+  by("bench-scene").textContent = now ? described(now) : ""
+  by("measure").disabled = !now
   if (!measurement) return
   const { state, progress, why, sentence, others, values } = measurement
   const busy = state === "waiting" || state === "measuring"
@@ -42,23 +45,23 @@ function tellBench() {
     cancelled: `cancelled${why ? `: ${why}` : ""}${foreign}`,
     failed: `failed: ${why}`,
   }
-  bench("bench-state").textContent = text[state]
-  bench("bench-state").dataset.state = state
-  bench("bench-progress").value = progress
+  by("bench-state").textContent = text[state]
+  by("bench-state").dataset.state = state
+  by("bench-progress").value = progress
   const [pressed, other] = busy ? ["measure", "cancel"] : ["cancel", "measure"]
-  bench(other).disabled = false
-  if (document.activeElement === bench(pressed)) bench(other).focus() // a disabled button would lose the keyboard
-  bench(pressed).disabled = true
-  bench("sentence").hidden = bench("others").hidden = !sentence
-  bench("sentence").textContent = sentence ?? ""
-  bench("others").replaceChildren(...(others ?? []).map((line) => Object.assign(document.createElement("li"), { textContent: line })))
+  by(other).disabled = false
+  if (document.activeElement === by(pressed)) by(other).focus() // a disabled button would lose the keyboard
+  by(pressed).disabled = true
+  by("sentence").hidden = by("others").hidden = !sentence
+  by("sentence").textContent = sentence ?? ""
+  by("others").replaceChildren(...(others ?? []).map((line) => Object.assign(document.createElement("li"), { textContent: line })))
 }
 
 function drawBench() {
-  bench("bench-plots").hidden = !measurement?.points.length
-  if (!bench("bench").open || bench("bench-plots").hidden) return
+  by("bench-plots").hidden = !measurement?.points.length
+  if (!by("bench").open || by("bench-plots").hidden) return
   drawKey(measurement.points)
-  for (const work in PLOTS) drawErrors(bench(`error-${work}`), measurement.points, work)
+  for (const work in PLOTS) drawErrors(by(`error-${work}`), measurement.points, work)
 }
 
 function svg(parent, name, attributes, text) {
@@ -69,7 +72,7 @@ function svg(parent, name, attributes, text) {
 }
 
 function drawKey(points) {
-  const key = bench("bench-key")
+  const key = by("bench-key")
   key.replaceChildren()
   const entry = (text, draw) => {
     const item = key.appendChild(document.createElement("span"))
@@ -129,10 +132,11 @@ function drawSeries(into, points, place) {
     const said = `${p.series}, tolerance ${p.tolerance} nm: error ${p.error.toExponential(0)}, ${p.seconds.toPrecision(2)} s, ${p.evaluations} evaluations`
     svg(svg(group, "path", { class: "point", d: path, ...moved }), "title", {}, said)
     if (p.astray) svg(group, "path", { class: "astray", d: CROSS, ...moved })
-    svg(group, "text", { x: x + right, y: y + down, "text-anchor": anchor }, p.tolerance.toExponential(0).replace("-", "−"))
+    svg(group, "text", { x: x + right, y: y + down, "text-anchor": anchor }, minus(p.tolerance.toExponential(0)))
   }
 }
 
-bench("measure").addEventListener("click", () => order("measure"))
-bench("cancel").addEventListener("click", () => order("cancel"))
-new ResizeObserver(drawBench).observe(bench("bench-plots"))
+export function connect() {
+  for (const what of ["measure", "cancel"]) on(what, "click", () => order(what))
+  new ResizeObserver(drawBench).observe(by("bench-plots"))
+}

@@ -1,97 +1,84 @@
-// The pages beside the experiment: opened and closed here, filled by the server (pages.py); a page's script joins in.
+// The pages beside the experiment: opened and closed here, filled by the server (app/views/pages.py). A page's module
+// has any of connect(), opened(), told(news), frame(run, k), painted(), pictured(buffer), closed().
 
-const sheets = {} // page: {opened(), told(news), frame(run, k), painted(), closed()}, whatever it needs of these
-let sheet = { open: "" } // what the server said last of the page that is open
-const busy = () => by(sheet.open)?.querySelector("progress")
+import { order } from "./channel.js"
+import { by, readdress } from "./dom.js"
+import { adopt, drawn, forget, paint, shade } from "./figures.js"
+import * as arealaws from "./pages/arealaws.js"
+import * as law from "./pages/law.js"
+import * as solid from "./pages/solid.js"
+import * as stickslip from "./pages/stickslip.js"
+import { me } from "./state.js"
 
-function openPage(name) {
-  showSheet(name)
-  if (name) by(name).dataset.drawing = ""
-  const address = new URL(location.href)
-  name ? address.searchParams.set("page", name) : address.searchParams.delete("page")
-  history.replaceState(null, "", address)
-  clearTimeout(picking)
-  picking = setTimeout(() => order("page", { page: name }), SETTLE)
-}
+const modules = { law, stickslip, arealaws, solid }
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
+let slots = {} // figure: where it goes
+let sheet = { open: "", figures: [] } // what the server said last of the page that is open
 let picking = 0
+const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
-// Ask the page that is open for something
-let asks = 0
-const ask = (values) => { wire.order = JSON.stringify({ do: "ask", values, ask: asks++ }) }
+export function connect(given) {
+  slots = given
+  for (const name in modules) modules[name].connect?.()
+}
 
-function showSheet(name) {
+export function openAsked() {
+  const asked = new URLSearchParams(location.search).get("page")
+  if (asked) openPage(asked in modules ? asked : "")
+}
+
+export function openPage(name) {
   document.querySelector(".page").dataset.page = name
   for (const button of document.querySelectorAll("nav button")) button.setAttribute("aria-pressed", button.dataset.page === name)
   for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
+  if (name) by(name).dataset.drawing = ""
+  readdress((asked) => { if (name) asked.set("page", name); else asked.delete("page") })
+  clearTimeout(picking)
+  picking = setTimeout(() => order("page", { page: name }), SETTLE)
 }
 
-function toldOfPage() {
-  const before = sheet
-  sheet = { open: "", ...JSON.parse(wire.page) }
-  if (before.open !== sheet.open) {
-    forgetFigures(before)
-    sheets[before.open]?.closed?.()
-    if (sheet.open) {
-      findFigures()
-      sheets[sheet.open]?.opened?.()
-      awaitFigures(sheet.open)
-    }
+export function told(text) {
+  const news = { open: "", figures: [], ...JSON.parse(text) }
+  if (sheet.open !== news.open) {
+    call("closed")
+    sheet.figures.forEach(forget)
+    sheet = news
+    for (const name of sheet.figures) adopt(name, slots[name].children[0])
+    paint()
+    call("opened")
+    awaitFigures(sheet.open)
   }
+  sheet = news
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
-  for (const name in sheet.images) shadeImage(name, sheet.images[name])
-  const bar = busy()
+  shadeImages()
+  const bar = by(sheet.open)?.querySelector("progress")
   if (bar) {
     bar.hidden = (sheet.busy ?? null) === null
     bar.value = sheet.busy ?? 0
   }
-  sheets[sheet.open]?.told?.(sheet)
-  if (sheet.open) framePage()
-}
-
-// The figures of a page are made after the document: they are found by their names
-function findFigures() {
-  const models = new Map([...Bokeh.documents[0]._all_models.values()].filter((m) => m.name).map((m) => [m.name, m]))
-  for (const view in sheet.parts) {
-    figure[view] = models.get(view)
-    part[view] = Object.fromEntries(sheet.parts[view].map((label) => [label, models.get(`${view}.${label}`)]))
-    tints[view] = sheet.colours[view]
-  }
-  paint()
+  call("told", sheet)
+  framePage()
 }
 
 // Until the figures are on screen, the page says so
 function awaitFigures(name) {
-  if (sheet.open !== name) return
-  const there = Object.keys(sheet.parts).every((view) => Bokeh.index.find_one(figure[view])?.has_finished())
-  there ? delete by(name).dataset.drawing : requestAnimationFrame(() => awaitFigures(name))
+  if (!name || sheet.open !== name) return
+  if (drawn(sheet.figures)) delete by(name).dataset.drawing
+  else requestAnimationFrame(() => awaitFigures(name))
 }
 
-function forgetFigures({ parts }) {
-  for (const view in parts) {
-    delete figure[view]
-    delete part[view]
-    delete tints[view]
-  }
-}
-
-const shadesOf = {} // "view.label": for which limits and theme it has its shades
-function shadeImage(name, [low, high]) {
-  const [view, label] = name.split(".")
-  const mapper = part[view]?.[label]?.glyph.color_mapper
-  const key = [low, high, document.documentElement.dataset.theme, mapper?.id].join()
-  if (!mapper || shadesOf[name] === key) return
-  shadesOf[name] = key
-  mapper.setv(shades(low, high), here)
-  tellLimits(view, low, high)
+function shadeImages() {
+  for (const name in sheet.images) shade(...name.split("."), ...sheet.images[name])
 }
 
 // The increment on screen, for the page
-function framePage() {
-  if (me.run?.length && me.drawn >= 0) sheets[sheet.open]?.frame?.(me.run, Math.min(me.drawn, me.run.length - 1))
+export function framePage() {
+  if (me.run?.length && me.drawn >= 0) call("frame", me.run, Math.min(me.drawn, me.run.length - 1))
 }
 
-function paintPage() {
-  for (const name in sheet.images) shadeImage(name, sheet.images[name])
-  sheets[sheet.open]?.painted?.()
+export function paintPage() {
+  shadeImages()
+  call("painted")
 }
+
+export const pictured = (buffer) => call("pictured", buffer)

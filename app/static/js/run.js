@@ -1,17 +1,30 @@
 // The frames of a run, as they arrive from the server (format: worker.pack) and as they are asked for by the views.
 
-const by = (id) => document.getElementById(id)
-const COLUMNS = ["stage", "index", "U_x", "delta", "F", "L", "A", "residual", "evaluations", "slip", "slip_at", "work"]
+import { opened } from "./channel.js"
+
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
-const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 
-class Run {
+// One packed chunk (ArrayBuffer) as {run, head, columns: {name: Float32Array}, fields: {name: Int16Array (n, m)}};
+// nothing is copied
+export function unpack(buffer) {
+  let { head, start } = opened(buffer, 4)
+  const take = (kind, count) => {
+    start += kind.BYTES_PER_ELEMENT * count
+    return new kind(buffer, start - kind.BYTES_PER_ELEMENT * count, count)
+  }
+  const named = (names, kind, count) => Object.fromEntries(names.map((name) => [name, take(kind, count)]))
+  const columns = named(head.columns, Float32Array, head.frames)
+  const fields = named(Object.keys(head.scales), Int16Array, head.frames * head.nodes)
+  return { run: new DataView(buffer).getUint32(0, true), head, columns, fields }
+}
+
+export class Run {
   constructor(number, head) {
     this.number = number
     this.head = head
     this.places = [] // frame k -> [block, row]
-    this.curves = Object.fromEntries(COLUMNS.map((name) => [name, []]))
+    this.curves = Object.fromEntries(head.columns.map((name) => [name, []]))
     this.whole = false
     this.sheared = -1 // the frame at which shear begins, once it is there
     this.T_high = 0 // GPa, strongest repulsion of the shear frames
@@ -26,14 +39,12 @@ class Run {
     return this.places.length
   }
 
-  // Append one chunk: {head, columns: Float32Array (columns, n), fields: 4 x Int16Array (n, m)}
+  // Append one chunk
   add(chunk) {
-    const { frames } = chunk.head
-    this.whole = chunk.head.last
+    const { frames, last } = chunk.head
+    this.whole = last
     const start = this.length
-    COLUMNS.forEach((name, c) => {
-      for (let k = 0; k < frames; k++) this.curves[name].push(chunk.columns[c * frames + k])
-    })
+    for (const name in this.curves) this.curves[name].push(...chunk.columns[name])
     for (let k = 0; k < frames; k++) {
       this.places.push([chunk, k])
       this.dip(chunk, k)
@@ -42,20 +53,19 @@ class Run {
     }
   }
 
-  dip({ head, fields: [gap] }, row) {
-    let lowest = 0
-    for (let i = row * head.nodes; i < (row + 1) * head.nodes; i++) if (gap[i] < lowest) lowest = gap[i]
-    this.lowest = Math.min(this.lowest, lowest * head.scales[0])
+  dip({ head: { nodes, scales }, fields: { gap } }, row) {
+    const lowest = gap.subarray(row * nodes, (row + 1) * nodes).reduce((a, b) => Math.min(a, b), 0)
+    this.lowest = Math.min(this.lowest, lowest * scales.gap)
   }
 
-  measure({ head, fields: [, , normal, tangential] }, row) {
+  measure({ head, fields: { T_z, T_x } }, row) {
     const { nodes, first, spacing, middle, scales } = head
-    const weak = (WEAK * head.adhesion) / scales[2]
+    const weak = (WEAK * head.adhesion) / scales.T_z
     let high = 0, low = 0, left = nodes, right = -1, held = 0, pulled = 0
     for (let i = 0; i < nodes; i++) {
-      const value = normal[row * nodes + i]
-      held = Math.min(held, tangential[row * nodes + i])
-      pulled = Math.max(pulled, tangential[row * nodes + i])
+      const value = T_z[row * nodes + i]
+      held = Math.min(held, T_x[row * nodes + i])
+      pulled = Math.max(pulled, T_x[row * nodes + i])
       if (value > high) high = value
       if (value < low) low = value
       if (value > 0 || value < -weak) {
@@ -63,10 +73,10 @@ class Run {
         right = i
       }
     }
-    this.T_high = Math.max(this.T_high, high * scales[2])
-    this.T_low = Math.min(this.T_low, low * scales[2])
-    this.T_most = Math.max(this.T_most, this.T_high, -held * scales[3])
-    this.T_least = Math.min(this.T_least, this.T_low, -pulled * scales[3])
+    this.T_high = Math.max(this.T_high, high * scales.T_z)
+    this.T_low = Math.min(this.T_low, low * scales.T_z)
+    this.T_most = Math.max(this.T_most, this.T_high, -held * scales.T_x)
+    this.T_least = Math.min(this.T_least, this.T_low, -pulled * scales.T_x)
     if (right >= 0) {
       const from = (first + left) * spacing - middle, to = (first + right) * spacing - middle
       this.reach = Math.max(this.reach, -from, to)
@@ -92,19 +102,14 @@ class Run {
   frame(k) {
     const [{ head, fields }, row] = this.places[k]
     const { nodes, first, spacing, middle, scales, flat } = head
-    const out = { x: new Float32Array(nodes), gap: new Float32Array(nodes), T_n: new Float32Array(nodes), T_t: new Float32Array(nodes) }
-    for (let i = 0, j = row * nodes; i < nodes; i++, j++) {
-      out.gap[i] = fields[0][j] * scales[0]
-      const u = fields[1][j] * scales[1]
-      out.x[i] = (first + i) * spacing - middle + (flat ? u - spacing * Math.round(u / spacing) : u)
-      out.T_n[i] = fields[2][j] * scales[2]
-      out.T_t[i] = -fields[3][j] * scales[3]
-    }
-    return out
+    const real = (name, factor) => Float32Array.from(
+      fields[name].subarray(row * nodes, (row + 1) * nodes), (value) => value * factor * scales[name])
+    const x = real("u_x", 1).map((u, i) => (first + i) * spacing - middle + (flat ? u - spacing * Math.round(u / spacing) : u))
+    return { x, gap: real("gap", 1), T_n: real("T_z", 1), T_t: real("T_x", -1) }
   }
 
   values(k) {
-    return Object.fromEntries(COLUMNS.map((name) => [name, this.curves[name][k]]))
+    return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]]))
   }
 
   // A curve of the frames after the approach, times `factor`
@@ -117,6 +122,10 @@ class Run {
     return this.curves[this.head.abscissa]
   }
 
+  get normal() {
+    return this.head.abscissa === "delta"
+  }
+
   stage(k) {
     return this.head.stages[this.curves.stage[k]]
   }
@@ -124,7 +133,7 @@ class Run {
   // The frames of another run up to k, as the beginning of this one that goes on from there
   takeOver(other, k) {
     this.places = other.places.slice(0, k + 1)
-    for (const name of COLUMNS) this.curves[name] = other.curves[name].slice(0, k + 1)
+    for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
     for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "lowest", "reach"]) this[name] = other[name]
   }
 
@@ -162,9 +171,9 @@ class Run {
   map(shown) {
     const stage = this.stageOfMap(shown)
     const frames = this.places.map((_, k) => k).filter((k) => this.curves.stage[k] === stage)
-    const blocks = new Set(frames.map((k) => this.places[k][0].head))
-    const from = Math.min(...[...blocks].map((head) => head.first))
-    const to = Math.max(...[...blocks].map((head) => head.first + head.nodes))
+    const blocks = [...new Set(frames.map((k) => this.places[k][0].head))]
+    const from = Math.min(...blocks.map((head) => head.first))
+    const to = Math.max(...blocks.map((head) => head.first + head.nodes))
     const [start, end] = this.extent, { step } = this.head
     const columns = Math.round((end - start) / step) + 1
     const rows = to - from
@@ -173,8 +182,8 @@ class Run {
       const [{ head, fields }, row] = this.places[k]
       const c = Math.round((this.along[k] - start) / step)
       for (let i = 0; i < head.nodes; i++) {
-        const j = row * head.nodes + i, value = fields[2][j] * head.scales[2]
-        if (this.acts(value, fields[0][j] * head.scales[0])) image[(head.first - from + i) * columns + c] = value
+        const j = row * head.nodes + i, value = fields.T_z[j] * head.scales.T_z
+        if (this.acts(value, fields.gap[j] * head.scales.gap)) image[(head.first - from + i) * columns + c] = value
       }
     }
     return { image, rows, columns, start, low: (from - 0.5) * this.head.spacing - this.head.middle }
@@ -191,16 +200,4 @@ class Run {
     const low = this.along.reduce((a, b) => Math.min(a, b), span[0])
     return [this.sheared >= 0 && low < span[0] - 0.5 * step ? low : span[0], span[1]]
   }
-}
-
-// One packed chunk (ArrayBuffer) as {run, head, columns, fields}; nothing is copied
-function unpack(buffer) {
-  const view = new DataView(buffer)
-  const run = view.getUint32(0, true), length = view.getUint32(4, true)
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)))
-  const columns = new Float32Array(buffer, 8 + length, COLUMNS.length * head.frames)
-  const size = head.frames * head.nodes
-  const start = 8 + length + columns.byteLength
-  const fields = [0, 1, 2, 3].map((f) => new Int16Array(buffer, start + 2 * f * size, size))
-  return { run, head, columns, fields }
 }

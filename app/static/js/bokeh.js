@@ -1,0 +1,70 @@
+// Every use of BokehJS that its documentation does not promise, checked against Bokeh 3.9.2. A test for each, under
+// its name, is in tests/test_bokeh_browser.py.
+
+const here = { sync: false }
+let index = null // of the views of all models
+
+export const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
+export const useIndex = (given) => { index = given }
+export const viewOf = (model) => index.find_one(model)
+export const isDrawn = (model) => Boolean(viewOf(model)?.has_finished())
+
+// Change properties in this browser only
+export const set = (model, values) => model.setv(values, here)
+export const onChange = (model, property, call) => model.properties[property].change.connect(call)
+export const onEvent = (model, name, call) => model.on_event(name, call)
+
+// {label: renderer, band or line} of a figure: what has a name "figure.label"
+export function namedParts(figure) {
+  const named = [...figure.renderers, ...figure.center].filter((part) => part.name?.startsWith(`${figure.name}.`))
+  return Object.fromEntries(named.map((part) => [part.name.slice(figure.name.length + 1), part]))
+}
+
+// Columns of a renderer's data, in this browser only
+export function fill(renderer, columns) {
+  Object.assign(dataOf(renderer.data_source), columns)
+  renderer.data_source.change.emit()
+}
+
+function dataOf(source) {
+  if (source.data instanceof Map) source.setv({ data: Object.fromEntries(source.data) }, { ...here, silent: true })
+  return source.data
+}
+
+// Values (rows, columns) as an image wants them: of the kind that came from the server
+export function image(renderer, values, shape) {
+  const array = dataOf(renderer.data_source).image[0].constructor
+  return [new array(values, shape)]
+}
+
+// Make several changes, then paint each figure that has any: once, and before the next frame instead of after it.
+// Bokeh takes new data in through a short chain of promises, which must have come to its end.
+export const CHAIN = 64
+export async function paintedTogether(figures, change) {
+  const views = figures.map(viewOf).filter((view) => view?.canvas_view)
+  for (const view of views) {
+    view.canvas_view.events_el.tabIndex = -1 // nothing to be done there with keys
+    view.pause()
+  }
+  try {
+    change()
+    for (let i = 0; i < CHAIN; i++) await null
+  } finally {
+    for (const view of views) view.unpause(true)
+    for (const view of views) view.repaint()
+  }
+}
+
+// The colour of all that a renderer, a band or a line draws
+export function tint(item, value) {
+  for (const model of [item.glyph ?? item, item.nonselection_glyph, item.muted_glyph]) {
+    if (!model || typeof model !== "object") continue
+    for (const key of ["line_color", "fill_color"]) if (key in model) set(model, { [key]: value })
+  }
+}
+
+// How many pixels of the screen a unit in y takes, over a unit in x; nothing before the figure is laid out
+export function stretch({ inner_width, inner_height, x_range, y_range } = {}) {
+  if (!inner_width || !inner_height) return null
+  return (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
+}

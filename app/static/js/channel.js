@@ -1,0 +1,25 @@
+// Messages between this page and the server: `order` to it, everything else from it (app/session/wire.py).
+
+import { onChange } from "./bokeh.js"
+
+let wire = null
+let orders = 0, asks = 0
+
+export const connect = (given) => { wire = given }
+export const listen = (what, call) => onChange(wire, what, () => call(wire[what]))
+export const latest = () => orders - 1 // number of the last order: the server says which one it has heard
+
+export function order(what, values, more) {
+  wire.order = JSON.stringify({ do: what, values, n: orders++, ...more })
+}
+
+// Ask the page that is open for something
+export function ask(values) {
+  wire.order = JSON.stringify({ do: "ask", values, ask: asks++ })
+}
+
+// A message of bytes: uint32 length of a JSON header, the header, the rest from `start` on
+export function opened(buffer, at = 0) {
+  const length = new DataView(buffer).getUint32(at, true), start = at + 4 + length
+  return { head: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, at + 4, length))), start }
+}

@@ -1,0 +1,30 @@
+// Colours, all of them from style.css, and the shades of maps.
+
+const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
+
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim()
+export const theme = () => document.documentElement.dataset.theme
+
+// Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a whole
+// number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
+export function shades(low, high, [below, above] = ["pull", "push"], ends = rampEnds) {
+  const step = Math.max(Math.min(-low, high) / SHADES, (high - low) / MOST)
+  const ramp = (name, end) => {
+    const [from, to] = ends(name)
+    const mixed = (t) => from.map((v, i) => Math.round(v * (1 - t) + to[i] * t).toString(16).padStart(2, "0")).join("")
+    const mixtures = Array.from({ length: SHADES }, (_, i) => `#${mixed(i / (SHADES - 1))}`)
+    const shade = (i) => mixtures[Math.min(SHADES - 1, Math.floor(((i + 0.5) * step * SHADES) / end))]
+    return Array.from({ length: Math.ceil(end / step - 1e-9) }, (_, i) => shade(i))
+  }
+  const under = ramp(below, -low), over = ramp(above, high)
+  return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over], nan_color: "rgba(0,0,0,0)" }
+}
+
+const rampEnds = (name) => [0, 1].map((end) => digits(colour(`--${name}-${end}`)))
+const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
+
+// The next larger number of one digit or so
+export function nice(value) {
+  const ten = 10 ** Math.floor(Math.log10(Math.max(value, 1e-6)))
+  return Number([1, 1.5, 2, 3, 4, 5, 6, 8, 10].map((m) => m * ten).find((v) => v >= value * 0.999)?.toPrecision(3))
+}

@@ -1,0 +1,19 @@
+// Elements of the page, its address, and how numbers are written.
+
+export const by = (id) => document.getElementById(id)
+export const on = (id, event, call) => by(id).addEventListener(event, call)
+export const minus = (text) => `${text}`.replace("-", "−")
+export const fixed = (value, digits) => minus((Math.round(value * 10 ** digits) / 10 ** digits).toFixed(digits))
+
+// Text with a paragraph of its own, which is there only while there is something to say
+export function say(id, text) {
+  by(id).hidden = !text
+  by(id).textContent = text ?? ""
+}
+
+// Change the parameters of the address in the browser's bar
+export function readdress(change) {
+  const address = new URL(location.href)
+  change(address.searchParams)
+  if (address.href !== location.href) history.replaceState(null, "", address)
+}

@@ -1,0 +1,197 @@
+// The figures: frames and curves into their sources. Nothing here reaches the server.
+
+import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, set, stretch, tint } from "./bokeh.js"
+import { colour, nice, shades, theme } from "./colours.js"
+import { by, minus } from "./dom.js"
+
+export const figures = {} // name: Bokeh figure, also those of a page that is open
+export const parts = {} // figure: {label: what is drawn in it}
+const THOUSAND = 1000
+const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
+const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
+const TO_SCALE = 0.02 // a difference that nobody sees
+const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
+
+export function adopt(name, figure) {
+  figures[name] = figure
+  parts[name] = namedParts(figure)
+}
+
+export function forget(name) {
+  delete figures[name]
+  delete parts[name]
+}
+
+export const fill = (view, label, columns) => fillRenderer(parts[view][label], columns)
+export const fillImage = (view, label, values, shape, place) => {
+  fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place })
+}
+export const painted = (change) => paintedTogether(Object.values(figures), change)
+export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
+
+// A range that holds low..high with room; it follows at once when too small, and shrinks only when far too large
+function fit(range, low, high, room = 0.08) {
+  const size = Math.max(high - low, 1e-9)
+  const inside = low >= range.start && high <= range.end
+  if (inside && size > 0.6 * (range.end - range.start)) return
+  set(range, { start: low - room * size, end: high + room * size })
+}
+
+// [lowest, highest] of all numbers, and zero
+export const extent = (...lists) => lists.reduce(([a, b], list) => {
+  for (const v of list) { if (v < a) a = v; if (v > b) b = v }
+  return [a, b]
+}, [0, 0])
+
+let drawnGhost = null
+const curve = (of, name) => ({ U_x: of?.shear(of.head.abscissa) ?? [], value: of?.shear(name, THOUSAND) ?? [] })
+export function drawCurves(run, ghost) {
+  if (ghost?.head.abscissa !== run.head.abscissa) ghost = null // drawn along something else
+  for (const [view, label, name] of [["forces", "F", "F_bar"], ["forces", "L", "L_bar"], ["area", "A", "A_bar"]]) {
+    if (ghost !== drawnGhost) fill(view, `ghost_${label}`, curve(ghost, name))
+    fill(view, label, curve(run, name))
+  }
+  drawnGhost = ghost
+  for (const [view, label, name] of [["forces", "slips_F", run.normal ? "L_bar" : "F_bar"], ["area", "slips_A", "A_bar"]]) {
+    const [U_x, value] = run.slips(name, THOUSAND)
+    fill(view, label, { U_x, value })
+  }
+  const [start, end] = run.extent
+  set(figures.forces.x_range, { start, end })
+  nameAxis(run)
+  const shown = (name) => [run, ghost].map((of) => of?.shear(name, THOUSAND) ?? [])
+  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown("F_bar"), ...shown("L_bar")))
+  const areas = shown("A_bar").flatMap((list) => [...list]), least = Math.min(...areas), most = Math.max(...areas, 5)
+  fit(figures.area.y_range, least > NARROW * most ? least : 0, most) // a few per cent of peeling must be seen
+}
+
+// Curves are drawn along U_x, or along delta
+let named = "U_x"
+function nameAxis({ head: { abscissa }, normal }) {
+  if (abscissa === named) return
+  named = abscissa
+  for (const said of document.querySelectorAll(".slips")) said.textContent = normal ? "jump" : "slip"
+  const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
+  for (const view of ["forces", "area", "map"]) {
+    set(figures[view].below[0], { axis_label: label })
+    for (const tool of figures[view].toolbar.tools) {
+      if (tool.tooltips?.[0]) set(tool, { tooltips: [[symbol, tool.tooltips[0][1]], ...tool.tooltips.slice(1)] })
+    }
+  }
+}
+
+// The limits of the colours of a view, in its key
+export function tellLimits(view, low, high) {
+  by(`${view}-low`).textContent = minus(Number(low.toPrecision(2)))
+  by(`${view}-high`).textContent = `+${Number(high.toPrecision(2))} GPa`
+}
+
+export function drawMap(run, shown) {
+  if (run.sheared < 0) return
+  const { image, rows, columns, start, low } = run.map(shown)
+  const { spacing, step } = run.head
+  fillImage("map", "map", image, [rows, columns],
+    { x: [start - step / 2], y: [low], dw: [columns * step], dh: [rows * spacing] })
+  shadeMap(run)
+  const [U_x] = run.slips("F_bar", 1, run.stageOfMap(shown))
+  fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figures.map.y_range.start) })
+}
+
+export function shadeMap(run) {
+  if (run?.sheared >= 0) shade("map", "map", -nice(Math.max(-run.T_low, LEAST)), nice(Math.max(run.T_high, LEAST)))
+}
+
+// Colours of an image for its limits, unless it has them
+const shaded = {} // "view.label": for which limits, theme and mapper it has its shades
+export function shade(view, label, low, high) {
+  const mapper = parts[view]?.[label]?.glyph.color_mapper
+  const key = [low, high, theme(), mapper?.id].join()
+  if (!mapper || shaded[`${view}.${label}`] === key) return
+  shaded[`${view}.${label}`] = key
+  set(mapper, shades(low, high))
+  tellLimits(view, low, high)
+}
+
+export function drawFrame(run, k) {
+  const { x, gap, T_n, T_t } = run.frame(k)
+  const n = x.length
+  const top = Math.max(7, gap.reduce((a, b) => Math.min(a, b)) + 3) // a punch still far away must be in view as well
+  set(figures.punch.y_range, { end: top })
+  const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
+  for (let i = 0; i < n; i++) {
+    outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
+    outline.y[i] = gap[i]
+    outline.y[2 * n - 1 - i] = Math.max(top + 1, gap[i])
+  }
+  fill("punch", "body", outline)
+  fill("punch", "surface", { x, gap })
+  const nodes = { repulsive: [], adhering: [], free: [], contact: [] }
+  for (let i = 0; i < n; i++) nodes[run.state(T_n[i], gap[i])].push(i)
+  if (run.head.flat) tellFlat(run.state(T_n[0], gap[0]))
+  for (const label in nodes) {
+    const pick = (list) => Float32Array.from(nodes[label], (i) => list[i])
+    fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
+  }
+  fill("traction", "T_n", { x, T: T_n })
+  fill("traction", "T_t", { x, T: T_t })
+  for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.along[k] })
+}
+
+// The key of the nodes of a flat surface, which are all alike
+const FLAT_KEYS = {
+  repulsive: ["dot repulsive", "repulsive"], adhering: ["wedge", "adhering"], free: ["dot free", "free"],
+  contact: ["dot contact", "in contact, Tₙ = 0"],
+}
+function tellFlat(state) {
+  const [mark, said] = FLAT_KEYS[state]
+  by("flat-mark").className = mark
+  by("flat-state").textContent = said
+}
+
+let sites = 0 // how many are drawn on either side of the middle
+function drawSites({ spacing, middle }) {
+  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2
+  if (half === sites) return
+  sites = half
+  const first = Math.round(middle / spacing)
+  const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
+  fill("punch", "sites", { x, gap: x.map(() => 0) })
+}
+
+// What stays the same while a run is played: ranges that hold all of its frames
+export function fitFrames(run) {
+  const { flat, nodes, spacing } = run.head
+  const half = flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
+  document.querySelector(".page").dataset.flat = flat
+  set(figures.map.y_range, { start: -half, end: half })
+  set(figures.punch.x_range, { start: -half, end: half })
+  set(figures.punch.y_range, { start: Math.min(BELOW, 1.15 * run.lowest) })
+  fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
+  drawSites(run.head)
+}
+
+// The vertical exaggerations as they are on this screen now
+export function tellStretch() {
+  for (const view of STRETCHED) {
+    const times = stretch(figures[view])
+    if (times === null) continue
+    const text = Math.abs(times - 1) < TO_SCALE ? "to scale" : `vertical ×${Number(times.toPrecision(2))}`
+    if (by(`${view}-stretch`).textContent !== text) by(`${view}-stretch`).textContent = text
+  }
+}
+
+// Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
+export function paint() {
+  const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
+  for (const name in figures) {
+    const figure = figures[name]
+    set(figure, { outline_line_color: grid })
+    for (const axis of [...figure.below, ...figure.left]) {
+      set(axis, { axis_label_text_color: text, major_label_text_color: soft, axis_line_color: soft, major_tick_line_color: soft,
+        axis_label_text_font_size: "14px", major_label_text_font_size: "13px" })
+    }
+    for (const line of figure.center) if ("grid_line_color" in line) set(line, { grid_line_color: grid, grid_line_alpha: 0.5 })
+    for (const part of Object.values(parts[name])) if (part.tags[0]) tint(part, colour(part.tags[0]))
+  }
+}

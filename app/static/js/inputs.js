@@ -1,0 +1,136 @@
+// What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the curves.
+
+import { openBench } from "./accuracy.js"
+import { onEvent } from "./bokeh.js"
+import { order } from "./channel.js"
+import { theme } from "./colours.js"
+import { by, on, readdress, say } from "./dom.js"
+import { figures, paint, shadeMap } from "./figures.js"
+import { openPage, paintPage } from "./pages.js"
+import { goto, move, play, reset, show } from "./player.js"
+import { me, QUIET } from "./state.js"
+import { writeAddress } from "./status.js"
+
+const PACE = 30 // ms: at most one message in this time, always the latest
+const LARGEST_FILE = 10e6 // bytes, as the server
+
+let last = 0 // when something was sent
+
+function enter(name, value) {
+  if (me.anchor === null) {
+    me.anchor = me.run
+    goOnFrom()
+  }
+  me.entered = { ...me.entered, [name]: value }
+  me.quiet = performance.now() + QUIET
+  const rest = PACE - (performance.now() - last)
+  if (rest > 0) setTimeout(send, rest)
+  else send()
+}
+
+function send() {
+  if (!me.entered) return
+  last = performance.now()
+  order("scene", me.entered, me.from && { from: me.from })
+  me.entered = null
+}
+
+// With "carry on" a change takes effect at the increment shown, and the run goes on from there
+function goOnFrom() {
+  const k = Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
+  me.from = null
+  if (!by("carry").checked || !(me.run?.sheared >= 0) || k < me.run.sheared) return
+  me.origin = me.run
+  me.from = [me.run.number, k]
+}
+
+function letGo() {
+  me.dragging = false
+  writeAddress()
+}
+
+function connectSlider(name, values) {
+  const slider = by(name), entry = by(`${name}-entry`)
+  slider.addEventListener("input", () => {
+    me.dragging = true
+    entry.value = values[slider.value]
+    slider.setAttribute("aria-valuetext", entry.value)
+    enter(name, entry.value)
+  })
+  for (const end of ["pointerup", "keyup", "blur"]) slider.addEventListener(end, letGo)
+  slider.closest("form").addEventListener("keydown", (event) => { if (event.key === "Escape") document.activeElement.blur() })
+}
+
+async function readProfile(event) {
+  const file = event.target.files[0]
+  event.target.value = "" // so that the same file can be chosen again
+  if (!file) return
+  if (file.size > LARGEST_FILE) {
+    const size = (file.size / 1e6).toFixed(1)
+    say("profile-error", `profile: ${file.name} has ${size} MB, allowed: 10 MB; thin it out. The run on screen stays.`)
+  } else order("profile", { text: await file.text() })
+}
+
+function switchTheme() {
+  document.documentElement.dataset.theme = theme() === "dark" ? "light" : "dark"
+  readdress((asked) => asked.set("theme", theme()))
+  paint()
+  paintPage()
+  shadeMap(me.run)
+}
+
+function onKey(event) {
+  const open = document.querySelector("dialog[open]:not(#drawer)")
+  if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
+  const at = (what) => event.target.matches?.(what)
+  const taken = at("input[type=text], select") || (at("input") && !" rR".includes(event.key)) || (at("button") && event.key === " ")
+  if (event.ctrlKey || event.metaKey || event.altKey || taken || open) return
+  const jump = event.shiftKey ? 10 : 1
+  const keys = {
+    " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
+    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "?": () => by("keys").showModal(),
+  }
+  if (!keys[event.key]) return
+  event.preventDefault()
+  keys[event.key]()
+}
+
+// Hovering a curve shows that increment in every view while playback rests; a click goes there
+const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
+function connectCurve(figure) {
+  onEvent(figure, "mousemove", (event) => { if (!me.playing) { me.preview = there(event); show() } })
+  onEvent(figure, "mouseleave", () => { if (me.preview !== null) { me.preview = null; show() } })
+  onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
+}
+
+export function connect(positions) {
+  for (const name in positions) connectSlider(name, positions[name])
+  for (const entry of document.querySelectorAll("[id$=-entry]")) {
+    entry.addEventListener("change", () => enter(entry.id.replace("-entry", ""), entry.value))
+  }
+  on("preset", "change", (event) => {
+    if (me.anchor === null) me.anchor = me.run
+    order("preset", { preset: event.target.value })
+    event.target.blur() // so that Space plays
+  })
+  on("profile", "change", readProfile)
+  on("more", "click", () => (by("drawer").open ? by("drawer").close() : by("drawer").show()))
+  for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
+  // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
+  document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint)")?.blur() })
+  on("play", "click", () => play(!me.playing))
+  on("step", "click", () => { play(false); move(1) })
+  on("back", "click", () => move(-1))
+  on("reset", "click", reset)
+  on("help", "click", () => by("keys").showModal())
+  on("accuracy", "click", openBench)
+  for (const name of ["keys", "bench"]) on(name, "click", (event) => { if (event.target === by(name)) by(name).close() }) // beside it
+  on("scrub", "input", (event) => goto(Number(event.target.value)))
+  on("speed", "change", (event) => {
+    me.speed = Number(event.target.value)
+    event.target.blur()
+  })
+  on("theme", "click", switchTheme)
+  document.addEventListener("keydown", onKey)
+  for (const name of ["forces", "area", "map"]) connectCurve(figures[name])
+}

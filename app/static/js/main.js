@@ -1,0 +1,39 @@
+// The browser's half of the app. The server's page imports this file alone and calls `start` with the models.
+
+import * as accuracy from "./accuracy.js"
+import { plain, useIndex } from "./bokeh.js"
+import * as channel from "./channel.js"
+import { by } from "./dom.js"
+import { adopt, paint, tellStretch } from "./figures.js"
+import * as inputs from "./inputs.js"
+import * as pages from "./pages.js"
+import * as player from "./player.js"
+import { me } from "./state.js"
+import * as status from "./status.js"
+
+// wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
+// looks: {preset: text}; positions: {slider: values}; index: Bokeh's index of views
+export function start({ wire, figures, slots, looks, positions, index }) {
+  useIndex(index)
+  figures = plain(figures)
+  positions = plain(positions)
+  for (const name in figures) adopt(name, figures[name])
+  channel.connect(wire)
+  status.connect({ looks: plain(looks), positions })
+  pages.connect(plain(slots))
+  accuracy.connect()
+  inputs.connect(positions)
+  channel.listen("chunk", player.receive)
+  channel.listen("status", status.heard)
+  channel.listen("accuracy", accuracy.measured)
+  channel.listen("page", pages.told)
+  channel.listen("picture", pages.pictured)
+  new ResizeObserver(tellStretch).observe(document.querySelector("figure"))
+  paint()
+  for (const name in positions) status.place(name, Number(by(`${name}-entry`).value))
+  me.speed = Number(by("speed").value)
+  player.play(me.playing)
+  requestAnimationFrame(player.tick)
+  channel.order("hello")
+  pages.openAsked()
+}

@@ -1,0 +1,36 @@
+// The page "Interface law": every node of the increment shown, as a dot on the law drawn by app/views/law.py.
+
+import { by } from "../dom.js"
+import { fill } from "../figures.js"
+
+let law = null // its numbers, of the scene on screen
+
+export const told = (news) => { law = news.law }
+export const closed = () => { law = null }
+
+export function frame(run, k) {
+  if (!law) return
+  const { spacing: a, delta_n, delta_t, phi_n, phi_t } = law
+  const { x, gap, T_n, T_t } = run.frame(k)
+  const { middle } = run.head
+  const states = { stick: [], slip: [], open: [] }
+  const s = new Float32Array(x.length), shear = new Float32Array(x.length), normal = new Float32Array(x.length)
+  for (let i = 0; i < x.length; i++) {
+    const place = x[i] + middle
+    s[i] = place - a * Math.round(place / a)
+    shear[i] = phi_t > 0 ? (T_t[i] * Math.exp(gap[i] / delta_n) * delta_t) / phi_t : 0
+    let sum = 0
+    for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++) sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
+    normal[i] = (T_n[i] * delta_n) / phi_n / sum
+    states[run.state(T_n[i], gap[i]) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip"].push(i)
+  }
+  for (const state in states) {
+    const pick = (list) => Float32Array.from(states[state], (i) => list[i])
+    const columns = { s: pick(s), gap: pick(gap) }
+    fill("law_shear_map", state, columns)
+    fill("law_normal_map", state, columns)
+    fill("law_shear_law", state, state === "open" ? { s: [], value: [] } : { s: columns.s, value: pick(shear) })
+    fill("law_normal_law", state, { gap: columns.gap, value: pick(normal) })
+    by(`law-${state}`).textContent = states[state].length
+  }
+}

@@ -1,0 +1,89 @@
+// What the server says of the run and of what was entered, in words and in the address.
+
+import { latest } from "./channel.js"
+import { by, readdress, say } from "./dom.js"
+import { me } from "./state.js"
+
+let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
+
+export function connect(given) {
+  ({ looks, positions } = given)
+}
+
+export function heard(text) {
+  const old = me.status
+  me.status = JSON.parse(text)
+  const { state, values, errors, notes, frames } = me.status
+  if (state === "finished" && me.run && frames === me.run.length) {
+    by("scrub").max = me.run.length - 1
+    if (me.following && me.playing) me.at = me.run.sheared
+    me.following = false
+  }
+  if (me.status.heard === latest() && !me.entered) { // not the echo of a position the slider has left
+    for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
+    if (frames > 0 && !me.dragging) writeAddress()
+    say("profile-error", errors.profile)
+    by("preset").value = me.status.preset
+    by("look").textContent = presetSaid()
+  }
+  say("notes", notes.join(" "))
+  tellState()
+}
+
+function describe(name, value, error, before) {
+  const entry = by(`${name}-entry`)
+  if (!error && document.activeElement !== entry || value !== before) entry.value = value
+  entry.setAttribute("aria-invalid", Boolean(error))
+  say(`${name}-error`, error)
+  if (!me.dragging && positions[name]) place(name, value)
+}
+
+// A slider at the position nearest to a value
+export function place(name, value) {
+  const list = positions[name], slider = by(name)
+  slider.value = list.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(list[best] - value) ? i : best), 0)
+  slider.setAttribute("aria-valuetext", `${value}`)
+}
+
+// What to look for, where the scene is still that of the preset
+function presetSaid() {
+  const { preset, address, after } = me.status
+  const changed = Object.keys(address).filter((name) => name !== "preset")
+  const said = changed.map((name) => `${name} = ${address[name]}`).join(", ")
+  if (after && me.origin?.number === after[0]) {
+    const where = `increment ${after[1]} (Uₓ = ${me.origin.curves.U_x[after[1]].toFixed(1)} nm)`
+    return `carried on from ${where} with ${said || "the preset's values"}; the address holds the parameters only`
+  }
+  return changed.length ? `changed: ${said}` : looks[preset]
+}
+
+// What brings this scene back: what differs from the preset
+export function writeAddress() {
+  const { values, address } = me.status
+  if (!values) return
+  readdress((asked) => {
+    for (const name of ["preset", ...Object.keys(values)]) asked.delete(name)
+    for (const name in address) asked.set(name, address[name])
+  })
+}
+
+export function tellState() {
+  const { state, frames, total, evaluations, seconds, tolerance, why, known } = me.status
+  if (!state) return
+  const shown = state === "finished" && !me.playing ? "paused" : state
+  const text = {
+    warming: () => "the solver gets ready; the first time takes up to a minute",
+    running: () => `${frames} of ${total} increments`,
+    paused: () => `after ${frames} of ${total} increments`,
+    failed: () => why,
+    finished: () => {
+      const cycle = me.run?.dissipated ?? null
+      const loop = cycle === null ? "" : ` · dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
+      return `${frames} increments, ${evaluations} evaluations, ${known ? "computed before" : `${seconds} s`}`
+        + ` · all increments converged to ${tolerance.toExponential(0)} nm${loop}`
+    },
+  }[state]()
+  by("status").dataset.state = shown
+  by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
+  by("status").lastElementChild.textContent = text
+}
