@@ -37,7 +37,7 @@ def carried_frames(scene, count, changed):
 
 def change(page, after, **values):
     page.session.change({name: str(value) for name, value in values.items()}, after)
-    page.session.tell()
+    page.session.publish()
     page.until("finished")
 
 
@@ -71,7 +71,7 @@ def test_another_surface_starts_anew_and_says_so(page):
 
 def test_where_a_state_does_not_lead_on_the_reason_is_shown(page):
     page.session.change({"u_x_max": "2"}, (1, page.status()["frames"] - 1))
-    page.session.tell()
+    page.session.publish()
     page.until("failed")
     assert "u_x_max" in page.status()["why"]
 

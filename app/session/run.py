@@ -38,7 +38,7 @@ class Run:
             k -= head["frames"]
         return None
 
-    def told(self):
+    def status(self):
         """The numbers for the browser, as plain data."""
         return {
             "state": self.state,

@@ -44,7 +44,7 @@ class Session:
         self.errors, self.cautions = {}, []  # cautions: of the last finished run
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
-        self.heard = None  # number of the last order: the browser ignores echoes of what it has changed since
+        self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
         self.chains = Chains()
         self.wanted = None  # a newer (scene, run and frame to go on from), while a slice of the old one is in flight
@@ -71,7 +71,7 @@ class Session:
     def _on_order(self, attribute, old, new):
         try:
             order = json.loads(new)
-            name, self.heard = order["do"], order.get("n", self.heard)
+            name, self.acknowledged = order["do"], order.get("n", self.acknowledged)
             if name == "scene":
                 self.change(dict(order["values"]), order.get("from"))
             elif name in ("hello", "pause", "go", "one", "reset"):
@@ -84,10 +84,10 @@ class Session:
                 self.pages.order(dict(order["values"]))
             elif name == "page":
                 self.pages.open(order["values"]["page"])
-                self.tell()
+                self.publish()
             elif name in ("measure", "cancel"):
                 self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
-                self.tell()
+                self.publish()
         except (ValueError, KeyError, TypeError, AttributeError):
             log.info("unreadable order from a browser: %.80s", new)
         except Exception as error:
@@ -105,7 +105,7 @@ class Session:
         self.notes = []
         scene, self.errors = changed_scene(self.scene, entries, self.notes)
         if scene == self.scene:
-            self.tell()
+            self.publish()
         else:
             after = self._usable(scene, after)
             self.scene = scene
@@ -129,7 +129,7 @@ class Session:
         scene, why = (None, "the worker was lost; try again") if task.exception() else task.result()
         if scene is None:
             self.errors = {"profile": f"profile: {why}. The run on screen stays."}
-            return self.tell()
+            return self.publish()
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(scene.measured.notes)}"]
         self._want(scene)
 
@@ -150,14 +150,14 @@ class Session:
         """Submit no further slice until `go`."""
         if self.run and self.run.state in ("running", "warming"):
             self.run.state = "paused"
-            self.tell()
+            self.publish()
 
     def go(self):
         """Continue a paused run."""
         if self.run and self.run.state == "paused":
             self.run.state = "running"
             self._submit(BUDGET)
-            self.tell()
+            self.publish()
 
     def one(self):
         """Compute one further increment of a paused run."""
@@ -213,7 +213,7 @@ class Session:
             self._show_known(known)
         else:
             self._submit(FIRST)
-        self.tell()
+        self.publish()
 
     def _submit(self, budget):
         if self.flight is None:
@@ -251,7 +251,7 @@ class Session:
             self._begin(*self.wanted)
         elif self.run.state == "running":
             self._submit(BUDGET)
-        self.tell()
+        self.publish()
 
     def _show(self, piece):
         run = self.run
@@ -305,13 +305,13 @@ class Session:
         if self.run:
             self.run.state = "failed"
             self.run.why = f"{type(error).__name__}: {error}. Press Reset to start again"
-        self.tell()
+        self.publish()
 
-    def tell(self):
+    def publish(self):
         """Send status, values, notes and errors to the browser."""
         run = self.run
         if run is None:
             return
-        own = {"values": values_of(self.scene), "heard": self.heard, "errors": self.errors}
+        own = {"values": values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": address_of(self.scene, self.preset)}
-        self.wire.status = json.dumps(run.told() | own | {"notes": self.notes + self.cautions})
+        self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.cautions})

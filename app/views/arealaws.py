@@ -68,8 +68,8 @@ def named(scene):
 class Page:
     """See pages.py."""
 
-    def __init__(self, session, tell):
-        self.session, self.tell = session, tell
+    def __init__(self, session, publish):
+        self.session, self.publish = session, publish
         self.views = {name.removeprefix("arealaws_"): view for name, view in views(compose).items()}
         self.sweep = Sweep(session, self._take)
         self.series = {}  # scene: {delta_bar: result}
@@ -81,11 +81,11 @@ class Page:
         self._add(self.session.scene)
         for values in INTERFACES.values():
             self._add(Scene(**values))
-        self._tell()
+        self._publish()
 
     def scene_changed(self):
         """Whether the scene on screen could be a series of its own is said; it is added by a button."""
-        self._tell()
+        self._publish()
 
     def order(self, values):
         """Add the series on screen, show another one's curves, or cancel."""
@@ -97,7 +97,7 @@ class Page:
         elif what == "show":
             self.shown = list(self.series)[int(values["series"])]
             self._draw_runs()
-        self._tell()
+        self._publish()
 
     def close(self):
         """Ask for nothing any longer."""
@@ -135,7 +135,7 @@ class Page:
             self._draw_threshold()
             if series == self.shown:
                 self._draw_runs()
-            self._tell()
+            self._publish()
 
     # drawing
 
@@ -203,13 +203,13 @@ class Page:
             return "The surface on screen is flat, without an edge that could peel: it has no series here."
         return ""
 
-    def _tell(self):
+    def _publish(self):
         try:
             own = series_of(self.session.scene)
             addable = own not in self.series and own.surface != "flat"
         except SceneError:
             addable = False
-        self.tell(
+        self.publish(
             busy=self.sweep.part,
             texts={"arealaws-of": f"of {named(self.shown)}" if self.shown else "", "arealaws-own": self._own()},
             series=[

@@ -64,8 +64,8 @@ def compose():
 class Page:
     """See pages.py."""
 
-    def __init__(self, session, tell):
-        self.session, self.tell = session, tell
+    def __init__(self, session, publish):
+        self.session, self.publish = session, publish
         self.views = {name.removeprefix("law_"): view for name, view in views(compose).items()}
 
     def start(self):
@@ -93,7 +93,7 @@ class Page:
         self._draw("normal_law", "spring", gap=[], value=[])
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
-        self.tell(images=limits, law=_numbers(scene) | {"peak": peak}, texts={"law-numbers": _said(scene)})
+        self.publish(images=limits, law=_numbers(scene) | {"peak": peak}, texts={"law-numbers": _said(scene)})
 
     def _draw(self, slot, label, **columns):
         self.views[slot].parts[label].data_source.data = columns

@@ -1,8 +1,8 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
 A page is a module with compose() -> {name: View} and the class `Page`, made with the Session and a function
-`tell(**news)`; it has views {slot: View} named page_slot, start(), scene_changed(), order(values) and close(). What it
-tells reaches the browser as one dictionary, of which the browser knows texts {element: text}, busy (part done or None)
+`publish(**news)`; it has views {slot: View} named page_slot, start(), scene_changed(), order(values) and close(). What
+is published reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part done or None)
 and images {view.label: limits}; the rest is for the page's own script.
 """
 
@@ -43,23 +43,23 @@ class Pages:
     def __init__(self, session):
         self.session = session
         self.slots = {f"{page}_{slot}": Column(sizing_mode="stretch_both") for page in SLOTS for slot in SLOTS[page]}
-        self.name, self.page, self.told = "", None, {}
+        self.name, self.page, self.published = "", None, {}
 
     def open(self, name):
         """Show page `name` instead of the one that is open; '' for none."""
         self.close()
         if name not in SLOTS:
             return
-        page = import_module(f"app.views.{name}").Page(self.session, lambda **news: self._tell(page, news))
+        page = import_module(f"app.views.{name}").Page(self.session, lambda **news: self._publish(page, news))
         self.name, self.page = name, page
         for slot, view in page.views.items():
             self.slots[f"{name}_{slot}"].children = [view.figure]
-        self.told = {
+        self.published = {
             "open": name,
             "figures": [view.name for view in page.views.values()],
         }
         page.start()
-        self._tell(page, {})
+        self._publish(page, {})
         log.info("a visitor opened the page %s", name)
 
     def close(self):
@@ -69,7 +69,7 @@ class Pages:
             page.close()
             for slot in SLOTS[self.name]:
                 self.slots[f"{self.name}_{slot}"].children = []
-            self.name, self.told = "", {}
+            self.name, self.published = "", {}
             self.session.wire.page = "{}"
 
     def scene_changed(self):
@@ -82,8 +82,8 @@ class Pages:
         if self.page is not None:
             self.page.order(values)
 
-    def _tell(self, page, news):
+    def _publish(self, page, news):
         """Tell the browser, unless the visitor has left the page meanwhile."""
         if page is self.page:
-            self.told = self.told | news
-            self.session.wire.page = json.dumps(self.told)
+            self.published = self.published | news
+            self.session.wire.page = json.dumps(self.published)

@@ -37,14 +37,14 @@ def compose():
 class Page:
     """See pages.py."""
 
-    def __init__(self, session, tell):
-        self.session, self.tell = session, tell
+    def __init__(self, session, publish):
+        self.session, self.publish = session, publish
         self.views = {name.removeprefix("solid_"): view for name, view in views(compose).items()}
         self.task, self.waiting, self.about = None, None, None
 
     def start(self):
         """The browser asks for the first picture as soon as it has a frame."""
-        self.tell(palette=list(cividis(256)))
+        self.publish(palette=list(cividis(256)))
 
     def scene_changed(self):
         """The next frame on screen brings the next picture."""

@@ -95,8 +95,8 @@ def flat(scene):
 class Page:
     """See pages.py."""
 
-    def __init__(self, session, tell):
-        self.session, self.tell = session, tell
+    def __init__(self, session, publish):
+        self.session, self.publish = session, publish
         self.views = {name.removeprefix("stickslip_"): view for name, view in views(compose).items()}
         self.sweep = Sweep(session, self._take)
         self.runs, self.own = {}, None
@@ -110,7 +110,7 @@ class Page:
         try:
             own = flat(self.session.scene)
         except SceneError as error:
-            return self.tell(texts={"stickslip-said": f"Not drawn: {error}"})
+            return self.publish(texts={"stickslip-said": f"Not drawn: {error}"})
         before, self.own = self.own, own
         self.sweep.cancel()
         if before is None or before.changed(E=own.E, phi_ratio=own.phi_ratio, phi_n=own.phi_n) != own:
@@ -118,7 +118,7 @@ class Page:
         self._draw_own()
         chosen = [(tasks.flat_curve, scene) for scene in (own, *self._chosen())]
         self.sweep.add([*chosen, *((tasks.flat_friction, scene) for scene in self._measured())])
-        self._say()
+        self._describe()
 
     def order(self, values):
         """A click on the map: that scene on screen."""
@@ -129,7 +129,7 @@ class Page:
             self.session.show(scene.changed(E=float(f"{E:.3g}"), phi_ratio=float(f"{ratio:.3g}")), "fig4a-blue")
         elif values.get("what") == "cancel":
             self.sweep.cancel()
-            self._say("cancelled; ")
+            self._describe("cancelled; ")
 
     def close(self):
         """Ask for nothing any longer."""
@@ -197,7 +197,7 @@ class Page:
         """A run is back from the workers."""
         kind, scene = call
         if isinstance(result, Exception):
-            return self._say(f"One run failed: {result}. ")
+            return self._describe(f"One run failed: {result}. ")
         if kind is tasks.flat_curve:
             for name in CHOSEN:
                 if flat(presets()[name].scene) == scene:
@@ -208,7 +208,7 @@ class Page:
             F_s, F_k, _ = result
             self.runs[scene.E / tau_max(scene)] = 0.5 * (F_s + F_k) * scene.E / tau_max(scene)
             self._draw("mean", "runs", ratio=list(self.runs), mean=list(self.runs.values()))
-        self._say()
+        self._describe()
 
     def _draw_curve(self, label, scene, result):
         U, F = result
@@ -218,7 +218,7 @@ class Page:
         low = min(float(np.min(values, initial=0.0)) for values in drawn)
         self.views["forces"].figure.y_range.update(start=low - 0.08 * high, end=1.1 * high + 1e-6)
 
-    def _say(self, before=""):
+    def _describe(self, before=""):
         own = self.own
         sticks = critical_modulus(own) > own.E
         first = friction(own).F_s * own.E * own.height * own.width / own.shear_modulus if sticks else 0.0
@@ -234,7 +234,7 @@ class Page:
             " where every slip swings back to the opposite force."
         )
         most = f"{self.curve[1].max():.2g}"  # of the map's colours; it depends on the node spacing
-        self.tell(texts={"stickslip-said": text, "stickslip-most": most}, busy=self.sweep.part)
+        self.publish(texts={"stickslip-said": text, "stickslip-most": most}, busy=self.sweep.part)
 
 
 def _mean(scene, ratio):
