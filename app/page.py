@@ -12,7 +12,7 @@ from app.assets import assets
 from app.service.worker import FREE
 from app.session.controls import CONTROLS, drawer, meaning, values_of
 from app.session.session import VISITORS, Session, visitors
-from app.views.pages import TITLES
+from app.views.pages import PAGES, section
 from app.views.plots import views
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
@@ -55,7 +55,7 @@ def _page(session):
     """The template with the five figures, and the player that connects them with the session's wire."""
     made = views()
     made["punch"].figure.tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
-    template = pn.Template(_file("html/page.html").replace("<!-- pages -->", _file("html/pages.html")))
+    template = pn.Template(_file("html/page.html").replace("<!-- pages -->", "".join(map(section, PAGES))))
     roots = {name: view.figure for name, view in made.items()} | session.pages.slots
     for name, model in roots.items():  # as they are: a pane around each would cost a visitor 4 ms
         model.name = name
@@ -68,7 +68,7 @@ def _page(session):
     template.add_variable("unit", lambda name: LIMITS[name].unit if name in LIMITS else "")
     template.add_variable("choices", CHOICES)
     template.add_variable("presets", presets().values())
-    template.add_variable("pages", TITLES.items())
+    template.add_variable("pages", {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()})
     template.add_variable("free", FREE)
     template.add_variable("speeds", SPEEDS)
     template.add_variable("plain_speed", PLAIN_SPEED)

@@ -1,6 +1,9 @@
 """The pages beside the experiment, without a browser: what they show, and that a closed page costs nothing."""
 
 import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +11,8 @@ from bokeh.document import Document
 
 from app.service.finished import Shelf
 from app.session.session import Session
-from app.views.pages import SLOTS
+from app.views import law, pages
+from app.views.pages import PAGES, Sheet, section
 from solver import Scene
 from solver.mechanics import cohesive_law
 
@@ -53,7 +57,7 @@ def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
     assert len(session.doc.models) == before and session.wire.page == "{}"
 
 
-@pytest.mark.parametrize("name", SLOTS)
+@pytest.mark.parametrize("name", PAGES)
 def test_every_page_fills_its_places_and_no_other(session, name):
     order(session, "page", page=name)
     for slot, column in session.pages.slots.items():
@@ -94,3 +98,17 @@ def test_the_tangential_law_has_its_peak_where_the_page_says(session):
     peak = json.loads(session.wire.page)["law"]["peak"]
     at, beside = np.abs(cohesive_law.traction(Scene(), np.array([peak, peak + 0.05]), 0.0)[0])
     assert at > beside and at > abs(cohesive_law.traction(Scene(), peak - 0.05, 0.0)[0])
+
+
+def test_a_blank_page_needs_an_entry_and_a_module(session, monkeypatch):
+    module = SimpleNamespace(compose=law.compose, Page=Sheet)
+    monkeypatch.setitem(PAGES, "law", ("Blank", ("shear_map",)))
+    monkeypatch.setitem(sys.modules, "app.views.law", module)
+    monkeypatch.setattr(pages, "SECTIONS", Path("nowhere"))
+    order(session, "page", page="law")
+    order(session, "scene", E="80")
+    order(session, "ask", what="ever")
+    assert json.loads(session.wire.page)["open"] == "law"
+    assert "Blank</h2>" in section("law") and "embed(roots.law_shear_map)" in section("law")
+    order(session, "page", page="")
+    assert session.pages.page is None

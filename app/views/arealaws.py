@@ -9,7 +9,8 @@ import numpy as np
 
 from app.service import tasks
 from app.service.sweep import Sweep
-from app.views.plots import curve, dots, rendered, views
+from app.views.pages import Sheet
+from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
@@ -65,13 +66,12 @@ def named(scene):
     return text + (f", Ē = {scene.E:g}" if scene.E != Scene().E else "") + (" and other parameters" if other else "")
 
 
-class Page:
+class Page(Sheet):
     """See pages.py."""
 
-    def __init__(self, session, publish):
-        self.session, self.publish = session, publish
-        self.views = {name.removeprefix("arealaws_"): view for name, view in views(compose).items()}
-        self.sweep = Sweep(session, self._take)
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.sweep = Sweep(self.session, self._take)
         self.series = {}  # scene: {delta_bar: result}
         self.marks = {series_of(Scene(**values)): k for k, values in enumerate(INTERFACES.values())}  # as in the paper
         self.shown = None
@@ -139,9 +139,6 @@ class Page:
 
     # drawing
 
-    def _draw(self, slot, label, **columns):
-        self.views[slot].parts[label].data_source.data = columns
-
     def _draw_runs(self):
         """Area against force of one series, curves with gaps between them, and the quadratic law fitted to each."""
         rows, fits, onsets = [], [], []
@@ -154,10 +151,10 @@ class Page:
             if law:
                 fits += [(F, THOUSAND * (law.A_0 - law.zeta * result["F"] ** 2)), ([np.nan],) * 2]
         F, A, depth = _joined(rows, 3)
-        self._draw("runs", "runs", F=F, A=A, delta_bar=depth)
+        self.draw("runs", "runs", F=F, A=A, delta_bar=depth)
         F_fit, A_fit = _joined(fits, 2)
-        self._draw("runs", "fits", F=F_fit, A=np.where(A_fit < 0, np.nan, A_fit))
-        self._draw("runs", "onsets", F=[f for f, _ in onsets], A=[a for _, a in onsets])
+        self.draw("runs", "fits", F=F_fit, A=np.where(A_fit < 0, np.nan, A_fit))
+        self.draw("runs", "onsets", F=[f for f, _ in onsets], A=[a for _, a in onsets])
         self._fit("runs", F, A)
 
     def _draw_threshold(self):
@@ -168,14 +165,14 @@ class Page:
             results = drawn.get(k, {})
             points = [(d, THOUSAND * r["F_s"], THOUSAND * r["A_s"]) for d, r in sorted(_found(results)) if r["F_s"]]
             inside = [p for p in points if p[0] < BEYOND]
-            self._draw(
+            self.draw(
                 "threshold",
                 f"points{k}",
                 F=[p[1] for p in inside],
                 A=[p[2] for p in inside],
                 delta_bar=[p[0] for p in inside],
             )
-            self._draw(
+            self.draw(
                 "threshold",
                 f"beyond{k}",
                 F=[p[1] for p in points[len(inside) :]],
@@ -185,7 +182,7 @@ class Page:
             if law:
                 top = max(p[2] for p in points)
                 line = [THOUSAND * law.F_nc, THOUSAND * law.F_nc + law.tau_c * top], [0.0, top]
-            self._draw("threshold", f"line{k}", F=line[0], A=line[1])
+            self.draw("threshold", f"line{k}", F=line[0], A=line[1])
             most_F, most_A = max([most_F, *(p[1] for p in points)]), max([most_A, *(p[2] for p in points)])
         self._fit("threshold", [most_F], [most_A])
 

@@ -8,7 +8,8 @@ T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/del
 import holoviews as hv
 import numpy as np
 
-from app.views.plots import curve, dots, rendered, views
+from app.views.pages import Sheet
+from app.views.plots import curve, dots, rendered
 from solver.mechanics import cohesive_law
 
 OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
@@ -61,16 +62,8 @@ def compose():
     return {view.name: view for view in made}
 
 
-class Page:
+class Page(Sheet):
     """See pages.py."""
-
-    def __init__(self, session, publish):
-        self.session, self.publish = session, publish
-        self.views = {name.removeprefix("law_"): view for name, view in views(compose).items()}
-
-    def start(self):
-        """Draw the law of the scene on screen."""
-        self.scene_changed()
 
     def scene_changed(self):
         """Draw the law if it is another one than before."""
@@ -86,21 +79,18 @@ class Page:
             limits[f"law_{slot}.map"] = [min(float(field.min()), -1e-9), max(float(field.max()), 1e-9)]
         ahead = cohesive_law.traction(scene.changed(phi_ratio=1.0), s, 0.0)
         rise = -ahead[0] * d_t / scene.phi_n
-        self._draw("shear_law", "law", s=s, value=rise)
-        self._draw("shear_law", "spring", s=s, value=2.0 * (s / d_t) * np.exp(-((s / d_t) ** 2)))
+        self.draw("shear_law", "law", s=s, value=rise)
+        self.draw("shear_law", "spring", s=s, value=2.0 * (s / d_t) * np.exp(-((s / d_t) ** 2)))
         force = -gap / d_n * np.exp(-gap / d_n)
-        self._draw("normal_law", "law", gap=gap, value=force)
-        self._draw("normal_law", "spring", gap=[], value=[])
+        self.draw("normal_law", "law", gap=gap, value=force)
+        self.draw("normal_law", "spring", gap=[], value=[])
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
         self.publish(images=limits, law=_numbers(scene) | {"peak": peak}, texts={"law-numbers": _said(scene)})
 
-    def _draw(self, slot, label, **columns):
-        self.views[slot].parts[label].data_source.data = columns
-
     def _draw_map(self, slot, field, s, gap):
         data = {"image": [field.astype(np.float32)], "x": [s[0]], "y": [gap[0]]}
-        self._draw(slot, "map", **data, dw=[s[-1] - s[0]], dh=[gap[-1] - gap[0]])
+        self.draw(slot, "map", **data, dw=[s[-1] - s[0]], dh=[gap[-1] - gap[0]])
 
     def _fit(self, scene, largest):
         half, d_n = 0.5 * scene.spacing, scene.delta_n
@@ -111,12 +101,6 @@ class Page:
                 view.figure.y_range.update(start=LOWEST * d_n, end=HIGHEST * d_n)
         largest = max(largest, 0.86)
         self.views["shear_law"].figure.y_range.update(start=-1.15 * largest, end=1.15 * largest)
-
-    def order(self, values):
-        """The page has no controls of its own."""
-
-    def close(self):
-        """Nothing goes on."""
 
 
 def _numbers(scene):

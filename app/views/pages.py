@@ -1,39 +1,70 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
-A page is a module with compose() -> {name: View} and the class `Page`, made with the Session and a function
-`publish(**news)`; it has views {slot: View} named page_slot, start(), scene_changed(), order(values) and close(). What
-is published reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part done or None)
-and images {view.label: limits}; the rest is for the page's own script.
+A page is an entry of PAGES and a module here with compose() -> {view: View}, views named page_slot, and a class `Page`,
+a Sheet. What it publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part
+done or None) and images {view.label: limits}; the rest is for a script of its own, static/js/pages/NAME.js. Its section
+of the document is html/pages/NAME.html; without one it is a title above the figures.
 """
 
 import json
 import logging
 from importlib import import_module
+from pathlib import Path
 
 from bokeh.models import Column
 
 from app.views.plots import views
 
 log = logging.getLogger("app")
-TITLES = {
-    "": "Experiment",
-    "law": "Interface law",
-    "stickslip": "Stick-slip",
-    "arealaws": "Area laws",
-    "solid": "Inside the solid",
+PAGES = {  # name: (title, where its figures go)
+    "law": ("Interface law", ("shear_map", "normal_map", "shear_law", "normal_law")),
+    "stickslip": ("Stick-slip", ("forces", "mean", "map")),
+    "arealaws": ("Area laws", ("runs", "threshold")),
+    "solid": ("Inside the solid", ("field",)),
 }
-# page: where its figures go
-SLOTS = {
-    "law": ("shear_map", "normal_map", "shear_law", "normal_law"),
-    "stickslip": ("forces", "mean", "map"),
-    "arealaws": ("runs", "threshold"),
-    "solid": ("field",),
-}
+SECTIONS = Path(__file__).parents[1] / "html" / "pages"
+FIGURE = '<figure><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'
+
+
+def section(name):
+    """The section of a page in the document, as a template."""
+    if (SECTIONS / f"{name}.html").exists():
+        return (SECTIONS / f"{name}.html").read_text(encoding="utf-8")
+    title, slots = PAGES[name]
+    figures = "".join(FIGURE.format(f"{name}_{slot}") for slot in slots)
+    return f"""  <section id="{name}" class="sheet" aria-labelledby="{name}-title" hidden>
+    <h2 id="{name}-title">{title}</h2><div class="figures">{figures}</div>
+  </section>
+"""
+
+
+class Sheet:
+    """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so."""
+
+    def __init__(self, session, publish, views):
+        self.session, self.publish, self.views = session, publish, views
+
+    def start(self):
+        """The page has been opened."""
+        self.scene_changed()
+
+    def scene_changed(self):
+        """The experiment shows another scene from now on."""
+
+    def order(self, values):
+        """The page's own controls have been used."""
+
+    def close(self):
+        """Leave no work behind."""
+
+    def draw(self, slot, label, **columns):
+        """Give a part of a figure other data."""
+        self.views[slot].parts[label].data_source.data = columns
 
 
 def compose_all():
     """Compose the figures of every page once, for all visitors: done when the server starts, as it takes a while."""
-    for name in SLOTS:
+    for name in PAGES:
         views(import_module(f"app.views.{name}").compose)
 
 
@@ -42,15 +73,19 @@ class Pages:
 
     def __init__(self, session):
         self.session = session
-        self.slots = {f"{page}_{slot}": Column(sizing_mode="stretch_both") for page in SLOTS for slot in SLOTS[page]}
+        self.slots = {
+            f"{page}_{slot}": Column(sizing_mode="stretch_both") for page, (_, slots) in PAGES.items() for slot in slots
+        }
         self.name, self.page, self.published = "", None, {}
 
     def open(self, name):
         """Show page `name` instead of the one that is open; '' for none."""
         self.close()
-        if name not in SLOTS:
+        if name not in PAGES:
             return
-        page = import_module(f"app.views.{name}").Page(self.session, lambda **news: self._publish(page, news))
+        module = import_module(f"app.views.{name}")
+        made = {view.removeprefix(f"{name}_"): shown for view, shown in views(module.compose).items()}
+        page = module.Page(self.session, lambda **news: self._publish(page, news), made)
         self.name, self.page = name, page
         for slot, view in page.views.items():
             self.slots[f"{name}_{slot}"].children = [view.figure]
@@ -67,7 +102,7 @@ class Pages:
         if self.page is not None:
             page, self.page = self.page, None
             page.close()
-            for slot in SLOTS[self.name]:
+            for slot in PAGES[self.name][1]:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name, self.published = "", {}
             self.session.wire.page = "{}"

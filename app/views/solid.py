@@ -14,7 +14,8 @@ import numpy as np
 from bokeh.palettes import cividis
 
 from app.service import tasks
-from app.views.plots import NODE, rendered, views
+from app.views.pages import Sheet
+from app.views.plots import NODE, rendered
 
 SIZE = (400, 150)  # columns, rows
 DEPTH = 1.0  # of half the width shown
@@ -34,20 +35,16 @@ def compose():
     return {view.name: view}
 
 
-class Page:
+class Page(Sheet):
     """See pages.py."""
 
-    def __init__(self, session, publish):
-        self.session, self.publish = session, publish
-        self.views = {name.removeprefix("solid_"): view for name, view in views(compose).items()}
+    def __init__(self, *given):
+        super().__init__(*given)
         self.task, self.waiting, self.about = None, None, None
 
     def start(self):
         """The browser asks for the first picture as soon as it has a frame."""
         self.publish(palette=list(cividis(256)))
-
-    def scene_changed(self):
-        """The next frame on screen brings the next picture."""
 
     def order(self, values):
         """Show a frame: {run, frame, half (nm), quantity, per_fringe (GPa), mesh}."""

@@ -11,7 +11,8 @@ from bokeh.models import FixedTicker
 
 from app.service import tasks
 from app.service.sweep import Sweep
-from app.views.plots import curve, dots, rendered, views
+from app.views.pages import Sheet
+from app.views.plots import curve, dots, rendered
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.presets import presets
@@ -92,18 +93,13 @@ def flat(scene):
     return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
 
 
-class Page:
+class Page(Sheet):
     """See pages.py."""
 
-    def __init__(self, session, publish):
-        self.session, self.publish = session, publish
-        self.views = {name.removeprefix("stickslip_"): view for name, view in views(compose).items()}
-        self.sweep = Sweep(session, self._take)
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.sweep = Sweep(self.session, self._take)
         self.runs, self.own = {}, None
-
-    def start(self):
-        """Draw what is exact at once, and ask the workers for the runs."""
-        self.scene_changed()
 
     def scene_changed(self):
         """Another scene is on screen: its own curve, and if the layer is another one, all of it."""
@@ -153,9 +149,6 @@ class Page:
 
     # drawing
 
-    def _draw(self, slot, label, **columns):
-        self.views[slot].parts[label].data_source.data = columns
-
     def _draw_layer(self):
         """Mean friction depends on E/tau_max alone: one curve makes the map."""
         own = self.own.changed(phi_n=2.0, phi_ratio=0.1)
@@ -165,7 +158,7 @@ class Page:
         ratios = ratios[(ratios * tau_max(own) >= low) & (ratios * tau_max(own) <= high)]
         mean = np.array([_mean(own, ratio) for ratio in ratios])
         self.curve = ratios, mean
-        self._draw("mean", "exact", ratio=ratios, mean=mean)
+        self.draw("mean", "exact", ratio=ratios, mean=mean)
         self.views["mean"].parts["low"].update(left=critical, right=ratios[-1] * 10)
         E, phi_t = np.geomspace(*MODULI, ROWS), np.geomspace(*STRENGTHS, ROWS)
         over = E / (phi_t[:, None] * tau_max(own) / own.phi_t)
@@ -174,24 +167,24 @@ class Page:
         source.data = dict(source.data) | {"image": [image]}
         self.views["map"].parts["map"].glyph.color_mapper.update(low=0.0, high=float(mean.max()))
         line = critical * phi_t * tau_max(own) / own.phi_t
-        self._draw("map", "boundary", E=np.log10(line), phi_t=np.log10(phi_t))
+        self.draw("map", "boundary", E=np.log10(line), phi_t=np.log10(phi_t))
         shown = [scene for scene in self._chosen() if scene.phi_t >= STRENGTHS[0]]
-        self._draw("map", "presets", E=np.log10([s.E for s in shown]), phi_t=np.log10([s.phi_t for s in shown]))
+        self.draw("map", "presets", E=np.log10([s.E for s in shown]), phi_t=np.log10([s.phi_t for s in shown]))
 
     def _draw_own(self):
         own = self.own
         inside = own.phi_t >= STRENGTHS[0]
-        self._draw("map", "own", E=[np.log10(own.E)] if inside else [], phi_t=[np.log10(own.phi_t)] if inside else [])
+        self.draw("map", "own", E=[np.log10(own.E)] if inside else [], phi_t=[np.log10(own.phi_t)] if inside else [])
         ratio = own.E / tau_max(own) if own.phi_t > 0 else np.inf
         mean = float(np.interp(np.log(ratio), np.log(self.curve[0]), self.curve[1], right=0.0))
         at = {"ratio": [ratio], "mean": [mean]} if np.isfinite(ratio) else {"ratio": [], "mean": []}
-        self._draw("mean", "own", **at)
+        self.draw("mean", "own", **at)
         ratios = self.curve[0]
         start = min(1e-3 * ratios[-1], 0.7 * ratio)
         self.views["mean"].figure.x_range.update(start=max(start, ratios[0]), end=ratios[-1])
-        self._draw("forces", "own", U_x=[], F=[])
+        self.draw("forces", "own", U_x=[], F=[])
         self.runs = {}
-        self._draw("mean", "runs", ratio=[], mean=[])
+        self.draw("mean", "runs", ratio=[], mean=[])
 
     def _take(self, call, result):
         """A run is back from the workers."""
@@ -207,12 +200,12 @@ class Page:
         else:
             F_s, F_k, _ = result
             self.runs[scene.E / tau_max(scene)] = 0.5 * (F_s + F_k) * scene.E / tau_max(scene)
-            self._draw("mean", "runs", ratio=list(self.runs), mean=list(self.runs.values()))
+            self.draw("mean", "runs", ratio=list(self.runs), mean=list(self.runs.values()))
         self._describe()
 
     def _draw_curve(self, label, scene, result):
         U, F = result
-        self._draw("forces", label, U_x=U, F=F * np.float32(1000 * scene.E / NORMAL))
+        self.draw("forces", label, U_x=U, F=F * np.float32(1000 * scene.E / NORMAL))
         drawn = [self.views["forces"].parts[name].data_source.data["F"] for name in (*CHOSEN, "own")]
         high = max(float(np.max(values, initial=0.0)) for values in drawn)
         low = min(float(np.min(values, initial=0.0)) for values in drawn)
