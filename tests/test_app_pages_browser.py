@@ -142,7 +142,7 @@ def test_the_drawer_changes_any_parameter_and_refuses_with_a_reason(visit):
     assert page.evaluate("punch.status.values.phi_n") == 1 and "phi_n=1" in page.url
     page.fill("#nodes-entry", "3")
     page.keyboard.press("Enter")
-    page.wait_for_function("() => document.getElementById('nodes-error').textContent.includes('allowed: 4 to 4096')")
+    page.wait_for_function("() => document.getElementById('nodes-error').textContent.includes('allowed: 4 .. 4096')")
     assert page.evaluate("punch.run.number") == 2
     page.get_by_role("dialog", name="Parameters").get_by_role("button", name="Close").click()
     assert page.get_by_role("dialog", name="Parameters").is_hidden()

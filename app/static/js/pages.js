@@ -1,5 +1,5 @@
-// The pages beside the experiment: opened and closed here, filled by the server (app/views/pages.py). A page's module
-// has any of connect(), opened(), told(news), frame(run, k), painted(), pictured(buffer), closed().
+// The pages beside the experiment: opened and closed here, filled by the server (app/views/pages.py). A page may have
+// a module, with any of connect(), opened(), told(news), frame(run, k), painted(), pictured(buffer), closed().
 
 import { order } from "./channel.js"
 import { by, readdress } from "./dom.js"
@@ -24,7 +24,7 @@ export function connect(given) {
 
 export function openAsked() {
   const asked = new URLSearchParams(location.search).get("page")
-  if (asked) openPage(asked in modules ? asked : "")
+  if (asked) openPage(by(asked)?.classList.contains("sheet") ? asked : "")
 }
 
 export function openPage(name) {
