@@ -230,6 +230,8 @@ def pack(scene, rows, last):
         "adhesion": scene.phi_n / (e * scene.delta_n),
         "free": FREE,
         "delta_n": scene.delta_n,
+        "delta_t": scene.delta_t,
+        "force": scene.width * scene.E,  # N/m of force per unit of F_bar, L_bar
         "flat": scene.surface == "flat",
     }
     head = json.dumps(header).encode()

@@ -68,3 +68,9 @@ export function stretch({ inner_width, inner_height, x_range, y_range } = {}) {
   if (!inner_width || !inner_height) return null
   return (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
 }
+
+// Where the axes of a figure enclose it, px from its corner; nothing before it is laid out
+export function frameBox(figure) {
+  const { left, top, width, height } = viewOf(figure)?.frame?.bbox ?? {}
+  return width > 0 && height > 0 ? { left, top, width, height } : null
+}

@@ -11,6 +11,7 @@ const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const TO_SCALE = 0.02 // a difference that nobody sees
+const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
 
 export function adopt(name, figure) {
@@ -165,7 +166,8 @@ export function fitFrames(run) {
   const half = flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
   document.querySelector(".page").dataset.flat = flat
   set(figures.map.y_range, { start: -half, end: half })
-  set(figures.punch.x_range, { start: -half, end: half })
+  const wide = flat ? Math.min(half, SITES * spacing) : half
+  set(figures.punch.x_range, { start: -wide, end: wide })
   set(figures.punch.y_range, { start: Math.min(BELOW, 1.15 * run.lowest) })
   fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)

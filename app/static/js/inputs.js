@@ -7,7 +7,7 @@ import { theme } from "./colours.js"
 import { by, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
-import { goto, move, play, reset, show } from "./player.js"
+import { goto, move, play, reset, show, toSlip } from "./player.js"
 import { me, QUIET } from "./state.js"
 import { writeAddress } from "./status.js"
 
@@ -88,7 +88,7 @@ function onKey(event) {
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
-    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "?": () => by("keys").showModal(),
+    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(),
   }
   if (!keys[event.key]) return
   event.preventDefault()

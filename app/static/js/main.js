@@ -5,7 +5,9 @@ import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import { by } from "./dom.js"
 import { adopt, paint, tellStretch } from "./figures.js"
+import { connectHand } from "./hand.js"
 import * as inputs from "./inputs.js"
+import { connectLens } from "./lens.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
 import { me } from "./state.js"
@@ -23,6 +25,8 @@ export function start({ wire, figures, slots, looks, positions, index }) {
   pages.connect(plain(slots))
   accuracy.connect()
   inputs.connect(positions)
+  connectLens(player.show)
+  connectHand(positions)
   channel.listen("chunk", player.receive)
   channel.listen("status", status.heard)
   channel.listen("accuracy", accuracy.measured)

@@ -7,6 +7,7 @@ import { framePage } from "./pages.js"
 import { Run, unpack } from "./run.js"
 import { me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
+import { drawStory, nextSlip } from "./story.js"
 
 const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
 
@@ -60,6 +61,7 @@ function showFrame() {
   if (!run?.length) return
   const k = Math.min(Math.floor(me.preview ?? me.at), run.length - 1)
   drawFrame(run, k)
+  drawStory(run, k)
   me.drawn = k
   if (run.sheared >= 0 && k >= run.sheared && me.begun === run.number && me.stage !== run.stageOfMap(k)) me.mapped = false
   framePage()
@@ -125,6 +127,8 @@ export function move(frames) {
     order("one")
   } else goto(target)
 }
+
+export const toSlip = (way) => me.run && goto(nextSlip(me.run, Math.floor(me.at), way))
 
 export function goto(k) {
   if (me.playing) play(false)

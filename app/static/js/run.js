@@ -108,6 +108,32 @@ export class Run {
     return { x, gap: real("gap", 1), T_n: real("T_z", 1), T_t: real("T_x", -1) }
   }
 
+  // Displacement u_x of the first node, nm; of a flat surface that of all
+  u(k) {
+    const [{ head, fields }, row] = this.places[k]
+    return fields.u_x[row * head.nodes] * head.scales.u_x
+  }
+
+  // Outermost places of repulsion in frame k, as numbers of nodes with fractions; null where nothing is repelled
+  edges(k) {
+    const [{ head: { nodes, first }, fields: { T_z } }, row] = this.places[k], T = T_z.subarray(row * nodes, (row + 1) * nodes)
+    const left = T.findIndex((value) => value > 0), right = T.findLastIndex((value) => value > 0)
+    if (left < 0) return null
+    const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0)
+    return [first + left - beyond(left, left - 1), first + right + beyond(right, right + 1)]
+  }
+
+  // Largest of F_bar and L_bar after the approach
+  get strongest() {
+    const { F_bar, L_bar } = this.curves
+    if (this.weighed !== F_bar.length) {
+      const from = Math.max(0, this.sheared)
+      this.most = [F_bar, L_bar].reduce((most, list) => list.reduce((a, b, k) => (k < from ? a : Math.max(a, Math.abs(b))), most), 0)
+      this.weighed = F_bar.length
+    }
+    return this.most
+  }
+
   values(k) {
     return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]]))
   }

@@ -1,0 +1,50 @@
+// Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation.
+
+import { by } from "./dom.js"
+import { figures } from "./figures.js"
+import { goto } from "./player.js"
+import { me } from "./state.js"
+
+const DECIDED = 6 // px after which it is clear which way is meant
+const DEEP = 0.02 // of delta_bar per px: the whole slider in some 100 px
+
+export function connectHand(positions) {
+  const view = by("punch-view"), slider = by("delta_bar"), values = positions.delta_bar
+  let from = null // where the drag began, and what it changes, once that is clear
+  view.addEventListener("pointerdown", (event) => {
+    if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return
+    from = { x: event.clientX, y: event.clientY, way: null, along: me.run.along[Math.max(0, me.drawn)], delta: values[slider.value] }
+  })
+  view.addEventListener("pointermove", (event) => {
+    if (!from) return
+    const dx = event.clientX - from.x, dy = event.clientY - from.y
+    if (!from.way && Math.max(Math.abs(dx), Math.abs(dy)) > DECIDED) {
+      from.way = Math.abs(dx) > Math.abs(dy) || event.pointerType === "touch" ? "along" : "down"
+      view.setPointerCapture(event.pointerId)
+      view.dataset.dragged = from.way
+    }
+    if (from.way === "along") pull(from.along, dx)
+    else if (from.way === "down") push(from.delta + DEEP * dy)
+  })
+  for (const end of ["pointerup", "pointercancel"]) {
+    view.addEventListener(end, () => {
+      if (from?.way === "down") slider.dispatchEvent(new Event("pointerup"))
+      from = null
+      delete view.dataset.dragged
+    })
+  }
+
+  // the top follows the hand: a nanometre of the path for one on the screen
+  function pull(along, dx) {
+    const { start, end } = figures.punch.x_range
+    goto(me.run.nearest(along + (dx * (end - start)) / view.clientWidth, me.at))
+  }
+
+  // as if the slider were moved
+  function push(delta) {
+    const at = values.reduce((best, v, i) => (Math.abs(v - delta) < Math.abs(values[best] - delta) ? i : best), 0)
+    if (Number(slider.value) === at) return
+    slider.value = at
+    slider.dispatchEvent(new Event("input"))
+  }
+}

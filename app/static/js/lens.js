@@ -1,0 +1,150 @@
+// Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
+
+import { by, on } from "./dom.js"
+import { figures } from "./figures.js"
+import { write } from "./pen.js"
+import { me } from "./state.js"
+
+const ACROSS = 13 // nm seen in the lens
+const APART = 1.3 // nm that nodes are drawn above where they are, so that springs are seen in contact
+const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
+const lens = { place: null, shown: true } // nm along the interface, null: at the trailing edge; whether it is wanted
+
+// Where the lens looks: at the trailing edge unless it was dragged elsewhere
+function focus({ run, k, frame }) {
+  if (lens.place !== null) return lens.place
+  const edges = run.edges(k), { first } = run.places[k][0].head
+  if (!edges) return 0
+  return frame.x[Math.max(0, Math.floor(run.stage(k) === "back" ? edges[1] - first : edges[0] - first))]
+}
+
+export function drawLens(view) {
+  const { pen, box, X, Y, frame, run, ink } = view
+  const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width)
+  by("lens").hidden = !lens.shown || radius < 40
+  if (by("lens").hidden) return
+  const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
+  const at = focus(view), near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
+  Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
+  by("lens").setAttribute("aria-valuenow", at.toFixed(1))
+  by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${run.state(frame.T_n[near], frame.gap[near])}`)
+  pen.strokeStyle = ink.soft
+  pen.lineWidth = 1
+  pen.beginPath() // from what it shows to the lens
+  const spot = [X(at), Y(Math.max(0, frame.gap[near]))], way = Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
+  pen.moveTo(...spot)
+  pen.lineTo(centre[0] + ((spot[0] - centre[0]) * radius) / way, centre[1] + ((spot[1] - centre[1]) * radius) / way)
+  pen.stroke()
+  pen.save()
+  pen.beginPath()
+  pen.arc(...centre, radius, 0, 7)
+  pen.fillStyle = ink.page
+  pen.fill()
+  pen.clip()
+  const scale = (2 * radius) / ACROSS, low = centre[1] + 0.5 * radius
+  const lifted = { ...view, frame: { ...frame, up: frame.gap.map((gap) => gap + APART) } }
+  drawAtoms(lifted, (x) => centre[0] + (x - at) * scale, (y) => low - y * scale, scale, at - ACROSS / 2, at + ACROSS / 2)
+  pen.restore()
+  pen.beginPath()
+  pen.arc(...centre, radius, 0, 7)
+  pen.strokeStyle = ink.text
+  pen.lineWidth = 2
+  pen.stroke()
+  const times = scale / (box.width / (figures.punch.x_range.end - figures.punch.x_range.start))
+  write(view, `×${Math.round(times)}`, centre[0], centre[1] + radius + 9, { scale: 0.85, of: ink.soft })
+}
+
+// Substrate, sites, springs and nodes between two places; x and y give pixels of lengths in nm
+function drawAtoms({ pen, frame, run, ink }, x, y, scale, from, to) {
+  const { spacing, middle, delta_t, delta_n } = run.head, dot = Math.min(9, 0.28 * spacing * scale)
+  pen.fillStyle = ink.grid
+  pen.fillRect(x(from) - 1, y(0), x(to) - x(from) + 2, 1000)
+  const site = (j) => j * spacing - middle
+  const inside = [...frame.x.keys()].filter((i) => frame.x[i] > from - spacing && frame.x[i] < to + spacing)
+  for (const i of inside) { // a spring is the stronger drawn the stronger it pulls
+    const close = Math.round((frame.x[i] + middle) / spacing)
+    for (let j = close - 3; j <= close + 3; j++) {
+      const stretch = (site(j) - frame.x[i]) / delta_t
+      if (Math.abs(stretch) > REACH) continue
+      const strength = Math.exp(-stretch * stretch) * Math.min(1, Math.exp(-frame.gap[i] / delta_n))
+      if (strength < 0.02) continue
+      pen.globalAlpha = 0.2 + 0.8 * Math.min(1, strength)
+      pen.strokeStyle = ink.shear
+      pen.lineWidth = 1 + 2.5 * strength
+      pen.beginPath()
+      pen.moveTo(x(frame.x[i]), y(frame.up[i]))
+      pen.lineTo(x(site(j)), y(0))
+      pen.stroke()
+    }
+  }
+  pen.globalAlpha = 1
+  pen.fillStyle = ink.text
+  for (let j = Math.floor((from + middle) / spacing); site(j) < to + spacing; j++) pen.fillRect(x(site(j)) - 0.7 * dot, y(0) - 0.7 * dot, 1.4 * dot, 1.4 * dot)
+  for (const i of inside) {
+    const state = run.state(frame.T_n[i], frame.gap[i])
+    pen.fillStyle = state === "contact" ? ink.shear : ink[state]
+    pen.strokeStyle = ink.page
+    pen.lineWidth = 1.5
+    pen.beginPath()
+    pen.arc(x(frame.x[i]), y(frame.up[i]), dot, 0, 7)
+    pen.fill()
+    pen.stroke()
+  }
+}
+
+// Flat on flat: all nodes move alike, each on an elastic line to the top; a picture of its own in place of the punch
+export function drawLattice(view) {
+  const { pen, box, X, Y, frame, run, k, ink } = view, { spacing } = run.head
+  const { start: from, end: to } = figures.punch.x_range, scale = box.width / (to - from)
+  const low = Y(0)
+  pen.fillStyle = ink.page
+  pen.fillRect(box.left, box.top, box.width, box.height)
+  const stretch = run.curves.U_x[k] - run.u(k)
+  pen.strokeStyle = ink.body
+  pen.lineWidth = 2
+  for (const at of frame.x) {
+    if (at < from - 3 * spacing || at > to + 3 * spacing) continue
+    zigzag(pen, [X(at), low - APART * scale], [X(at + stretch), box.top + 9])
+  }
+  drawAtoms({ ...view, frame: { ...frame, up: frame.gap.map((gap) => gap + APART) } }, X, (y) => low - y * scale, scale, from, to)
+}
+
+// An elastic line with ten turns
+function zigzag(pen, [x, y], [to, top]) {
+  pen.beginPath()
+  pen.moveTo(x, y)
+  for (let turn = 0; turn <= 10; turn++) {
+    const t = 0.15 + (0.7 * turn) / 10, side = turn === 0 || turn === 10 ? 0 : turn % 2 ? 5 : -5
+    pen.lineTo(x + (to - x) * t + side, y + (top - y) * t)
+  }
+  pen.lineTo(to, top)
+  pen.stroke()
+}
+
+export function connectLens(redraw) {
+  const move = (by_nm) => {
+    lens.place = (lens.place ?? Number(by("lens").getAttribute("aria-valuenow"))) + by_nm
+    const { start, end } = figures.punch.x_range
+    lens.place = Math.max(start, Math.min(end, lens.place))
+    redraw()
+  }
+  let last = null
+  on("lens", "pointerdown", (event) => { last = event.clientX; by("lens").setPointerCapture(event.pointerId); event.preventDefault(); by("lens").focus() })
+  on("lens", "pointermove", (event) => {
+    if (last === null) return
+    const { start, end } = figures.punch.x_range
+    move(((event.clientX - last) * (end - start)) / by("story").clientWidth)
+    last = event.clientX
+  })
+  for (const end of ["pointerup", "pointercancel"]) on("lens", end, () => { last = null })
+  on("lens", "dblclick", () => { lens.place = null; redraw() })
+  on("lens", "keydown", (event) => {
+    const spacing = me.run?.head.spacing ?? 1
+    const steps = { ArrowLeft: -spacing, ArrowRight: spacing, PageDown: -10 * spacing, PageUp: 10 * spacing }
+    if (!(event.key in steps)) return
+    event.preventDefault()
+    event.stopPropagation()
+    move(steps[event.key])
+  })
+  on("lens-on", "change", (event) => { lens.shown = event.target.checked; redraw() })
+}

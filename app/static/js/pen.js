@@ -1,0 +1,56 @@
+// Drawing on a canvas above a figure: text, arrows, and the colours of style.css.
+
+import { colour } from "./colours.js"
+
+// The pen of an emptied canvas, in pixels of the page; null while it has no size
+export function cleared(canvas) {
+  const { clientWidth: width, clientHeight: height } = canvas, ratio = window.devicePixelRatio || 1
+  if (!width || !height) return null
+  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+    canvas.width = Math.round(width * ratio)
+    canvas.height = Math.round(height * ratio)
+  }
+  const pen = canvas.getContext("2d")
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0)
+  pen.clearRect(0, 0, width, height)
+  return pen
+}
+
+const INKS = ["page", "text", "soft", "body", "shear", "normal", "slip", "repulsive", "adhering", "free", "grid", "area"]
+export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`--${name}`)]))
+
+export const size = () => parseFloat(colour("--plot-text")) || 13
+
+// Text with a rim of the page's colour, so that it is legible over anything
+export function write({ pen, ink }, text, x, y, { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
+  pen.font = `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
+  pen.textAlign = align
+  pen.textBaseline = "middle"
+  pen.lineJoin = "round"
+  pen.lineWidth = 4
+  pen.strokeStyle = ink.page
+  pen.strokeText(text, x, y)
+  pen.fillStyle = of
+  pen.fillText(text, x, y)
+}
+
+// A shaft with a head, from a place by (dx, dy), px
+export function arrow({ pen, ink }, [x, y], [dx, dy], of) {
+  const length = Math.hypot(dx, dy)
+  if (length < 2) return
+  const head = Math.min(10, length), [ux, uy] = [dx / length, dy / length]
+  const tip = [x + dx, y + dy], neck = [x + dx - head * ux, y + dy - head * uy]
+  for (const [style, width] of [[ink.page, 7], [of, 4]]) {
+    pen.strokeStyle = pen.fillStyle = style
+    pen.lineWidth = width
+    pen.beginPath()
+    pen.moveTo(x, y)
+    pen.lineTo(...neck)
+    pen.stroke()
+  }
+  pen.beginPath()
+  pen.moveTo(...tip)
+  pen.lineTo(neck[0] - 0.6 * head * uy, neck[1] + 0.6 * head * ux)
+  pen.lineTo(neck[0] + 0.6 * head * uy, neck[1] - 0.6 * head * ux)
+  pen.fill()
+}

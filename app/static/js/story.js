@@ -1,0 +1,212 @@
+// The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
+
+import { frameBox } from "./bokeh.js"
+import { by, fixed, minus } from "./dom.js"
+import { figures } from "./figures.js"
+import { drawLattice, drawLens } from "./lens.js"
+import { arrow, cleared, inks, size, write } from "./pen.js"
+
+const LINES = 24 // of the mesh in the body, from the surface to the top
+const BAR = 9 // px, height of the top of the layer
+const ARROW = 90 // px, the longest
+const MARKED = 1.0 // nm of the path for which a slip stays marked
+const NARROW = 440 // px: in a narrower view words are few
+const GAIN = 0.005 // a change of the area by less is not told
+
+// Draw everything that belongs to frame k of a run
+export function drawStory(run, k) {
+  const box = frameBox(figures.punch), pen = cleared(by("story"))
+  if (!box || !pen) return
+  const { x_range, y_range } = figures.punch
+  const X = (x) => box.left + ((x - x_range.start) / (x_range.end - x_range.start)) * box.width
+  const Y = (y) => box.top + ((y_range.end - y) / (y_range.end - y_range.start)) * box.height
+  const frame = run.frame(k), slip = lastSlip(run, k)
+  const view = { narrow: box.width < NARROW, pen, box, X, Y, frame, run, k, slip, ink: inks() }
+  pen.save()
+  pen.beginPath()
+  pen.rect(box.left, box.top, box.width, box.height)
+  pen.clip()
+  if (run.head.flat) drawLattice(view)
+  else {
+    drawMesh(view)
+    if (slip) drawMoved(view)
+    drawEdges(view)
+  }
+  drawTop(view)
+  pen.restore()
+  drawForces(view)
+  if (!run.head.flat) drawLens(view)
+  tellSlip(view)
+}
+
+// Lines of the material, upright before loading: from a surface node to where it hangs on the top
+function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
+  const { nodes, first, spacing, middle } = run.places[k][0].head, every = Math.max(1, Math.round(nodes / LINES))
+  const U_x = run.curves.U_x[k]
+  pen.strokeStyle = ink.body
+  pen.globalAlpha = 0.55
+  pen.lineWidth = 1
+  pen.beginPath()
+  for (let i = Math.floor(every / 2); i < nodes; i += every) {
+    pen.moveTo(X(frame.x[i]), Y(frame.gap[i]))
+    pen.lineTo(X((first + i) * spacing - middle + U_x), box.top + BAR)
+  }
+  pen.stroke()
+  pen.globalAlpha = 1
+}
+
+// The rigid top: a bar whose marks move with it, and what it does
+function drawTop({ pen, box, X, run, k, ink }) {
+  const U_x = run.curves.U_x[k], delta = run.curves.delta[k], { x_range } = figures.punch
+  pen.fillStyle = ink.soft
+  pen.fillRect(box.left, box.top, box.width, BAR)
+  pen.strokeStyle = ink.page
+  pen.lineWidth = 1.5
+  pen.beginPath()
+  const pitch = run.head.flat ? run.head.spacing / 4 : 20, shift = U_x % pitch
+  for (let x = Math.ceil((x_range.start - shift) / pitch) * pitch; x + shift < x_range.end; x += pitch) {
+    pen.moveTo(X(x + shift) - 3, box.top + BAR)
+    pen.lineTo(X(x + shift) + 3, box.top)
+  }
+  pen.stroke()
+  const told = {
+    approach: `pushed down: δ = ${fixed(delta, 1)} nm ↓`, reload: `pushed down: δ = ${fixed(delta, 1)} nm ↓`,
+    unload: `lifted: δ = ${fixed(delta, 1)} nm ↑`, back: `← pulled back: Uₓ = ${fixed(U_x, 1)} nm`,
+  }[run.stage(k)] ?? `pulled: Uₓ = ${fixed(U_x, 1)} nm →`
+  write({ pen, ink }, told, box.left + box.width - 8, box.top + BAR + 12, { align: "right", bold: true })
+}
+
+// What the hand must do, at the top: F to the side, L down or up, in lengths over the largest of the run
+function drawForces(view) {
+  const { box, narrow, run, k, ink } = view
+  const { F_bar, L_bar } = run.curves, force = run.head.force
+  const most = run.strongest, long = Math.min(ARROW, 0.3 * box.height)
+  if (!(most > 0)) return
+  const F = F_bar[k] * force, L = L_bar[k] * force, full = most * force
+  const top = box.top + BAR, line = 1.25 * size()
+  const x = box.left + 0.82 * box.width, y = top + 2.6 * line
+  arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
+  write(view, `${narrow ? "F" : "friction F"} = ${said(F)}`, x, y + line, { of: ink.shear })
+  if (Math.abs(L) < 1e-6 * full) return
+  const at = box.left + (narrow ? 0.5 : 0.55) * box.width, deep = (Math.abs(L) / full) * long
+  const from = top + 3 + (narrow ? 2 * line : 0)
+  if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
+  else arrow(view, [at, from + deep], [0, -deep], ink.normal)
+  write(view, narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "pushes" : "pulls"}`, at, from + deep + line, { of: ink.normal })
+}
+
+// A force per depth in the unit that needs the fewest digits
+export function said(force) {
+  const small = Math.abs(force) < 0.1
+  return `${minus(Number((small ? 1000 * force : force).toPrecision(3)))} ${small ? "mN/m" : "N/m"}`
+}
+
+// Under the surface: the width that is repelled, how far either edge has peeled, and what only attracts
+function drawEdges(view) {
+  const { pen, box, narrow, X, Y, frame, run, k, ink } = view
+  const edges = run.edges(k), bottom = box.top + box.height, y = Math.min(Y(0) + 12, bottom - 2.4 * size())
+  const back = run.stage(k) === "back"
+  if (!edges) {
+    const held = frame.T_n.some((T, i) => run.state(T, frame.gap[i]) === "adhering")
+    write(view, !held ? "the surfaces do not reach each other" : narrow ? "A = 0: attraction alone" : "nothing is repelled: A = 0, held by attraction alone", X(0), y + size())
+    return
+  }
+  const place = (edge) => {
+    const { first } = run.places[k][0].head, i = Math.floor(edge - first), t = edge - first - i
+    return X(frame.x[i] * (1 - t) + frame.x[Math.min(i + 1, frame.x.length - 1)] * t)
+  }
+  const [left, right] = edges.map(place), A = run.curves.A_bar[k] * 2 * run.head.middle
+  pen.strokeStyle = ink.area
+  pen.lineWidth = 2
+  pen.beginPath()
+  pen.moveTo(left, y - 6)
+  pen.lineTo(left, y)
+  pen.lineTo(right, y)
+  pen.lineTo(right, y - 6)
+  pen.stroke()
+  write(view, narrow ? `A ${fixed(A, 0)} nm` : `A = ${fixed(A, 0)} nm is repelled`, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
+  const start = run.sheared >= 0 && k >= run.sheared ? run.edges(run.sheared) : null
+  const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
+  const names = back ? ["leading", "trailing"] : ["trailing", "leading"]
+  const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
+  write(view, told[0], left - 8, y + 0.8 * size(), { align: "right" })
+  write(view, told[1], right + 8, y + 0.8 * size(), { align: "left" })
+  if (!narrow) drawAttracted(view, edges)
+}
+
+// The zones that pull, on either side, where there is room for the words
+function drawAttracted(view, [left, right]) {
+  const { X, Y, frame, run, k, ink } = view, { first } = run.places[k][0].head
+  const zones = [[0, left - first], [right - first, frame.x.length]]
+  for (const [from, to] of zones) {
+    let total = 0, weight = 0
+    for (let i = Math.max(0, Math.ceil(from)); i < to && i < frame.x.length; i++) {
+      if (run.state(frame.T_n[i], frame.gap[i]) !== "adhering") continue
+      total += -frame.T_n[i] * frame.x[i]
+      weight -= frame.T_n[i]
+    }
+    if (!(weight > 0)) continue
+    const x = total / weight, out = x < 0 ? -1 : 1
+    write(view, "attracts: not in A", X(x) + out * size(), Y(0) - size(), { of: ink.adhering, align: out < 0 ? "right" : "left" })
+  }
+}
+
+// The slip that led to frame k or to one shortly before: {at: its frame, age: 0 .. 1}, or null
+function lastSlip(run, k) {
+  const { slip } = run.curves, reach = Math.max(1, Math.round(MARKED / run.head.step))
+  for (let at = k; at > 0 && at > k - reach; at--) if (slip[at]) return { at, age: (k - at) / reach }
+  return null
+}
+
+// By how many sites every node of frame `at` has moved since the frame before; the same node in either
+export function movedSites(run, at) {
+  const [now, before] = [at, at - 1].map((k) => ({ head: run.places[k][0].head, x: run.frame(k).x }))
+  const shift = now.head.first - before.head.first, { spacing, flat } = now.head
+  if (flat) return Float32Array.from(now.x, () => Math.round((run.u(at) - run.u(at - 1)) / spacing))
+  return now.x.map((x, i) => (i + shift in before.x ? Math.round((x - before.x[i + shift]) / spacing) : 0))
+}
+
+// The nodes that slipped flash, and fade as the top goes on
+function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
+  const moved = movedSites(run, slip.at), shift = run.places[k][0].head.first - run.places[slip.at][0].head.first
+  pen.strokeStyle = ink.slip
+  pen.lineWidth = 14
+  pen.lineCap = "round"
+  pen.globalAlpha = 0.6 * (1 - slip.age)
+  pen.beginPath()
+  let drawing = false
+  frame.x.forEach((x, i) => {
+    const point = [X(x), Y(frame.gap[i])]
+    if (moved[i + shift] && drawing) pen.lineTo(...point)
+    else if (moved[i + shift]) pen.moveTo(...point)
+    drawing = Boolean(moved[i + shift])
+  })
+  pen.stroke()
+  pen.globalAlpha = 1
+}
+
+const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
+export function slipSaid(run, at) {
+  const moved = movedSites(run, at), frame = run.frame(at)
+  const acting = [...moved.keys()].filter((i) => run.state(frame.T_n[i], frame.gap[i]) !== "free")
+  const gone = acting.filter((i) => moved[i])
+  const before = run.curves.A_bar[at - 1], now = run.curves.A_bar[at], change = now / before - 1
+  const area = before === 0 ? (now > 0 ? ", contact again" : "") : now === 0 ? ", A falls to 0"
+    : Math.abs(change) < GAIN ? "" : `, A ${change > 0 ? "+" : "−"}${(100 * Math.abs(change)).toPrecision(2)} %`
+  if (!gone.length) return run.stage(at) === "unload" ? "pull-off" : `jump${area}`
+  const sites = Math.abs(moved[gone[gone.length >> 1]]), nm = fixed(sites * run.head.spacing, 1)
+  const part = gone.length < 0.95 * acting.length ? `${gone.length} of ${acting.length} nodes by ` : ""
+  return `slip: ${part}${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"} (${nm} nm)${run.head.flat ? "" : area}`
+}
+
+function tellSlip({ run, slip }) {
+  by("slip").hidden = !slip
+  if (slip) by("slip").textContent = slipSaid(run, slip.at)
+}
+
+// The frame of the next slip that way, or k itself
+export function nextSlip(run, k, way) {
+  const { slip } = run.curves
+  for (let at = k + way; at >= 0 && at < slip.length; at += way) if (slip[at] && at >= run.sheared) return at
+  return k
+}
