@@ -6,7 +6,7 @@ import { write } from "./pen.js"
 import { me } from "./state.js"
 
 const ACROSS = 13 // nm seen in the lens
-const APART = 1.3 // nm that nodes are drawn above where they are, so that springs are seen in contact
+const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
 const lens = { place: null, shown: true } // nm along the interface, null: at the trailing edge; whether it is wanted
 
@@ -41,7 +41,7 @@ export function drawLens(view) {
   pen.fillStyle = ink.page
   pen.fill()
   pen.clip()
-  const scale = (2 * radius) / ACROSS, low = centre[1] + 0.5 * radius
+  const scale = (2 * radius) / ACROSS, low = centre[1] + 0.55 * radius
   const lifted = { ...view, frame: { ...frame, up: frame.gap.map((gap) => gap + APART) } }
   drawAtoms(lifted, (x) => centre[0] + (x - at) * scale, (y) => low - y * scale, scale, at - ACROSS / 2, at + ACROSS / 2)
   pen.restore()

@@ -22,9 +22,12 @@ export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`-
 export const size = () => parseFloat(colour("--plot-text")) || 13
 
 // Text with a rim of the page's colour, so that it is legible over anything
-export function write({ pen, ink }, text, x, y, { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
+export function write({ pen, ink, box }, text, x, y, { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
   pen.font = `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
-  pen.textAlign = align
+  pen.textAlign = "left"
+  const width = pen.measureText(text).width
+  x -= align === "center" ? width / 2 : align === "right" ? width : 0
+  if (box) x = Math.max(box.left + 4, Math.min(x, box.left + box.width - width - 4)) // all of it in sight
   pen.textBaseline = "middle"
   pen.lineJoin = "round"
   pen.lineWidth = 4

@@ -73,7 +73,7 @@ function drawTop({ pen, box, X, run, k, ink }) {
     approach: `pushed down: δ = ${fixed(delta, 1)} nm ↓`, reload: `pushed down: δ = ${fixed(delta, 1)} nm ↓`,
     unload: `lifted: δ = ${fixed(delta, 1)} nm ↑`, back: `← pulled back: Uₓ = ${fixed(U_x, 1)} nm`,
   }[run.stage(k)] ?? `pulled: Uₓ = ${fixed(U_x, 1)} nm →`
-  write({ pen, ink }, told, box.left + box.width - 8, box.top + BAR + 12, { align: "right", bold: true })
+  write({ pen, ink, box }, told, box.left + box.width - 8, box.top + BAR + 12, { align: "right", bold: true })
 }
 
 // What the hand must do, at the top: F to the side, L down or up, in lengths over the largest of the run

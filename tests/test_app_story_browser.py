@@ -1,0 +1,92 @@
+"""The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
+
+import pytest
+from test_app_serving import finished
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+
+
+@pytest.fixture
+def paused(visit):
+    def open_page(query):
+        page = visit(query)
+        finished(page)
+        page.locator("#play").click()
+        page.wait_for_function("() => !punch.playing")
+        return page
+
+    return open_page
+
+
+def at_first_slip(page):
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.keyboard.press("]")
+    page.wait_for_function("() => punch.run.curves.slip[punch.drawn] && punch.drawn > punch.run.sheared")
+
+
+def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(paused):
+    page = paused("?preset=fig6")
+    at_first_slip(page)
+    assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), A +7.8 %"
+    first = page.evaluate("punch.drawn")
+    page.keyboard.press("]")
+    page.wait_for_function(f"() => punch.drawn > {first}")
+    page.keyboard.press("[")
+    page.wait_for_function(f"() => punch.drawn === {first}")
+    page.keyboard.press("ArrowLeft")
+    page.locator("#slip").wait_for(state="hidden")
+
+
+def test_where_the_contact_had_gone_a_slip_says_that_it_is_back(paused):
+    page = paused("?preset=fig7-case1")
+    at_first_slip(page)
+    assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), contact again"
+
+
+def test_a_flat_slips_without_an_area_and_has_no_lens(paused):
+    page = paused("?preset=fig4a-blue")
+    at_first_slip(page)
+    assert page.locator("#slip").inner_text().startswith("slip: one site (2.4 nm)")
+    assert "A" not in page.locator("#slip").inner_text()
+    assert page.locator("#lens").is_hidden()
+
+
+def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(paused):
+    page = paused("?preset=fig6")
+    lens = page.locator("#lens")
+    place = "Number(document.getElementById('lens').getAttribute('aria-valuenow'))"
+    assert page.evaluate(place) < -50  # of a contact of some 180 nm
+    lens.focus()
+    before, drawn = page.evaluate(place), page.evaluate("punch.drawn")
+    page.keyboard.press("PageUp")
+    page.wait_for_function(f"() => {place} > {before} + 24")
+    assert page.evaluate("punch.drawn") == drawn  # the key was the lens's
+    assert "gap" in lens.get_attribute("aria-valuetext")
+    page.locator("#lens-on").uncheck()
+    lens.wait_for(state="hidden")
+
+
+def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_another_indentation(paused):
+    page = paused("?preset=fig6")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.evaluate("punch.at = punch.run.sheared")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("() => punch.drawn === punch.run.sheared + 1")
+    box = page.locator("#punch-view").bounding_box()
+    x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 10, y, steps=3)
+    page.mouse.move(x + 30, y, steps=3)
+    page.mouse.up()
+    page.wait_for_function("() => punch.run.curves.U_x[punch.drawn] > 5")
+    run = page.evaluate("punch.run.number")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 20, steps=4)
+    page.mouse.up()
+    page.wait_for_function(f"() => punch.run.number > {run} && punch.status.values.delta_bar > 0.2")
+    assert "delta_bar=" in page.url
