@@ -132,6 +132,8 @@ def test_every_tab_stop_is_a_control(visit):
         "theme",
         "preset",
         *entered,
+        "lens-on",
+        "lens",
         "reset",
         "back",
         "play",
