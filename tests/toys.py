@@ -38,6 +38,9 @@ class Toy:
     def smoother(self, v, active):
         return None
 
+    def inverse(self, v, active):
+        return None
+
     def hides(self, v, active):
         return False
 

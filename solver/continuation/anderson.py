@@ -41,6 +41,10 @@ class Secants:
         move += rest if smooth is None else smooth(rest)
         return move
 
+    def forget(self):
+        """Drop all pairs."""
+        self.rows = self.slot = 0
+
     def restore(self, other):
         """Take the pairs of a copy back: those of steps that led nowhere mislead the next ones."""
         self.du, self.dr, self.gram, self.rows, self.slot = other.du, other.dr, other.gram, other.rows, other.slot

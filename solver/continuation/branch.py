@@ -1,9 +1,10 @@
 """Following a branch: by its load while that is easy, by its arc length near its end, to the place where it ends.
 
 Near its end the state moves without bound per unit of load, but smoothly per unit of arc length <chord, v>, the chord
-that of the last two states. So the arc is prescribed and the load solved for: a fold is the maximum of the load over
-the arc. Where a mode starts to grow before (NP1 has no potential: oscillations can), the branch ends there.
-Source: Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue problems.
+picking the unknown that moves most. So the arc is prescribed and the load solved for: a fold is the maximum of the load
+over the arc. Where a mode starts to grow before (NP1 has no potential: oscillations can), the branch ends there.
+Source: Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue problems; the one unknown: Rheinboldt &
+Burkardt 1983, doi:10.1145/357456.357460.
 """
 
 from dataclasses import dataclass, replace
@@ -60,7 +61,8 @@ def continue_branch(corrector, watch, state, target):
 def on_branch(corrector, state, target, v, active, modes=None):
     """The State with unknowns v at load `target`, on the branch of `state`."""
     older = [p for p in state.past if p[0] != target]
-    return State(target, v, active, [(target, v), *older[: LIMITS.order + 1]], state.secants, modes or state.modes)
+    past = [(target, v), *older[: LIMITS.order + 1]]
+    return State(target, v, active, past, state.secants, corrector.sharp, modes or state.modes)
 
 
 def _by_load(corrector, watch, state, target):
@@ -94,11 +96,10 @@ class _Arc:
         points = self._two_points()
         step = LIMITS.short * self.unit
         for _ in range(LIMITS.points):
-            chord = points[0][1] - points[1][1]
-            length = np.abs(chord).max()
+            length = np.abs(points[0][1] - points[1][1]).max()
             if length == 0.0:  # an edge of the window in the way, or nothing acts yet
                 return self._lost()
-            chord /= np.sqrt(dot(chord, chord))
+            chord = _chord(points[0][1] - points[1][1])
             here = [(dot(chord, v), load, v) for load, v in points[:3]]
             step = min(step, LIMITS.growth * length)
             ahead = here[0][0] + (here[0][0] - here[1][0]) * step / length
@@ -157,7 +158,7 @@ class _Arc:
             active = self.corrector.settle(v, state.active, target, state.secants, LIMITS.arc_steps)
             if active is not None:
                 break
-            chord = (v1 - v0) / np.sqrt(dot(v1 - v0, v1 - v0))
+            chord = _chord(v1 - v0)
             here = [(dot(chord, u), load, u) for load, u in points[:3]]
             found = self._at(chord, here[1][0] + part * (here[0][0] - here[1][0]), here)
             if found is None:
@@ -193,8 +194,7 @@ class _Arc:
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther along the arc than the newest, or None; the lower past a fold."""
-        chord = points[0][1] - points[1][1]
-        chord /= np.sqrt(dot(chord, chord))
+        chord = _chord(points[0][1] - points[1][1])
         here = [(dot(chord, v), load, v) for load, v in points[:3]]
         return self._at(chord, here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]), here)
 
@@ -230,8 +230,7 @@ class _Arc:
     def _fold(self, points):
         """The load has passed its maximum: find it between the last points; if it lies beyond the target, arrive."""
         beyond = points[0][1]
-        chord = beyond - points[1][1]
-        chord /= np.sqrt(dot(chord, chord))
+        chord = _chord(beyond - points[1][1])
         bracket = sorted(((dot(chord, v), load, v) for load, v in points[:3]), key=lambda p: p[0])
         sharp = 0  # predictions that were right, in a row: one may be so by chance
         for _ in range(20):
@@ -258,6 +257,16 @@ class _Arc:
         if found is not None and found[0] < load and np.abs(found[1] - v).max() < 2.0 * wanted:
             away = found[1] - v
         return away * min(1.0, wanted / max(np.abs(away).max(), 1e-300))
+
+
+def _chord(step):
+    """The direction along which the arc is measured: the unknown that moved most in the last step.
+
+    All unknowns together would not do where one node jumps: far more of them move with the load, and back after it.
+    """
+    chord, most = np.zeros_like(step), int(np.abs(step).argmax())
+    chord[most] = np.sign(step[most])
+    return chord
 
 
 def _narrowed(bracket, point):

@@ -1,6 +1,7 @@
 """From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
 
-Anderson steps as a rule, Newton steps where they fail.
+Anderson steps as a rule; where they fail, the same steps on top of the inverse of a tangent nearby, which then need
+but a few; Newton steps where that is too dear.
 """
 
 from dataclasses import dataclass
@@ -17,12 +18,14 @@ class Limits:
 
     memory: secant pairs; with fewer, soft layers need more evaluations, with more, each takes longer than it saves.
     longest: of one step of any unknown; longer ones land on other branches.
-    runaway: growth of the residual at which the steps have failed.
+    runaway: growth of the residual at which the steps have failed. sharp_steps: with an inverse, 2 to 10 are needed
+    where there is an equilibrium, and where there is none they lead nowhere.
     """
 
     memory: int = 40
     longest: float = 0.15
     runaway: float = 1e3
+    sharp_steps: int = 15
 
 
 LIMITS = Limits()
@@ -36,6 +39,8 @@ class Corrector:
         self.smooth = None  # what Anderson steps do to the part of the residual that the pairs do not know
         self.steps, self.worst = 0, np.inf
         self._r = np.empty(problem.size)
+        self.sharp = None  # (v, active) where the inverse at hand was formed
+        self._origin = None  # (v, active) of the equilibrium found last
 
     def secants(self):
         """Room for secant pairs of this problem."""
@@ -69,15 +74,41 @@ class Corrector:
 
         By so many Anderson steps at most, and where these fail by Newton steps.
         """
+        return self._solved(v, active, s, secants, most, self._anderson) is not None
+
+    def begin(self, state):
+        """Get ready to go on from a State, with the inverse that helped to reach it, if one did."""
+        self.sharp, self._origin = state.sharp, (state.v, state.active)
+        self.smooth = self.sharp and self.problem.inverse(*self.sharp)
+        if self.smooth is None:
+            self.sharp, self.smooth = None, self.problem.smoother(*self._origin)
+
+    def _solved(self, v, active, s, secants, most, steps, *arc):
+        """The load at which v, changed in place, solves, or None: by `steps`, where these fail with an inverse.
+
+        That is formed at the equilibrium found last, unless it was already; Newton steps, where it is too dear.
+        """
         guess, known = v.copy(), secants.copy()
-        if self._anderson(v, active, s, secants, most):
-            return True
-        secants.restore(known)
-        found = newton.solve(self.problem, guess, active, s, self.smooth)
+        while True:
+            found = steps(v, active, s, secants, LIMITS.sharp_steps if self.sharp else most, *arc)
+            if found is not None:
+                self._origin = v.copy(), active
+                return found
+            v[:] = guess
+            secants.restore(known)
+            if self.sharp and self.sharp[0] is self._origin[0]:
+                return None
+            inverse = self._origin and self.problem.inverse(*self._origin)
+            if inverse is None:
+                break
+            self.sharp, self.smooth = self._origin, inverse
+            secants.forget()
+            known = secants.copy()
+        found = newton.solve(self.problem, guess, active, s, self.smooth, *arc)
         if found is None:
-            return False
-        v[:], _, self.worst = found
-        return True
+            return None
+        v[:], s, self.worst = found
+        return s
 
     def _anderson(self, v, active, s, secants, most):
         problem, r = self.problem, self._r
@@ -86,26 +117,17 @@ class Corrector:
         first, self.steps = worst, 0
         while worst > problem.tolerance:
             if self.steps == most or not worst < LIMITS.runaway * max(first, bound):
-                return False
+                return None
             v_before, r_before = v.copy(), r.copy()
             advance(v, secants.move(r, self.smooth), bound)
             self.worst = worst = problem.residual(v, active, s, r)
             secants.push(v, r, v_before, r_before)
             self.steps += 1
-        return True
+        return s
 
     def solve_on_arc(self, v, active, s, secants, most, chord, arc):
         """The load s at which v, changed in place, is an equilibrium with <chord, v> = arc; None if that fails."""
-        guess, known, start = v.copy(), secants.copy(), s
-        found = self._anderson_on_arc(v, active, s, secants, most, chord, arc)
-        if found is not None:
-            return found
-        secants.restore(known)
-        found = newton.solve(self.problem, guess, active, start, self.smooth, chord, arc)
-        if found is None:
-            return None
-        v[:], s, self.worst = found
-        return s
+        return self._solved(v, active, s, secants, most, self._anderson_on_arc, chord, arc)
 
     def _anderson_on_arc(self, v, active, s, secants, most, chord, arc):
         problem, r, direction = self.problem, self._r, self.problem.direction

@@ -26,13 +26,15 @@ from numba import njit
 class Limits:
     """Of the motion.
 
-    step: times the period/(2 pi) of a node on closed springs; from 1/2 on, slips of little damping stop short. sigma:
+    step: times the period/(2 pi) of a node on closed springs; from 1/2 on, slips of little damping stop short. weak:
+    damping below which steps get shorter with it, as errors of energy decide how many sites inertia carries. sigma:
     of the interface's stiffness in the masses, over the closed one, at least. safe: of the stiffness at which steps
     grow unstable; idle: powers of two by which the stiffness may fall before they are adapted. explicit: of the longest
     stable step. creep: step of the overdamped limit, over the time in which closed springs decay.
     """
 
     step: float = 0.4
+    weak: float = 0.6
     sigma: float = 1.0
     safe: float = 0.6
     idle: int = 2
@@ -50,6 +52,7 @@ class Motion:
         """closed: stiffness of the interaction at its closed place, GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
+        self._step = LIMITS.step / sqrt(closed) * min(1.0, damping / LIMITS.weak)
         self._top = dynamics.top(load)
         self._power, self._mass, self._starts = None, None, True
         self._tables = lru_cache(maxsize=16)(self._of_stiffness)
@@ -72,7 +75,7 @@ class Motion:
 
     def _of_stiffness(self, power, pace):
         """(mass / step^2, keep, push, step): change' = keep change + push force, in rows xx, zz, c each."""
-        step, k = pace * LIMITS.step / sqrt(self.closed), self.dynamics.stiffness
+        step, k = pace * self._step, self.dynamics.stiffness
         largest = float((np.maximum(k[0], k[1]) + np.abs(k[2])).max())
         stiffness = 2.0**power * LIMITS.safe
         if 2.0 / 3.0 * largest + stiffness <= LIMITS.safe * 4.0 / step**2:

@@ -10,6 +10,7 @@ a motion whose rests the equilibria are. `mechanics.equilibrium` and tests/toys.
 4.  `active_of(v, s)`: the nodes that interact in v; `admitted(v, active, settled)`: `active` itself while no node has
     clearly crossed the edge, else a new set in which those of `settled` stay as they are.
 5.  `smoother(v, active)`: None, or an approximation of the inverse of -dR/dv for what secants do not know.
+    `inverse(v, active)`: a function close to that inverse, or None where that would be dear.
 6.  `crowded(v, active, s)`: whether more unknowns are needed; then `grown(v, active, s)` gives (problem, v, active);
     and so where `hides(v, active)`: modes grow that these unknowns do not show.
 7.  `tangent(v, active)`: the function w -> dR/dv w, each (size,). `oriented(mode)`: the mode with the sign in which a

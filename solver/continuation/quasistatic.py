@@ -38,7 +38,7 @@ class QuasiStatic:
             if state.unsure:
                 state = self._released(state)
             state.secants = state.secants or self.corrector.secants()
-            self.corrector.smooth = self.problem.smoother(state.v, state.active)
+            self.corrector.begin(state)
             found = continue_branch(self.corrector, self.watch, state, target)
             if isinstance(found, State):
                 hidden = self.problem.hides(found.v, found.active)

@@ -13,7 +13,7 @@ from math import ceil, floor, sqrt
 import numpy as np
 
 from .interpolation import combine, lagrange
-from .state import Increment, Slip, State
+from .state import Increment, Slip
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class Replay:
             branch.add(load, problem.translated(v, -shift), active)
         slips = tuple(self._slips(record, state.load, target))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        moved = State(target, v, active, past, secants, state.modes, record=record)
+        moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, record=record)
         return Increment(moved, self.stepper.corrector.worst, slips, True)
 
     def _slips(self, record, low, high):

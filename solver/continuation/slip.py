@@ -142,7 +142,7 @@ def _longer(slow, moved):
 def _landed(problem, watch, v, active, load):
     """The State by Anderson steps from v; None if they fail, lead away, or to no rest."""
     corrector = Corrector(problem)
-    corrector.smooth = problem.smoother(v, active)
+    corrector.begin(State.at_rest(load, v, active))
     secants, rest = corrector.secants(), v.copy()
     active = corrector.settle(rest, active, load, secants, LIMITS.landing_steps)
     if active is None or np.abs(rest - v).max() > LIMITS.drawn * problem.unit:
@@ -151,5 +151,5 @@ def _landed(problem, watch, v, active, load):
     if not stability.rests:
         return None
     state = State.at_rest(load, rest, active)
-    state.secants, state.modes = secants, stability.modes
+    state.secants, state.sharp, state.modes = secants, corrector.sharp, stability.modes
     return state

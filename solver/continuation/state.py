@@ -24,6 +24,7 @@ class State:
     active: np.ndarray  # nodes within the interaction window, held while an increment is solved
     past: list = field(default_factory=list)  # [(load, v)] on this branch, newest first, this one included
     secants: Secants | None = None
+    sharp: tuple | None = None  # (v, active) whose tangent is inverted for solves, where these need it
     modes: object = None  # what `stability.Watch` knows of the modes that may grow
     unsure: bool = False  # whether it may be unstable, or no equilibrium, under the loading to come
     record: object = None  # what `replay.Replay` knows of the states before

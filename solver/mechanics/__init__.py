@@ -4,5 +4,6 @@ cohesive_law  tractions and tangents of one NP1 spring, and of a node against a 
 layer         the layer's stiffness and compliance per Fourier mode, and products with them
 contact       the nodes of a patch with law and layer: the residual and what it costs
 equilibrium   that contact as a problem: unknowns are a patch, one node for all, or a patch and a top under a load
+dense         the inverse of an equilibrium's tangent, as a preconditioner
 disturbance   small disturbances of an equilibrium and the motion they obey, for the watch on stability
 """

@@ -17,11 +17,13 @@ from numba import njit
 
 from ..continuation.state import PulledOff
 from . import cohesive_law
+from .dense import DenseInverse
 from .disturbance import Disturbances, UniformDisturbance, uniform_growth
 from .layer import transforms
 
 UNSTABLE = 1e-6  # growth, 1/time, of a wave that one node hides
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
+DENSE = 1200  # active nodes up to which the inverse of a tangent is formed
 
 
 class Equilibrium:
@@ -43,7 +45,7 @@ class Equilibrium:
         mode = min(max(1, round(scene.nodes / self.nodes)), scene.nodes // 2)
         self._stiff = STIFF / float(contact.modes.compliance[1, mode])
         self._smoother = lru_cache(maxsize=8)(self._new_smoother)
-        self._surface = None
+        self._surface, self._inverse = None, (None, None)
         self.place = contact.first, contact.size
 
     @property
@@ -130,6 +132,23 @@ class Equilibrium:
             return out
 
         return product
+
+    def inverse(self, v, active):
+        """The DenseInverse, or None where it is singular or would take longer than iterations; that of the last v kept.
+
+        v must not be changed later.
+        """
+        if self._inverse[0] is not v:
+            self._inverse = v, self._new_inverse(v, active)
+        return self._inverse[1]
+
+    def _new_inverse(self, v, active):
+        if self.contact.uniform or not 0 < active.sum() <= DENSE:
+            return None
+        try:
+            return DenseInverse(self, v, active)
+        except np.linalg.LinAlgError:
+            return None
 
     def oriented(self, mode):
         """A mode with the sign in which the surface, on the whole, moves towards the substrate, as on approach."""

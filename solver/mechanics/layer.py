@@ -3,7 +3,7 @@
 Tractions on the lower surface are K (u - U) for the mode exp(i q x), with K_xz = -i K_c, K_zx = +i K_c.
 """
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import ceil, log2
 from threading import Lock
 
@@ -86,6 +86,7 @@ class Modes:
     """
 
     def __init__(self, nodes, width, height, E, nu):
+        self.nodes = nodes
         q = 2.0 * np.pi * np.arange(nodes // 2 + 1) / width
         self.stiffness = np.array(stiffness(q, height, E, nu))
         self.compliance = np.array(compliance(q, height, E, nu))
@@ -106,6 +107,12 @@ class Modes:
         c_xx, c_zz, c_c = sigma * self.compliance
         det = (1.0 + c_xx) * (1.0 + c_zz) - c_c**2
         return np.array([(1.0 + c_zz) / det, (1.0 + c_xx) / det, -c_c / det])
+
+    @cached_property
+    def kernels(self):
+        """C_xx, C_zz, C_xz = -C_zx between two nodes by their distance round the cell, (3, nodes) nm/GPa."""
+        c_xx, c_zz, c_c = self.compliance
+        return np.array([np.fft.irfft(c, self.nodes) for c in (c_xx, c_zz, 1j * c_c)])
 
     def displacement(self, traction_q):
         """C T for Fourier tractions (2, nodes//2 + 1); a new array."""

@@ -257,7 +257,7 @@ def turned(problem, state, was_held, following):
         v = np.append(u.ravel(), top if following.held else ())
     load, same = following.at(0), was_held == following.held
     secants = state.secants if same else None
-    begun = State(load, v, state.active, [(load, v)], secants, state.modes if same else None)
+    begun = State(load, v, state.active, [(load, v)], secants, modes=state.modes if same else None)
     begun.unsure = following.held and not was_held
     return begun
 

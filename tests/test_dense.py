@@ -1,0 +1,43 @@
+"""The dense inverse of a tangent against the tangent itself."""
+
+import numpy as np
+import pytest
+
+from solver import Scene
+from solver.mechanics.contact import Contact
+from solver.mechanics.dense import inverted
+from solver.mechanics.equilibrium import Equilibrium
+from solver.run.loading import shear
+
+SCENES = {
+    "stiff": Scene(nodes=128, width=312.5, delta_bar=0.3),
+    "soft": Scene(nodes=128, width=312.5, delta_bar=0.3, E=0.3),
+    "frictionless": Scene(nodes=128, width=312.5, delta_bar=0.3, phi_ratio=0.0),
+}
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("name", SCENES)
+def test_the_inverse_of_a_tangent_undoes_it(name, held):
+    """To single precision times what a soft layer loses; off-registry contact, so that all four tangents count."""
+    scene, rng = SCENES[name], np.random.default_rng(1)
+    problem = Equilibrium(Contact(scene, 10, 108), shear(scene), 0.01 if held else None)
+    u = np.array([rng.uniform(-0.3, 0.3, 108), rng.uniform(-0.2, 0.5, 108) - scene.profile[10:118]])
+    v = problem.unknowns(u, -scene.delta)
+    active = np.arange(108) % 7 > 0
+    right = rng.normal(size=problem.size)
+    w = problem.inverse(v, active)(right)
+    assert problem.tangent(v, active)(w) == pytest.approx(-right, abs=1e-3 * np.abs(w).max())
+
+
+def test_blocks_are_inverted_as_the_whole():
+    """To single precision, for a size that halves unevenly."""
+    a = np.eye(333) + 0.02 * np.random.default_rng(2).normal(size=(333, 333))
+    assert inverted(a.astype(np.float32)) @ a == pytest.approx(np.eye(333), abs=1e-4)
+
+
+def test_a_singular_tangent_or_none_at_all_has_no_inverse():
+    """No node acts: nothing to invert. Then other steps are taken."""
+    scene = SCENES["stiff"]
+    problem = Equilibrium(Contact(scene, 10, 108), shear(scene))
+    assert problem.inverse(problem.undeformed(0.0), np.zeros(108, bool)) is None
