@@ -15,7 +15,7 @@ from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, 
 from .files import write_csv, write_json, write_npz
 from .presets import PresetError, preset, presets
 from .profile import ProfileError, read_profile
-from .run.load_steps import legs_of
+from .run.load_steps import load_steps_of
 from .run.shortcuts import account
 from .scene import CHOICES, PARAMETERS
 from .text import number_from_text
@@ -255,7 +255,7 @@ def compute(scene, method, fields_too):
     """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
     frames = []
     try:
-        with progress(sum(leg.increments + 1 for leg in legs_of(scene)), " increments") as bar:
+        with progress(sum(step.increments + 1 for step in load_steps_of(scene)), " increments") as bar:
             for frame in load_path(scene, method=method):
                 if frames and not fields_too:  # a curve needs no fields; the last ones stay, for `account`
                     frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)

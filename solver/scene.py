@@ -191,7 +191,7 @@ class Scene:
 
     def shear_at(self, k):
         """U_x of shear increment k, nm."""
-        return k * self.du_x * self.delta_t
+        return k * (self.du_x * self.delta_t)
 
     @property
     def x(self):

@@ -10,7 +10,7 @@ from test_loadings import same, stage
 from solver import Checkpoint, Scene, SceneError, advance, carry_on, load_path
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
-from solver.run.load_steps import legs_of
+from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import next_frame
 from solver.verification.spectrum import growth
 
@@ -51,9 +51,9 @@ def test_another_scale_of_the_law_leaves_a_held_load():
 def test_a_wider_patch_under_a_held_load_keeps_the_surface_in_place():
     """The nodes that come in lie where the layer is, whose top is at U_z, not at zero."""
     scene = Scene(E=30.0, delta_bar=-0.7, hold="load", nodes=256, width=625.0, radius=10.0)
-    leg = legs_of(scene)[1]
+    step = load_steps_of(scene)[1]
     contact = Contact(scene, 100, 56)
-    problem = Equilibrium(contact, leg.loading, pressure=-1e-3)
+    problem = Equilibrium(contact, step.loading, pressure=-1e-3)
     v = problem.unknowns(np.array([[0.0], [7.0]]) * np.ones(56), 7.0)
     wide, v, active = problem.grown(v, np.zeros(56, bool), 0.0)
     assert wide.nodes > 56 and not active.any()

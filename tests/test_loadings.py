@@ -9,7 +9,7 @@ import pytest
 from solver import NotConverged, Scene, SceneError, advance, load_path
 from solver.mechanics.cohesive_law import traction
 from solver.mechanics.layer import Modes
-from solver.run.load_steps import legs_of
+from solver.run.load_steps import load_steps_of
 from solver.run.shortcuts import ALL
 from solver.verification.cylinder import PULL_OFF_JKR, pull_off_maugis
 from solver.verification.spectrum import growth
@@ -37,14 +37,14 @@ def same(a, b, error):
     return bool(np.abs(u - v).max() < error)
 
 
-# Legs
+# LoadSteps
 
 
 @pytest.mark.parametrize("values", PATHS)
 def test_every_leg_begins_where_the_one_before_ended(values):
     frames = list(load_path(SMALL.changed(**values)))
     names = list(dict.fromkeys(f.stage for f in frames))
-    assert names == [leg.stage for leg in legs_of(SMALL.changed(**values))]
+    assert names == [step.stage for step in load_steps_of(SMALL.changed(**values))]
     for before, after in pairwise(names):
         end, start = stage(frames, before)[-1], stage(frames, after)[0]
         assert (start.index, start.U_x, start.delta) == (0, end.U_x, end.delta)
@@ -64,13 +64,13 @@ def test_slices_of_every_path_give_the_frames_of_an_uninterrupted_run(values):
 
 def test_the_steps_of_a_leg_are_even_and_its_ends_exact():
     scene = Scene(path="loop", u_x_max=1.05, du_x=0.1, delta_bar=0.013)
-    shear, back, forth = (leg for leg in legs_of(scene) if leg.stage != "approach")
-    assert [leg.loading.at(leg.at(leg.increments)) for leg in (shear, back, forth)] == [
+    shear, back, forth = (step for step in load_steps_of(scene) if step.stage != "approach")
+    assert [step.loading.at(step.at(step.increments)) for step in (shear, back, forth)] == [
         (1.0, -scene.delta),
         (-1.0, -scene.delta),
         (1.0, -scene.delta),
     ]
-    down = legs_of(scene)[0]
+    down = load_steps_of(scene)[0]
     assert down.at(0) == -scene.delta_0 and down.at(down.increments) == scene.delta
 
 

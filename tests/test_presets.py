@@ -11,7 +11,7 @@ import solver.cli as cli
 from solver import Scene, load_path
 from solver.analysis.friction_laws import INTERFACES
 from solver.presets import PresetError, preset, presets, read
-from solver.run.load_steps import legs_of
+from solver.run.load_steps import load_steps_of
 
 ROOT = Path(__file__).parents[1]
 NAMES = tuple(presets())
@@ -42,7 +42,7 @@ def test_preset_runs(name):
     """To its end, and beyond the onset of sliding where there is one."""
     scene = preset(name).scene
     frames = list(load_path(scene))
-    assert len(frames) >= sum(leg.increments + 1 for leg in legs_of(scene))
+    assert len(frames) >= sum(step.increments + 1 for step in load_steps_of(scene))
     assert max(f.residual for f in frames) <= scene.tolerance
     assert any(f.slip for f in frames if f.stage != "approach") is not name.startswith("fig4b")
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solver import LIMITS, Scene, SceneError, scene_from_text
-from solver.run.load_steps import legs_of
+from solver.run.load_steps import load_steps_of
 from solver.scene import PARAMETERS
 from solver.text import number_from_text
 
@@ -162,7 +162,7 @@ def test_changed_values_are_validated_too():
 @pytest.mark.parametrize(("delta_bar", "du_z"), [(0.0, 0.1), (0.4, 0.1), (-0.15, 0.3), (-1.0, 0.1), (0.123, 0.7)])
 def test_approach_starts_ten_lengths_away_and_ends_exactly_at_its_target(delta_bar, du_z):
     scene = Scene(delta_bar=delta_bar, du_z=du_z, delta_n=2.0)
-    approach = legs_of(scene)[0]
+    approach = load_steps_of(scene)[0]
     path = [approach.at(k) for k in range(approach.increments + 1)]
     assert path[0] == -20.0
     assert path[-1] == scene.delta

@@ -24,7 +24,7 @@ from solver.analysis.energy_balance import work_of
 from solver.analysis.raster import QUANTITIES, picture
 from solver.mechanics.layer import transforms
 from solver.run.carry import carry_on
-from solver.run.load_steps import legs_of
+from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import next_frame
 
 NICENESS = 10  # the event loop must win against the physics
@@ -165,9 +165,9 @@ def _ahead(scene, checkpoint):
     """Frames still to come."""
     if checkpoint.done:
         return 0
-    legs = checkpoint.legs or legs_of(scene)
-    place = next(k for k, leg in enumerate(legs) if leg.stage == checkpoint.stage)
-    return sum(leg.increments + 1 for leg in legs[place:]) - checkpoint.index
+    load_steps = checkpoint.load_steps or load_steps_of(scene)
+    place = next(k for k, step in enumerate(load_steps) if step.stage == checkpoint.stage)
+    return sum(step.increments + 1 for step in load_steps[place:]) - checkpoint.index
 
 
 def _middle(scene, frame):

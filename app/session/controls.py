@@ -7,7 +7,7 @@ import numpy as np
 
 from solver import CHOICES, LIMITS, Scene, SceneError
 from solver.presets import presets
-from solver.run.load_steps import legs_of
+from solver.run.load_steps import load_steps_of
 from solver.scene import PARAMETERS
 from solver.text import number_from_text
 
@@ -134,7 +134,7 @@ def changed_scene(scene, entries, notes=None):
 
 def increments_of(scene):
     """How many increments a run of the scene takes, as far as is known before."""
-    return sum(leg.increments + 1 for leg in legs_of(scene))
+    return sum(step.increments + 1 for step in load_steps_of(scene))
 
 
 def _refuse_large(scene, values):

@@ -9,7 +9,7 @@ from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..scene import SURFACES, SceneError
-from .load_steps import Leg, legs_of
+from .load_steps import LoadStep, load_steps_of
 from .loading import Loading
 from .loadpath import Checkpoint, owned
 
@@ -20,39 +20,39 @@ def carry_on(checkpoint, scene, changed):
     """The Checkpoint from which the run of `scene` that stands at `checkpoint` goes on as one of the Scene `changed`.
 
     A new indentation is walked in steps of du_z at the same U_x (stage "press"); all else takes effect at once, in an
-    increment 0 at the same U_x, where the flow decides where the state goes. Then the leg goes on to u_x_max. A load
-    that is held stays the same, in N/m, unless the indentation changes: then it is the load found there. A jump of the
-    state in increment 0 is the doing of the parameters: no slip is reported. For method fast.
+    increment 0 at the same U_x, where the motion decides where the state goes. Then the load step goes on to u_x_max.
+    A load that is held stays the same, in N/m, unless the indentation changes: then it is the load found there. A jump
+    of the state in increment 0 is the doing of the parameters: no slip is reported. For method fast.
     Raises SceneError where `changed` has another surface or does not lead through here, ValueError out of shear.
     """
     if changed == scene:
         return owned(checkpoint)
-    legs = checkpoint.legs or legs_of(scene)
-    leg = next(leg for leg in legs if leg.stage == checkpoint.stage)
-    sign = leg.loading.direction[0]
+    load_steps = checkpoint.load_steps or load_steps_of(scene)
+    step = next(step for step in load_steps if step.stage == checkpoint.stage)
+    sign = step.loading.direction[0]
     if not sign or checkpoint.state is None:
-        raise ValueError(f"stage = {leg.stage!r}: a run goes on with changed parameters in shear only; start it anew")
+        raise ValueError(f"stage = {step.stage!r}: a run goes on with changed parameters in shear only; start it anew")
     _refuse(scene, changed)
-    problem = _problem(scene, checkpoint, leg)
+    problem = _problem(scene, checkpoint, step)
     state = checkpoint.state
     top = problem.top(state.v, state.load)
-    rest = _rest(leg.stage, changed, sign * top[0])
-    press = _press(scene, changed, top, leg.held)
+    rest = _rest(step.stage, changed, sign * top[0])
+    press = _press(scene, changed, top, step.held)
     pressure = checkpoint.pressure
-    if not leg.held:
+    if not step.held:
         pressure = problem.contact.pressure(problem.traction(state.v, state.active))
     ahead = rest if press is None else (press, *rest)
     u, load = problem.surface(state.v), ahead[0].at(0)
     v = np.append(u.ravel(), top[1] if ahead[0].held else ())
     begun = State(load, v, state.active, [(load, v)], unsure=True)
-    return Checkpoint(ahead[0].stage, 0, checkpoint.patch, begun, legs=ahead, pressure=pressure, carried=True)
+    return Checkpoint(ahead[0].stage, 0, checkpoint.patch, begun, load_steps=ahead, pressure=pressure, carried=True)
 
 
-def _problem(scene, checkpoint, leg):
+def _problem(scene, checkpoint, step):
     """The Equilibrium that the state of a checkpoint solves."""
     first, size = checkpoint.patch
     contact = Contact(scene, first, size, uniform=size == 1 and scene.surface == "flat")
-    return Equilibrium(contact, leg.loading, checkpoint.pressure if leg.held else None)
+    return Equilibrium(contact, step.loading, checkpoint.pressure if step.held else None)
 
 
 def _refuse(scene, changed):
@@ -65,28 +65,28 @@ def _refuse(scene, changed):
 
 
 def _rest(stage, changed, load):
-    """The legs of `changed` from that load of that stage on."""
-    legs = legs_of(changed)
-    place = next((i for i, leg in enumerate(legs) if leg.stage == stage), None)
+    """The load steps of `changed` from that load of that stage on."""
+    load_steps = load_steps_of(changed)
+    place = next((i for i, step in enumerate(load_steps) if step.stage == stage), None)
     if place is None:
         raise SceneError("path", changed.path, f"allowed: one with stage {stage!r}, in which the run is", "start anew")
-    leg = legs[place]
-    end = leg.at(leg.increments)
-    ahead = (end - load) / (leg.step * leg.unit)
+    step = load_steps[place]
+    end = step.at(step.increments)
+    ahead = (end - load) / step.increment
     if ahead < -1e-9:
         raise SceneError(
             "u_x_max", changed.u_x_max, f"allowed: {abs(load):g} nm or more, where the run is", "enlarge it"
         )
-    return replace(leg, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *legs[place + 1 :]
+    return replace(step, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *load_steps[place + 1 :]
 
 
 def _press(scene, changed, top, held):
-    """The Leg from the present indentation to that of `changed` at fixed U_x, or None where there is none to walk."""
+    """The LoadStep from the present indentation to that of `changed` at fixed U_x, or None where they are the same."""
     now = -top[1]
     wanted = changed.delta if not held or changed.hold == "delta" or changed.delta_bar != scene.delta_bar else now
     if abs(wanted - now) <= 1e-12 * changed.delta_0:
         return None
-    steps = ceil(abs(wanted - now) / (changed.du_z * changed.delta_n) - 1e-9)
+    increments = ceil(abs(wanted - now) / (changed.du_z * changed.delta_n) - 1e-9)
     sign = 1.0 if wanted > now else -1.0
     loading = Loading("delta" if sign > 0.0 else "-delta", (top[0], 0.0), (0.0, -sign))
-    return Leg("press", loading, sign * now, changed.du_z, changed.delta_n, steps, sign * wanted)
+    return LoadStep("press", loading, sign * now, changed.du_z * changed.delta_n, increments, sign * wanted)

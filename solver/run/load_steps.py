@@ -1,7 +1,7 @@
-"""The load path as a sequence of legs, each a straight line of the rigid top walked in even increments.
+"""The load path as a sequence of load steps, each a straight line of the rigid top walked in even increments.
 
-Along a leg the load only ever increases: retracting the punch is the leg with direction (0, +1), sliding back the one
-with direction (-1, 0). Every leg begins with the state that the one before ended with, as its increment 0.
+Along a load step the load only ever increases: retracting the punch is the step with direction (0, +1), sliding back
+the one with direction (-1, 0). Every step begins with the state that the one before ended with, as its increment 0.
 """
 
 from dataclasses import dataclass, replace
@@ -13,14 +13,13 @@ HIGHEST = 5.0  # delta_0 above first touch: a punch that still adheres there is 
 
 
 @dataclass(frozen=True)
-class Leg:
-    """One stage: increment k of 0 .. increments is at load min(end, start + k step unit), nm."""
+class LoadStep:
+    """One stage: increment k of 0 .. increments is at load min(end, start + k increment), nm."""
 
     stage: str
     loading: Loading
     start: float
-    step: float  # in units of `unit`, nm
-    unit: float
+    increment: float  # nm
     increments: int
     end: float = inf
     held: bool = False  # the normal load is held: delta follows, and the loading's U_z means nothing
@@ -28,12 +27,14 @@ class Leg:
 
     def at(self, k):
         """Load of increment k, nm."""
-        return min(self.end, k * self.step * self.unit + self.start)
+        return min(self.end, k * self.increment + self.start)
 
 
-def legs_of(scene):
-    """The Legs of a scene's path, in order."""
-    first = Leg("approach", approach(), -scene.delta_0, *_normal(scene), scene.approach_increments, scene.delta)
+def load_steps_of(scene):
+    """The LoadSteps of a scene's path, in order."""
+    first = LoadStep(
+        "approach", approach(), -scene.delta_0, scene.du_z * scene.delta_n, scene.approach_increments, scene.delta
+    )
     return first, *_FOLLOWING[scene.path](scene)
 
 
@@ -43,9 +44,11 @@ def _shear(scene):
 
 def _unload(scene):
     """Adhesion hysteresis: up to where the approach began, or until the punch is free, and down again."""
-    up = Leg("unload", Loading("-delta", (0.0, 0.0), (0.0, 1.0)), -scene.delta, *_normal(scene),
+    up = LoadStep("unload", Loading("-delta", (0.0, 0.0), (0.0, 1.0)), -scene.delta, scene.du_z * scene.delta_n,
              scene.approach_increments, scene.delta_0, until_free=True)  # fmt: skip
-    down = Leg("reload", approach(), -scene.delta_0, *_normal(scene), scene.approach_increments, scene.delta)
+    down = LoadStep(
+        "reload", approach(), -scene.delta_0, scene.du_z * scene.delta_n, scene.approach_increments, scene.delta
+    )
     return up, down
 
 
@@ -64,23 +67,19 @@ _FOLLOWING = {"shear": _shear, "unload": _unload, "loop": _loop}
 
 
 def sideways(scene, stage, sign, start, increments):
-    """The Leg at the scene's indentation, or load, along sign U_x from `start` (nm)."""
+    """The LoadStep at the scene's indentation, or load, along sign U_x from `start` (nm)."""
     held = scene.hold == "load"
     if held:
         loading = Loading("U_x" if sign > 0.0 else "-U_x", (0.0, 0.0), (sign, 0.0))
     else:
         loading = shear(scene) if sign > 0.0 else Loading("-U_x", (0.0, -scene.delta), (sign, 0.0))
-    return Leg(stage, loading, start, scene.du_x, scene.delta_t, increments, held=held)
+    return LoadStep(stage, loading, start, scene.du_x * scene.delta_t, increments, held=held)
 
 
-def stretched(legs, leg):
-    """The same legs, `leg` an increment longer, and the one after it from there on."""
-    place, more = legs.index(leg), leg.step * leg.unit
-    longer = replace(leg, increments=leg.increments + 1, end=leg.end + more)
-    back = legs[place + 1]
+def stretched(load_steps, step):
+    """The same load steps, `step` an increment longer, and the one after it from there on."""
+    place, more = load_steps.index(step), step.increment
+    longer = replace(step, increments=step.increments + 1, end=step.end + more)
+    back = load_steps[place + 1]
     back = replace(back, start=back.start - more, increments=back.increments + 1)
-    return *legs[:place], longer, back, *legs[place + 2 :]
-
-
-def _normal(scene):
-    return scene.du_z, scene.delta_n
+    return *load_steps[:place], longer, back, *load_steps[place + 2 :]

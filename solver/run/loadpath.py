@@ -1,4 +1,4 @@
-"""The experiment as a sequence of Frames along the legs of its path; in one go or in slices with checkpoints."""
+"""The experiment as a sequence of Frames along the load steps of its path; in one go or in slices with checkpoints."""
 
 from dataclasses import dataclass, replace
 from threading import Lock
@@ -14,7 +14,7 @@ from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium, closed_stiffness
 from ..mechanics.layer import Convolution, Modes
 from .frame import Frame, contact_area, forces, slip_event
-from .load_steps import HIGHEST, legs_of, stretched
+from .load_steps import HIGHEST, load_steps_of, stretched
 from .shortcuts import ALL
 
 METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
@@ -33,8 +33,8 @@ class Checkpoint:
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
-    legs: tuple | None = None  # the path, once begun
-    pressure: float | None = None  # GPa: mean normal traction at the end of the last leg that did not hold it
+    load_steps: tuple | None = None  # the path, once begun
+    pressure: float | None = None  # GPa: mean normal traction at the end of the last load step that did not hold it
     carried: bool = False  # whether the state was at rest under other parameters: the next increment may jump
 
 
@@ -116,42 +116,44 @@ class Run:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
         self._fast = method == "fast"
-        self._stepper = self._place = None  # of the leg and patch that are computed at present
+        self._stepper = self._place = None  # of the load step and patch that are computed at present
 
     def next_frame(self, checkpoint):
         """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
         scene = self.scene
-        legs = checkpoint.legs or legs_of(scene)
-        leg = next(leg for leg in legs if leg.stage == checkpoint.stage)
+        load_steps = checkpoint.load_steps or load_steps_of(scene)
+        step = next(step for step in load_steps if step.stage == checkpoint.stage)
         if checkpoint.carried and not self._fast:  # it would start from the whole surface of another equilibrium
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
-        stepper = self._stepper_of(leg, checkpoint)
-        index, load, slips, before = checkpoint.index, leg.at(checkpoint.index), (), stepper.problem.evaluations
+        stepper = self._stepper_of(step, checkpoint)
+        index, load, slips, before = checkpoint.index, step.at(checkpoint.index), (), stepper.problem.evaluations
         state = checkpoint.state or stepper.start(load)
         try:
             done = stepper.increment(state, load)
             while done.state.load > load:  # the surface did not come to rest before: no frame there
                 slips += done.slips
-                if index == leg.increments:  # nor before the end: then the last frame is where it does
+                if index == step.increments:  # nor before the end: then the last frame is where it does
                     load = done.state.load
                     done = replace(done, slips=())
                     break
                 index += 1
-                load = leg.at(index)
+                load = step.at(index)
                 done = replace(done, slips=()) if done.state.load > load else stepper.increment(done.state, load)
         except NotConverged as failure:
-            raise self._placed(failure, leg, load) from None
+            raise self._placed(failure, step, load) from None
         done = replace(done, slips=slips + done.slips)
         problem = stepper.problem
         contact = problem.contact
-        frame = self._frame(leg, index, load, problem, done, contact.evaluations - before)
+        frame = self._frame(step, index, load, problem, done, contact.evaluations - before)
         if checkpoint.carried:
             frame = replace(frame, slips=())
-        here = replace(checkpoint, index=index, legs=legs, patch=(contact.first, contact.size), carried=False)
-        self._place = leg, here.patch, here.pressure
-        return frame, self._after(here, leg, problem, done)
+        here = replace(
+            checkpoint, index=index, load_steps=load_steps, patch=(contact.first, contact.size), carried=False
+        )
+        self._place = step, here.patch, here.pressure
+        return frame, self._after(here, step, problem, done)
 
-    def _placed(self, failure, leg, load):
+    def _placed(self, failure, step, load):
         """The same failure with its place and a remedy."""
         if isinstance(failure, PulledOff):
             return failure
@@ -160,19 +162,19 @@ class Run:
             remedy = f"try a damping larger than {self.scene.damping:g}: with so little it may never come to rest"
         elif not self._fast:
             remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
-        return NotConverged(f"Not converged at {leg.loading.name} = {load:.6g} nm: {failure}; {remedy}")
+        return NotConverged(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
 
-    def _stepper_of(self, leg, checkpoint):
-        """The stepper of a leg, on the patch of the checkpoint."""
-        place = leg, checkpoint.patch, checkpoint.pressure
+    def _stepper_of(self, step, checkpoint):
+        """The stepper of a step, on the patch of the checkpoint."""
+        place = step, checkpoint.patch, checkpoint.pressure
         if self._place == place:
             return self._stepper
-        scene, held = self.scene, checkpoint.pressure if leg.held else None
+        scene, held = self.scene, checkpoint.pressure if step.held else None
         contact = self._contact_of(checkpoint.patch)
-        problem = Equilibrium(contact, leg.loading, held)
+        problem = Equilibrium(contact, step.loading, held)
         kind = METHODS.get(self.method, self.method) if isinstance(self.method, str) else self.method
         stepper = kind(problem, scene.damping, closed_stiffness(scene))
-        if self._fast and "translation" in self.leave_out and leg.loading.direction[0]:
+        if self._fast and "translation" in self.leave_out and step.loading.direction[0]:
             stepper = Replay(stepper, scene.spacing)
         self._stepper, self._place = stepper, place
         return stepper
@@ -191,30 +193,30 @@ class Run:
         normal_only = self._fast and scene.phi_ratio == 0.0 and "friction" in leave_out
         return Contact(scene, *where, uniform=where[1] == 1 and scene.surface == "flat", normal_only=normal_only)
 
-    def _after(self, checkpoint, leg, problem, done):
-        """The Checkpoint after an increment: one increment on, or at the beginning of the next leg."""
-        if leg.until_free and checkpoint.index == leg.increments and not self._free(leg, problem, done.state):
-            checkpoint = replace(checkpoint, legs=stretched(checkpoint.legs, leg))
+    def _after(self, checkpoint, step, problem, done):
+        """The Checkpoint after an increment: one increment on, or at the beginning of the next step."""
+        if step.until_free and checkpoint.index == step.increments and not self._free(step, problem, done.state):
+            checkpoint = replace(checkpoint, load_steps=stretched(checkpoint.load_steps, step))
             return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
-        if checkpoint.index < leg.increments:
+        if checkpoint.index < step.increments:
             return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
-        following = checkpoint.legs[checkpoint.legs.index(leg) + 1 :]
+        following = checkpoint.load_steps[checkpoint.load_steps.index(step) + 1 :]
         if not following:
             return replace(checkpoint, state=done.state, done=True)
         state, pressure = done.state, checkpoint.pressure
-        if not leg.held:
+        if not step.held:
             pressure = problem.contact.pressure(problem.traction(state.v, state.active))
-        state = turned(problem, state, leg.held, following[0])
+        state = turned(problem, state, step.held, following[0])
         return replace(checkpoint, stage=following[0].stage, index=0, state=state, pressure=pressure)
 
-    def _free(self, leg, problem, state):
+    def _free(self, step, problem, state):
         """Whether the layer is not deformed, to FREE, or so high that the retraction ends all the same."""
-        if leg.end >= HIGHEST * self.scene.delta_0:
+        if step.end >= HIGHEST * self.scene.delta_0:
             return True
         top = np.array(problem.top(state.v, state.load))[:, None]
         return bool(np.abs(problem.surface(state.v) - top).max() <= FREE * self.scene.delta_n)
 
-    def _frame(self, leg, k, load, problem, done, evaluations):
+    def _frame(self, step, k, load, problem, done, evaluations):
         scene, state = self.scene, done.state
         U_x, U_z = problem.top(state.v, load)
         traction = problem.traction(state.v, state.active)
@@ -223,7 +225,7 @@ class Run:
         u.flags.writeable = T.flags.writeable = False
         F_bar, L_bar = forces(scene, T)
         return Frame(
-            stage=leg.stage,
+            stage=step.stage,
             index=k,
             U_x=U_x,
             delta=0.0 - U_z,
@@ -235,22 +237,22 @@ class Run:
             A_bar=contact_area(scene, T, first),
             residual=done.residual,
             evaluations=evaluations,
-            slips=tuple(self._event(leg, slip) for slip in done.slips),
+            slips=tuple(self._event(step, slip) for slip in done.slips),
             repeated=done.repeated,
         )
 
-    def _event(self, leg, slip):
+    def _event(self, step, slip):
         """The SlipEvent of a Slip, in whatever problem it happened."""
         contact, m = self._stepper.problem.contact, slip.active.size
         if slip.place != (contact.first, contact.size):
             contact = Contact(self.scene, *slip.place, uniform=m == 1 and self.scene.surface == "flat")
         T = contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active)
-        event = slip_event(self.scene, contact.first, leg.loading.coordinate(slip.load), _on_nodes(self.scene, T))
-        return replace(event, stage=leg.stage, kind=slip.kind, located=slip.located)
+        event = slip_event(self.scene, contact.first, step.loading.coordinate(slip.load), _on_nodes(self.scene, T))
+        return replace(event, stage=step.stage, kind=slip.kind, located=slip.located)
 
 
 def turned(problem, state, was_held, following):
-    """The State at the end of a leg as the first of the next: another load, no past along it."""
+    """The State at the end of a step as the first of the next: another load, no past along it."""
     v = state.v
     if was_held != following.held:
         u, top = problem.surface(v), problem.top(v, state.load)[1]
@@ -287,7 +289,7 @@ def summarize(scene, frames):
     """
     after = [f for f in frames if f.stage != "approach"]
     first = next((event for f in after if f.stage == "shear" for event in f.slips), None)
-    last = legs_of(scene)[-1]
+    last = load_steps_of(scene)[-1]
     ended = bool(after) and after[-1].stage == last.stage and after[-1].index >= last.increments
     pull_off = [f.L_bar for f in after if f.stage == "unload"]
     return {

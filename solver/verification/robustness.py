@@ -10,7 +10,7 @@ import numpy as np
 
 from ..continuation.state import NotConverged, PulledOff
 from ..isolated import Lost, outcomes
-from ..run.load_steps import legs_of
+from ..run.load_steps import load_steps_of
 from ..run.loadpath import load_path
 from ..scene import SceneError
 from .atlas import CENTRE, cases
@@ -65,7 +65,7 @@ def _judged(case, found):
         "frames": 0,
         "evaluations": 0,
         "slips": 0,
-        "asked": sum(leg.increments + 1 for leg in legs_of(scene)),
+        "asked": sum(step.increments + 1 for step in load_steps_of(scene)),
     }
     kept, failure, work, end = Sample(), None, 0, ""
     with suppress(StopIteration):
