@@ -211,7 +211,7 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
     spared, full = frames(scene), frames(scene, leave_out=ALL - {"translation"})
     assert sum(f.repeated for f in spared) > 50
     for one, other in zip(spared, full, strict=True):
-        assert np.abs(one.u - other.u).max() < 1e-6  # as in test_left_out.py
+        assert np.abs(one.u - other.u).max() < 1e-6  # as in test_shortcuts.py
         assert one.slip == other.slip
 
 

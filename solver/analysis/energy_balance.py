@@ -9,7 +9,7 @@ others, where F and L, and the layer's reciprocity, must agree with T and u.
 What a slip releases is not what it dissipates, as the interface gives back what it took on the branch. Over a closed
 cycle, or a lattice period of steady sliding, E is what it was, and W = R - S is what the cycle, or the slip, has cost.
 NP1 has no energy, so that its tractions may do work of their own along that closed path: with the defaults, the flow of
-a slip dissipates 2% more than the top pays for (tests/test_work.py).
+a slip dissipates 2% more than the top pays for (tests/test_energy_balance.py).
 """
 
 from dataclasses import dataclass

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from exact_interior import inside, mean_stress, principal_difference
-from test_body import tractions
+from test_interior import tractions
 
 from solver import Scene, load_path
 from solver.analysis.raster import ACCURACY, QUANTITIES, fringes, mesh, picture
 
 ORIGIN = (0.0, 0.0)
-pytest_plugins = ["test_body"]  # its fixtures: frame, pressed
+pytest_plugins = ["test_interior"]  # its fixtures: frame, pressed
 
 
 def middles(window, size):

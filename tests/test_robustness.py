@@ -155,7 +155,7 @@ def test_a_call_that_crashes_or_hangs_costs_its_process_only():
 KILLED = """
 import sys, time
 from solver.isolated import outcomes
-from test_stability import peculiar
+from test_robustness import peculiar
 for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
     print(pid, flush=True)
 """
