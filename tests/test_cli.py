@@ -155,6 +155,14 @@ def test_every_end_of_a_branch_is_an_event_with_its_kind_and_place(call, tmp_pat
     assert all(("delta" if e["stage"] == "approach" else "U_x") in e and e["F_bar"] is not None for e in events)
 
 
+def test_a_decimal_comma_and_a_unit_are_read_and_the_comma_is_said(call, tmp_path):
+    small = "nodes=64", "width=0.16 µm", "u_x_max=0", "delta_bar=−0,5"
+    code, out, err = call("run", "--set", *small, "--json", tmp_path / "j")
+    scene = strict(tmp_path / "j")["scene"]
+    assert (code, err, scene["width"], scene["delta_bar"]) == (0, "", 160.0, -0.5)
+    assert "decimal point, -0.5" in out and "µm" not in out
+
+
 def test_without_shear_there_is_one_row(call, tmp_path):
     code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=0", "--csv", tmp_path / "c")
     assert code == 0

@@ -84,7 +84,7 @@ def test_long_double_reference_is_finer_than_float64(y):
 
 
 @pytest.mark.parametrize("depth", [-30.0, -50.0, 10.0])
-def test_springs_of_the_second_opinion_agree_with_mpmath(depth):
+def test_springs_of_the_recheck_agree_with_mpmath(depth):
     scene, x = Scene(), 0.4
     with mpmath.workdps(40):
         a, springs_x, springs_z = mpmath.mpf(scene.spacing), mpmath.mpf(0), mpmath.mpf(0)
@@ -99,7 +99,7 @@ def test_springs_of_the_second_opinion_agree_with_mpmath(depth):
     assert float(T[1, 0]) == pytest.approx(float(springs_z), rel=1e-15)
 
 
-def test_displacement_of_the_second_opinion_is_the_real_space_sum():
+def test_displacement_of_the_recheck_is_the_real_space_sum():
     """Its transform against cosines and sines written out, and its K_c against the layer's sign."""
     scene = Scene(nodes=16, width=40.0, height=0.2, nu=0.2)
     T = np.random.default_rng(2).normal(size=(2, 16))

@@ -18,7 +18,7 @@ from solver.isolated import Lost, outcomes
 from solver.mechanics.cohesive_law import traction
 from solver.verification import robustness
 from solver.verification.atlas import AXES, REFUSED, Case, cases, scene_fields
-from solver.verification.long_double import opinion
+from solver.verification.long_double import recheck
 from solver.verification.spectrum import friction, growth
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=8.0)
@@ -60,23 +60,23 @@ def test_values_out_of_range_are_refused(point):
         Case(0, "refused", tuple(point), scene_fields(**point)).scene()
 
 
-def test_second_opinion_agrees_with_a_good_frame(frame):
-    second = opinion(SMALL, frame)
+def test_the_recheck_agrees_with_a_good_frame(frame):
+    second = recheck(SMALL, frame)
     assert second.residual == pytest.approx(frame.residual, abs=second.floor)
     assert second.floor < 0.01 * SMALL.tolerance
     assert second.traction < 1e-13 and second.forces < 1e-13 and second.window == 0.0
 
 
-def test_second_opinion_sees_what_is_wrong(frame):
+def test_the_recheck_sees_what_is_wrong(frame):
     """A nudged node, a scaled traction, a wrong force, a node left out: each must show."""
     u = frame.u.copy()
     u[0, u.shape[1] // 2] += 1e-6
-    assert opinion(SMALL, replace(frame, u=u)).residual > 5e-7
-    assert opinion(SMALL, replace(frame, T=frame.T * 1.001)).traction > 1e-5
-    assert opinion(SMALL, replace(frame, F_bar=frame.F_bar * 1.01)).forces > 1e-5
+    assert recheck(SMALL, replace(frame, u=u)).residual > 5e-7
+    assert recheck(SMALL, replace(frame, T=frame.T * 1.001)).traction > 1e-5
+    assert recheck(SMALL, replace(frame, F_bar=frame.F_bar * 1.01)).forces > 1e-5
     middle = frame.u.shape[1] // 2
     half = replace(frame, first=frame.first + middle, u=frame.u[:, middle:], T=frame.T[:, middle:])
-    seen = opinion(SMALL, half)
+    seen = recheck(SMALL, half)
     assert seen.window > 1.0 or seen.residual > 1e-3
 
 

@@ -1,4 +1,4 @@
-"""A second opinion on a frame: its residual from sums written out spring by spring and mode by mode, in long double.
+"""A frame rechecked: its residual from sums written out spring by spring and mode by mode, in long double.
 
 Shares no code with `mechanics`: the springs are summed one by one in NumPy, the layer's stiffness is
 the textbook quotient of hyperbolic functions, inverted 2 x 2, and the transforms cover the whole cell.
@@ -18,7 +18,7 @@ DROPPED = 0.1  # of delta_n, by which a node may stand on the wrong side of the 
 
 
 @dataclass(frozen=True)
-class Opinion:
+class Recheck:
     """residual and floor, nm: the recomputed residual, and what round-off in float64 alone can amount to.
 
     traction, forces: deviation of the frame's T over the largest `gross`, of F_bar and L_bar over its sum / (n E).
@@ -32,8 +32,8 @@ class Opinion:
     window: float
 
 
-def opinion(scene, frame):
-    """The Opinion on one Frame of a Scene."""
+def recheck(scene, frame):
+    """The Recheck on one Frame of a Scene."""
     part = slice(frame.first, frame.first + frame.u.shape[1])
     active = _active(scene, frame)
     T, gross = np.zeros((2, scene.nodes), LONG), np.zeros(scene.nodes, LONG)
@@ -48,7 +48,7 @@ def opinion(scene, frame):
     inside[part] = active
     wrong = np.where(inside, dn - scene.window_n, scene.window_n - dn)
     forces = np.array([-T[0].sum(), T[1].sum()]) / (scene.nodes * LONG(scene.E)) - (frame.F_bar, frame.L_bar)
-    return Opinion(
+    return Recheck(
         residual=float(np.abs(u[:, part] - frame.u).max()),
         floor=_floor(frame, largest + float(np.abs(top).max())) + rounded,
         traction=float(np.abs(T[:, part] - frame.T).max()) / (float(gross.max()) or 1.0),

@@ -1,4 +1,4 @@
-"""`python -m solver stability`: how the solver fares on stiff and extreme scenes, each judged by a second opinion."""
+"""`python -m solver stability`: how the solver fares on stiff and extreme scenes, each rechecked in long double."""
 
 import os
 import warnings
@@ -14,14 +14,14 @@ from ..run.load_steps import load_steps_of
 from ..run.loadpath import load_path
 from ..scene import SceneError
 from .atlas import CENTRE, cases
-from .long_double import DROPPED, opinion
+from .long_double import DROPPED, recheck
 from .spectrum import growth
 
 GOOD = ("converged", "refused", "gave up")  # what a scene may come to
 BAD = ("wrong", "non-finite", "warning", "error", "crash", "hang")  # what it must not
 LIMIT = 120.0  # s for one scene, after which it counts as hung
 WORK = 2e7  # node evaluations, after which a run is cut short between increments: its frames so far are judged
-SAMPLES = 8  # frames of a scene that get a second opinion, besides those that slipped
+SAMPLES = 8  # frames of a scene that are rechecked, besides those that slipped
 SLIPS = 4
 DENSE = 256  # nodes of the cell up to which the stability of frames is judged: half a second for each
 RESTS = 3  # frames whose stability is looked at, besides those that slipped and the last
@@ -90,7 +90,7 @@ def _judged(case, found):
             if frame.T.any() or not kept:
                 kept.see(frame)
     found["cut"] = work >= WORK
-    wrong = _second_opinions(scene, kept, found)
+    wrong = _rechecked(scene, kept, found)
     if wrong:
         return "wrong", wrong
     return ("gave up", failure) if failure else ("converged", end)
@@ -125,11 +125,11 @@ class Sample:
         return iter(chosen.values())
 
 
-def _second_opinions(scene, frames, found):
+def _rechecked(scene, frames, found):
     """What is wrong with these frames, or None; notes the largest deviations in `found`."""
     found |= {"checked": 0, "residual": 0.0, "floor": 0.0, "traction": 0.0, "forces": 0.0, "window": 0.0}
     for frame in frames:
-        second, place = opinion(scene, frame), f"{frame.stage} increment {frame.index}"
+        second, place = recheck(scene, frame), f"{frame.stage} increment {frame.index}"
         found["checked"] += 1
         for name in ("floor", "traction", "forces", "window"):
             found[name] = max(found[name], getattr(second, name))
