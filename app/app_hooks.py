@@ -4,7 +4,6 @@ import logging
 
 from app.service.pool import pool
 from app.views.pages import compose_all
-from app.views.plots import views
 
 
 def on_server_loaded(server_context):
@@ -17,7 +16,6 @@ def on_server_loaded(server_context):
         log.addHandler(handler)
         log.propagate = False
     pool.start()
-    views()  # composed once, for all visitors
     compose_all()
 
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import panel as pn
 from bokeh.models import CustomJS
 
+from app import schema
 from app.assets import assets
-from app.service.worker import FREE
 from app.session.controls import CONTROLS, drawer, meaning, values_of
 from app.session.session import VISITORS, Session, visitors
+from app.views.live import live_figures
 from app.views.pages import PAGES, section
-from app.views.plots import views
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
 
@@ -53,10 +53,10 @@ def _say(doc, text):
 
 def _page(session):
     """The template with the five figures, and the player that connects them with the session's wire."""
-    made = views()
-    made["punch"].figure.tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
+    figures = live_figures()
+    figures["punch"].tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
     template = pn.Template(_file("html/page.html").replace("<!-- pages -->", "".join(map(section, PAGES))))
-    roots = {name: view.figure for name, view in made.items()} | session.pages.slots
+    roots = figures | session.pages.slots
     for name, model in roots.items():  # as they are: a pane around each would cost a visitor 4 ms
         model.name = name
         pn.state.curdoc.add_root(model)
@@ -69,26 +69,27 @@ def _page(session):
     template.add_variable("choices", CHOICES)
     template.add_variable("presets", presets().values())
     template.add_variable("pages", {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()})
-    template.add_variable("free", FREE)
+    template.add_variable("schema", schema)
     template.add_variable("speeds", SPEEDS)
     template.add_variable("plain_speed", PLAIN_SPEED)
-    pn.state.curdoc.js_on_event("document_ready", _player(session, made))
+    pn.state.curdoc.js_on_event("document_ready", _player(session, figures))
     return template
 
 
-def _player(session, made):
+def _player(session, figures):
     """The browser's half of the app, with the models it changes."""
     return CustomJS(
         args={
             "wire": session.wire,
-            "figures": {name: view.figure for name, view in made.items()},
+            "figures": figures,
             "slots": session.pages.slots,
             "looks": {preset.name: preset.look for preset in presets().values()},
+            "nodes": {name: vars(node) for name, node in schema.NODES.items()},
             "positions": {control.name: list(control.positions) for control in CONTROLS},
             "main": next(name for name in assets(pn.state.app_url) if name.endswith("/main.js")),
         },
         code="""
-            const given = { wire, figures, slots, looks, positions, index: cb_context.index }
+            const given = { wire, figures, slots, looks, nodes, positions, index: cb_context.index }
             import(new URL(main, document.baseURI)).then(({ start }) => start(given))
         """,
     )

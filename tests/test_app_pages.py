@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from bokeh.document import Document
 
+from app.schema import STRESSES
 from app.service.finished import Shelf
 from app.session.session import Session
 from app.views import law, pages
 from app.views.pages import PAGES, Sheet, section
 from solver import Scene
+from solver.analysis.raster import QUANTITIES
 from solver.mechanics import cohesive_law
 
 
@@ -112,3 +114,7 @@ def test_a_blank_page_needs_an_entry_and_a_module(session, monkeypatch):
     assert "Blank</h2>" in section("law") and "embed(roots.law_shear_map)" in section("law")
     order(session, "page", page="")
     assert session.pages.page is None
+
+
+def test_every_quantity_inside_the_solid_is_computed_by_the_solver_or_drawn_of_one_that_is():
+    assert set(STRESSES) - {"fringes"} == set(QUANTITIES)

@@ -23,7 +23,7 @@ FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && p
 class Server:
     """`panel serve app` on a free port, with what it logs."""
 
-    def __init__(self):
+    def __init__(self, prefix=""):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
@@ -35,11 +35,15 @@ class Server:
             "500",
         ]  # ms, closed tabs
         self.process = subprocess.Popen(
-            [*command, *quick], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            [*command, *quick, "--prefix", prefix],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         )
         self.lines, self.news = [], threading.Condition()
         threading.Thread(target=self._listen, daemon=True).start()
-        self.address = f"http://localhost:{self.port}/app"
+        self.address = f"http://localhost:{self.port}{prefix}/app"
 
     def _listen(self):
         for line in self.process.stdout:
@@ -107,6 +111,27 @@ def test_closing_the_tab_frees_what_it_held(server, browser):
     finished(page)
     page.close()
     assert "now 0, slices in flight 0" in server.wait_for("visitor left, now 0", since=seen)
+
+
+def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
+    behind = Server("/lab/contact")
+    behind.wait_for("workers are warm")
+    context = browser.new_context()
+    paid = []
+    for _ in range(2):
+        page = context.new_page()
+        page.goto(behind.address)
+        finished(page)
+        entries = "performance.getEntriesByType('resource').map(({ name, transferSize }) => [name, transferSize])"
+        files = {name: size for name, size in page.evaluate(entries) if "/app/static/" in name}
+        assert {name.rsplit("/", 1)[1].split("?v=")[0] for name in files} >= {"style.css", "main.js", "solid.js"}
+        assert all(f"{behind.address}/static/" in name and "?v=" in name for name in files)
+        paid.append(sum(files.values()))
+        page.close()
+    context.close()
+    behind.process.kill()  # workers go with their server
+    behind.process.wait(PATIENCE / 1000)
+    assert paid[0] > 0 == paid[1]
 
 
 def test_stopping_the_server_ends_its_workers(chromium):

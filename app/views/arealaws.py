@@ -18,12 +18,12 @@ from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
 DEPTHS = (*INDENTATIONS, BEYOND)
 MOST = 5  # series at a time
-MARKS = (  # of a series: marker, colour, dash
-    ("circle", "--text", "solid"),
-    ("square", "--adhering", "dashed"),
-    ("triangle", "--repulsive", "dotted"),
-    ("diamond", "--slip", "dotdash"),
-    ("star", "--shear", "dashdot"),
+MARKS = (  # of a series: marker, the same as text, colour, dash
+    ("circle", "●", "--text", "solid"),
+    ("square", "■", "--adhering", "dashed"),
+    ("triangle", "▲", "--repulsive", "dotted"),
+    ("diamond", "◆", "--slip", "dotdash"),
+    ("star", "★", "--shear", "dashdot"),
 )
 FORCE = hv.Dimension("F", label="F̄", unit="10⁻³")
 AREA = hv.Dimension("A", label="Ā", unit="10⁻³")
@@ -44,14 +44,14 @@ def compose():
         {"runs": "--repulsive", "fits": "--adhering", "onsets": "--text"},
     )
     lines, points, beyond, colours = [], [], [], {}
-    for k, (marker, colour, dash) in enumerate(MARKS):
+    for k, (marker, _, colour, dash) in enumerate(MARKS):
         lines.append(curve(f"line{k}", FORCE, AREA, line_width=2, line_dash=dash))
         onsets = hv.Scatter(([], [], []), FORCE, [AREA, "delta_bar"], label=f"points{k}")
         points.append(onsets.opts(default_tools=[], marker=marker, size=9, tools=["hover"], hover_tooltips=said))
         beyond.append(dots(f"beyond{k}", FORCE, AREA, marker="x", size=9))
         colours |= {f"line{k}": colour, f"points{k}": colour, f"beyond{k}": colour}
     threshold = rendered("arealaws_threshold", [*lines, *points, *beyond], colours)
-    return {view.name: view for view in (runs, threshold)}
+    return [runs, threshold]
 
 
 def series_of(scene):
@@ -212,7 +212,7 @@ class Page(Sheet):
             series=[
                 {
                     "name": named(scene),
-                    "mark": self.marks[scene],
+                    "mark": MARKS[self.marks[scene]][1],
                     "done": len(results),
                     "of": len(DEPTHS),
                     "shown": scene is self.shown,

@@ -8,6 +8,7 @@ T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/del
 import holoviews as hv
 import numpy as np
 
+from app.schema import RIDERS
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver.mechanics import cohesive_law
@@ -16,19 +17,14 @@ OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm
 GAP = hv.Dimension("gap", label="gap", unit="nm")
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # gaps shown, in delta_n
-STATES = {
-    "stick": ("circle", 6, "--stick"),  # another colour than the maps have
-    "slip": ("diamond", 9, "--slip"),
-    "open": ("circle", 4, "--free"),
-}
 
 
 def _riders(x, y):
-    return [dots(label, x, y, marker=marker, size=size) for label, (marker, size, _) in STATES.items()]
+    return [dots(label, x, y, marker=node.marker, size=node.size) for label, node in RIDERS.items()]
 
 
 def _colours(**more):
-    return {label: colour for label, (_, _, colour) in STATES.items()} | more
+    return {label: node.colour for label, node in RIDERS.items()} | more
 
 
 def _map(name, symbol):
@@ -53,13 +49,12 @@ def _law(name, x, value, span):
 def compose():
     shear = hv.Dimension("value", label="Tₜ exp(gap/δₙ) δₜ/φₜ")
     normal = hv.Dimension("value", label="Tₙ δₙ/(φₙ Σ)")
-    made = (
+    return [
         _map("law_shear_map", "Tₜ"),
         _map("law_normal_map", "Tₙ"),
         _law("law_shear_law", OFFSET, shear, (-1.1, 1.1)),
         _law("law_normal_law", GAP, normal, (-0.6, 1.2)),
-    )
-    return {view.name: view for view in made}
+    ]
 
 
 class Page(Sheet):

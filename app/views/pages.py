@@ -1,6 +1,6 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
-A page is an entry of PAGES and a module here with compose() -> {view: View}, views named page_slot, and a class `Page`,
+A page is an entry of PAGES and a module here with compose() -> [figure], named page_slot, and a class `Page`,
 a Sheet. What it publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part
 done or None) and images {view.label: limits}; the rest is for a script of its own, static/js/pages/NAME.js. Its section
 of the document is html/pages/NAME.html; without one it is a title above the figures.
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from bokeh.models import Column
 
-from app.views.plots import views
+from app.views.plots import composed, views
 
 log = logging.getLogger("app")
 PAGES = {  # name: (title, where its figures go)
@@ -65,7 +65,7 @@ class Sheet:
 def compose_all():
     """Compose the figures of every page once, for all visitors: done when the server starts, as it takes a while."""
     for name in PAGES:
-        views(import_module(f"app.views.{name}").compose)
+        composed(import_module(f"app.views.{name}").compose)
 
 
 class Pages:
@@ -84,14 +84,14 @@ class Pages:
         if name not in PAGES:
             return
         module = import_module(f"app.views.{name}")
-        made = {view.removeprefix(f"{name}_"): shown for view, shown in views(module.compose).items()}
+        made = {view.figure.name.removeprefix(f"{name}_"): view for view in views(module.compose)}
         page = module.Page(self.session, lambda **news: self._publish(page, news), made)
         self.name, self.page = name, page
         for slot, view in page.views.items():
             self.slots[f"{name}_{slot}"].children = [view.figure]
         self.published = {
             "open": name,
-            "figures": [view.name for view in page.views.values()],
+            "figures": [view.figure.name for view in page.views.values()],
         }
         page.start()
         self._publish(page, {})

@@ -13,13 +13,14 @@ import holoviews as hv
 import numpy as np
 from bokeh.palettes import cividis
 
+from app.schema import STRESSES
 from app.service import tasks
 from app.views.pages import Sheet
-from app.views.plots import NODE, rendered
+from app.views.plots import rendered
 
 SIZE = (400, 150)  # columns, rows
 DEPTH = 1.0  # of half the width shown
-QUANTITIES = ("normal", "shear", "mean", "difference", "fringes")
+NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where it was in the undeformed layer
 PER_FRINGE = (0.01, 1.0)  # GPa
 
 
@@ -31,8 +32,7 @@ def compose():
     tip = [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000}")]
     image.opts(default_tools=[], tools=["hover"], hover_tooltips=tip)
     lines = hv.Curve(([], []), NODE, z, label="mesh").opts(default_tools=[], line_width=1, alpha=0.7)
-    view = rendered("solid_field", [image, lines], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))
-    return {view.name: view}
+    return [rendered("solid_field", [image, lines], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))]
 
 
 class Page(Sheet):
@@ -44,7 +44,7 @@ class Page(Sheet):
 
     def start(self):
         """The browser asks for the first picture as soon as it has a frame."""
-        self.publish(palette=list(cividis(256)))
+        self.publish(palette=list(cividis(256)), stresses={name: vars(stress) for name, stress in STRESSES.items()})
 
     def order(self, values):
         """Show a frame: {run, frame, half (nm), quantity, per_fringe (GPa), mesh}."""
@@ -69,7 +69,7 @@ class Page(Sheet):
         scene, (first, traction) = run.scene, found
         half, thickness = min(abs(float(values["half"])), 0.5 * scene.width), scene.height * scene.width
         window = (0.5 * scene.width - half, 0.5 * scene.width + half, min(DEPTH * half, thickness))
-        quantity = values["quantity"] if values["quantity"] in QUANTITIES else QUANTITIES[0]
+        quantity = values["quantity"] if values["quantity"] in STRESSES else next(iter(STRESSES))
         per_fringe = float(np.clip(float(values["per_fringe"]), *PER_FRINGE))
         self.about = {"run": values["run"], "frame": values["frame"], "quantity": quantity}
         call = (tasks.stress_picture, scene, first, traction, quantity, window, SIZE, per_fringe, bool(values["mesh"]))

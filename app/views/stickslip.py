@@ -9,6 +9,7 @@ import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
 
+from app.schema import FLATS
 from app.service import tasks
 from app.service.sweep import Sweep
 from app.views.pages import Sheet
@@ -18,13 +19,6 @@ from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.presets import presets
 
 NORMAL = 70.0  # GPa, over which forces are shown
-CHOSEN = {  # preset: (colour, dash); a line each
-    "fig4a-blue": ("--repulsive", "solid"),
-    "fig4a-red": ("--adhering", "dotted"),
-    "fig4a-green": ("--shear", "dashed"),
-    "fig4b-weak": ("--slip", "dotdash"),
-    "fig4b-stiff": ("--soft", "dashdot"),
-}
 MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # of the map: E in GPa, phi_t in N/m
 ROWS = 120  # of the map
 RATIOS = 200  # points of the curve of mean friction
@@ -41,13 +35,13 @@ LOG_PHI = hv.Dimension("phi_t", label="φₜ", unit="N/m")
 
 def compose():
     hover = {"tools": ["hover"], "hover_mode": "vline"}
-    lines = [curve(name, U_X, FORCE, line_width=2, line_dash=dash) for name, (_, dash) in CHOSEN.items()]
+    lines = [curve(name, U_X, FORCE, line_width=2, line_dash=flat.dash) for name, flat in FLATS.items()]
     said = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
     lines += [curve("own", U_X, FORCE, line_width=3).opts(hover_tooltips=said, **hover)]
     forces = rendered(
         "stickslip_forces",
         [hv.HLine(0.0, label="zero").opts(line_width=1), *lines],
-        {name: colour for name, (colour, _) in CHOSEN.items()} | {"own": "--text", "zero": "--grid"},
+        {name: flat.colour for name, flat in FLATS.items()} | {"own": "--text", "zero": "--grid"},
         x=(0, END),
     )
     said = [("E/τ_max", "@ratio{0}"), ("⟨F⟩/(w τ_max)", "@mean{0.000}")]
@@ -62,7 +56,7 @@ def compose():
         {"low": "--shear", "exact": "--soft", "runs": "--text", "own": "--slip"},
         y=(-0.05, 1.0),
     )
-    return {view.name: view for view in (forces, mean, _map())}
+    return [forces, mean, _map()]
 
 
 def _map():
@@ -70,7 +64,7 @@ def _map():
     bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
     image = hv.Image(np.zeros((2, 2), dtype=np.float32), [LOG_E, LOG_PHI], "mean", bounds=bounds, label="map")
     image.opts(default_tools=[], cmap="cividis", tools=["hover"], hover_tooltips=[("⟨F⟩/(w τ_max)", "@image{0.00}")])
-    view = rendered(
+    figure = rendered(
         "stickslip_map",
         [
             image,
@@ -82,10 +76,10 @@ def _map():
         x=(bounds[0], bounds[2]),
         y=(bounds[1], bounds[3]),
     )
-    view.figure.xaxis.update(ticker=FixedTicker(ticks=[1, 2, 3]), major_label_overrides={1: "10", 2: "100", 3: "1000"})
+    figure.xaxis.update(ticker=FixedTicker(ticks=[1, 2, 3]), major_label_overrides={1: "10", 2: "100", 3: "1000"})
     powers = {-2: "0.01", -1: "0.1", 0: "1"}
-    view.figure.yaxis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
-    return view
+    figure.yaxis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
+    return figure
 
 
 def flat(scene):
@@ -132,7 +126,7 @@ class Page(Sheet):
         self.sweep.cancel()
 
     def _chosen(self):
-        return [flat(presets()[name].scene) for name in CHOSEN]
+        return [flat(presets()[name].scene) for name in FLATS]
 
     def _measured(self):
         """Scenes with the strength of the one on screen, over the range of E/tau_max; two periods of steady sliding."""
@@ -192,7 +186,7 @@ class Page(Sheet):
         if isinstance(result, Exception):
             return self._describe(f"One run failed: {result}. ")
         if kind is tasks.flat_curve:
-            for name in CHOSEN:
+            for name in FLATS:
                 if flat(presets()[name].scene) == scene:
                     self._draw_curve(name, scene, result)
             if scene == self.own:
@@ -206,7 +200,7 @@ class Page(Sheet):
     def _draw_curve(self, label, scene, result):
         U, F = result
         self.draw("forces", label, U_x=U, F=F * np.float32(1000 * scene.E / NORMAL))
-        drawn = [self.views["forces"].parts[name].data_source.data["F"] for name in (*CHOSEN, "own")]
+        drawn = [self.views["forces"].parts[name].data_source.data["F"] for name in (*FLATS, "own")]
         high = max(float(np.max(values, initial=0.0)) for values in drawn)
         low = min(float(np.min(values, initial=0.0)) for values in drawn)
         self.views["forces"].figure.y_range.update(start=low - 0.08 * high, end=1.1 * high + 1e-6)

@@ -55,12 +55,10 @@ export async function paintedTogether(figures, change) {
   }
 }
 
-// The colour of all that a renderer, a band or a line draws
-export function tint(item, value) {
-  for (const model of [item.glyph ?? item, item.nonselection_glyph, item.muted_glyph]) {
-    if (!model || typeof model !== "object") continue
-    for (const key of ["line_color", "fill_color"]) if (key in model) set(model, { [key]: value })
-  }
+// The colour of what a renderer, a band or a line draws
+export function tint(part, value) {
+  const model = part.glyph ?? part
+  for (const key of ["line_color", "fill_color"]) if (key in model) set(model, { [key]: value })
 }
 
 // How many pixels of the screen a unit in y takes, over a unit in x; nothing before the figure is laid out

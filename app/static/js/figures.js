@@ -1,11 +1,12 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
-import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, set, stretch, tint } from "./bokeh.js"
+import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
 import { by, minus } from "./dom.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
+let states = {} // state of a node: {mark, said} (app/schema.py)
 const THOUSAND = 1000
 const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
@@ -17,6 +18,10 @@ const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is tol
 export function adopt(name, figure) {
   figures[name] = figure
   parts[name] = namedParts(figure)
+}
+
+export function useNodes(given) {
+  states = Object.fromEntries(Object.entries(plain(given)).map(([state, node]) => [state, plain(node)]))
 }
 
 export function forget(name) {
@@ -127,11 +132,11 @@ export function drawFrame(run, k) {
   }
   fill("punch", "body", outline)
   fill("punch", "surface", { x, gap })
-  const nodes = { repulsive: [], adhering: [], free: [], contact: [] }
-  for (let i = 0; i < n; i++) nodes[run.state(T_n[i], gap[i])].push(i)
-  if (run.head.flat) tellFlat(run.state(T_n[0], gap[0]))
-  for (const label in nodes) {
-    const pick = (list) => Float32Array.from(nodes[label], (i) => list[i])
+  const found = Object.fromEntries(Object.keys(states).map((state) => [state, []]))
+  for (let i = 0; i < n; i++) found[run.state(T_n[i], gap[i])].push(i)
+  if (run.head.flat) tellFlat(states[run.state(T_n[0], gap[0])])
+  for (const label in found) {
+    const pick = (list) => Float32Array.from(found[label], (i) => list[i])
     fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
   fill("traction", "T_n", { x, T: T_n })
@@ -140,12 +145,7 @@ export function drawFrame(run, k) {
 }
 
 // The key of the nodes of a flat surface, which are all alike
-const FLAT_KEYS = {
-  repulsive: ["dot repulsive", "repulsive"], adhering: ["wedge", "adhering"], free: ["dot free", "free"],
-  contact: ["dot contact", "in contact, Tₙ = 0"],
-}
-function tellFlat(state) {
-  const [mark, said] = FLAT_KEYS[state]
+function tellFlat({ mark, said }) {
   by("flat-mark").className = mark
   by("flat-state").textContent = said
 }

@@ -4,7 +4,7 @@ import * as accuracy from "./accuracy.js"
 import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import { by } from "./dom.js"
-import { adopt, paint, tellStretch } from "./figures.js"
+import { adopt, paint, tellStretch, useNodes } from "./figures.js"
 import { connectHand } from "./hand.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
@@ -14,11 +14,12 @@ import { me } from "./state.js"
 import * as status from "./status.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
-// looks: {preset: text}; positions: {slider: values}; index: Bokeh's index of views
-export function start({ wire, figures, slots, looks, positions, index }) {
+// looks: {preset: text}; nodes: {state: how it is drawn}; positions: {slider: values}; index: Bokeh's index of views
+export function start({ wire, figures, slots, looks, nodes, positions, index }) {
   useIndex(index)
   figures = plain(figures)
   positions = plain(positions)
+  useNodes(nodes)
   for (const name in figures) adopt(name, figures[name])
   channel.connect(wire)
   status.connect({ looks: plain(looks), positions })

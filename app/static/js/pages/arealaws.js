@@ -3,7 +3,6 @@
 import { ask } from "../channel.js"
 import { by, minus, on, say } from "../dom.js"
 
-const MARKER = ["●", "■", "▲", "◆", "★"] // in the order of MARKS in app/views/arealaws.py
 const known = (value) => value !== undefined && value !== null
 const small = (value, digits = 3) => (known(value) ? minus(value.toFixed(digits)) : "–")
 const thousand = (value, error) => (known(value) ? `${small(1000 * value)} ± ${small(1000 * error)}` : "–")
@@ -23,7 +22,7 @@ function seriesRow(s, k) {
   pick.setAttribute("aria-pressed", s.shown)
   pick.addEventListener("click", () => ask({ what: "show", series: k }))
   const bend = known(s.bend) ? `${small(-100 * s.bend, 1)} %, ${small(s.r2_beyond, 3)}` : "–"
-  return row([MARKER[s.mark], pick, thousand(s.tau_c, s.tau_c_error), thousand(s.F_nc, s.F_nc_error), small(s.r2, 4),
+  return row([s.mark, pick, thousand(s.tau_c, s.tau_c_error), thousand(s.F_nc, s.F_nc_error), small(s.r2, 4),
     s.done < s.of ? `${s.done} of ${s.of} runs` : bend])
 }
 

@@ -10,18 +10,8 @@ import { me } from "../state.js"
 const BENEATH = 0.06 // of the depth, below the picture, for the deformed surface
 const LOST = 2000 // ms after which a picture that did not come is asked for again
 const GREYS = Array.from({ length: 256 }, (_, i) => `#${i.toString(16).padStart(2, "0").repeat(3)}`)
-// quantity: what its colours mean: [name of the view, ramp and word for < 0, ramp and word for > 0]; blue is compression,
-// as in the contact map, and the shear stress is at the surface what the traction view shows
-const KEYS = {
-  fringes: ["Photoelastic fringes", "", "", "", ""],
-  difference: ["Principal difference σ₁ − σ₂", "", "", "cividis", ""],
-  normal: ["σ_zz", "squeezes", "compression", "stretches", "tension"],
-  mean: ["Mean stress (σ_xx + σ_yy + σ_zz)/3", "squeezes", "compression", "stretches", "tension"],
-  shear: ["σ_xz", "pulls", "along +x", "pushes", "against +x; at the surface this is Tₜ"],
-}
-const RAMPS = { squeezes: "push", stretches: "pull", pulls: "pull", pushes: "push" } // of style.css
 
-let open = false, palette = [] // of a quantity without sign
+let open = false, palette = [], stresses = {} // colours of a quantity without sign; all quantities (app/schema.py)
 let asked = null, since = 0 // what is in the making, and since when
 let done = null, shown = null // what is on screen, as it was asked for, and as [quantity, run]
 let limits = {} // of the run on screen
@@ -64,16 +54,16 @@ export function pictured(buffer) {
 
 // What the view shows now, and the key of its colours
 function nameQuantity(quantity) {
-  const [name, below, less, above, more] = KEYS[quantity]
+  const { name, below: [low, , less], above: [high, , more] } = stresses[quantity]
   by("solid-name").textContent = name
-  by("solid-fringes").hidden = quantity !== "fringes"
-  by("solid-scale").hidden = quantity === "fringes"
+  by("solid-fringes").hidden = Boolean(high)
+  by("solid-scale").hidden = !high
   by("solid-below").textContent = less
   by("solid-above").textContent = more
   const bars = by("solid-scale").querySelectorAll(".bar")
-  by("solid_field-low").hidden = bars[0].hidden = !below
-  bars[0].className = `bar ${below}`
-  bars[1].className = `bar ${above}`
+  by("solid_field-low").hidden = bars[0].hidden = !low
+  bars[0].className = `bar ${low}`
+  bars[1].className = `bar ${high}`
 }
 
 // Limits grow with the run, so that colours keep their meaning while it is played
@@ -84,12 +74,14 @@ function shade(image) {
   const key = `${quantity} ${run}`
   const [low, high] = extent(limits[key] ?? [0, 0], image)
   limits = { [key]: [low, high] }
-  const top = nice(Math.max(-low, high)), [, below, , above] = KEYS[quantity]
-  set(mapper, below ? shades(-top, top, [RAMPS[below], RAMPS[above]]) : { low: 0, high: top, palette })
+  const top = nice(Math.max(-low, high)), { below: [, less], above: [, more] } = stresses[quantity]
+  set(mapper, less ? shades(-top, top, [less, more]) : { low: 0, high: top, palette })
   tellLimits("solid_field", -top, top)
 }
 
-export const told = (news) => { palette = news.palette ?? palette }
+export function told(news) {
+  if (news.palette) ({ palette, stresses } = news)
+}
 export const frame = () => askPicture()
 export const painted = () => { if (shown) shade([]) }
 

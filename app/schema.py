@@ -1,0 +1,88 @@
+"""What Python draws, templates explain and scripts change, declared once: names, marks and colours.
+
+Colours are variables of style.css, marks are classes of it; dashes and markers are Bokeh's. Columns and fields of
+packed frames are declared in service/worker.py and travel by name.
+"""
+
+from dataclasses import dataclass
+
+from app.service.worker import FREE
+
+WEAK = f"attraction below {100 * FREE:g} % of its peak"
+
+
+@dataclass(frozen=True)
+class Node:
+    """How nodes in some state are drawn and called; the shape says the same as the colour."""
+
+    said: str
+    mark: str
+    marker: str
+    size: int
+    colour: str
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """How a curve is drawn and called."""
+
+    said: str
+    colour: str
+    dash: str = "solid"
+    symbol: str = ""
+
+
+@dataclass(frozen=True)
+class Stress:
+    """A quantity inside the solid: its choice, its name, and (mark, ramp, word) of its values below and above zero.
+
+    Without `below` it has no sign; without `above` no scale of colours.
+    """
+
+    choice: str
+    name: str
+    below: tuple = ("", "", "")
+    above: tuple = ("", "", "")
+
+
+NODES = {  # in the punch, as run.js tells them apart
+    "repulsive": Node("repulsive", "dot repulsive", "circle", 5, "--repulsive"),
+    "adhering": Node("adhering", "wedge", "inverted_triangle", 5, "--adhering"),
+    "free": Node("free", "dot free", "circle", 3, "--free", WEAK),
+    "contact": Node("in contact, Tₙ = 0", "dot contact", "square", 5, "--shear", "Tₙ = 0"),  # of flats only
+}
+RIDERS = {  # on the interface law, as pages/law.js tells them apart; another colour than the maps have
+    "stick": Node("nodes stick (before the peak of Tₜ)", "dot stick", "circle", 6, "--stick"),
+    "slip": Node("past the peak", "slip", "diamond", 9, "--slip"),
+    "open": Node(f"free ({WEAK})", "dot free", "circle", 4, "--free"),
+}
+CURVES = {
+    "T_n": Curve("normal Tₙ, repulsion > 0", "--normal", symbol="Tₙ"),
+    "T_t": Curve("tangential Tₜ, against +x", "--shear", "dashed", "Tₜ"),
+    "F": Curve("friction F̄ = F/(wE)", "--shear", symbol="F̄"),
+    "L": Curve("load L̄ = L/(wE)", "--normal", "dashed", "L̄"),
+    "A": Curve("Ā = A/w under repulsion", "--area", symbol="Ā"),
+    "ghost": Curve("before", "--ghost"),
+}
+FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t in N/m
+    "fig4a-blue": Curve("E 70, φₜ 0.2", "--repulsive"),
+    "fig4a-red": Curve("140, 0.2", "--adhering", "dotted"),
+    "fig4a-green": Curve("70, 0.1", "--shear", "dashed"),
+    "fig4b-weak": Curve("70, 0.004", "--slip", "dotdash"),
+    "fig4b-stiff": Curve("3000, 0.2", "--soft", "dashdot"),
+}
+# blue is compression, as in the contact map, and the shear stress is at the surface what the traction view shows
+SQUEEZED, STRETCHED = ("squeezes", "push", "compression"), ("stretches", "pull", "tension")
+STRESSES = {
+    "fringes": Stress("photoelastic fringes", "Photoelastic fringes"),
+    "difference": Stress("principal difference σ₁ − σ₂", "Principal difference σ₁ − σ₂", above=("cividis", "", "")),
+    "normal": Stress("normal stress σ_zz", "σ_zz", SQUEEZED, STRETCHED),
+    "shear": Stress(
+        "shear stress σ_xz",
+        "σ_xz",
+        ("pulls", "pull", "along +x"),
+        ("pushes", "push", "against +x; at the surface this is Tₜ"),
+    ),
+    "mean": Stress("mean stress (σ_xx + σ_yy + σ_zz)/3", "Mean stress (σ_xx + σ_yy + σ_zz)/3", SQUEEZED, STRETCHED),
+}

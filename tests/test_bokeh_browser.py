@@ -1,0 +1,118 @@
+"""What app/static/js/bokeh.js takes for granted of BokehJS and its documentation does not promise, a test for each."""
+
+import pytest
+from test_app_serving import finished
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+JS = "new URL('./app/static/js/{}.js', document.baseURI)"
+PIXELS = """() => [...function* find(node) {
+    if (node.tagName === "CANVAS" && node.width > 50) yield node.toDataURL()
+    for (const child of [...node.children ?? [], ...node.shadowRoot?.children ?? []]) yield* find(child)
+}(document.querySelector("figure[aria-label^=Friction] .view"))].join()"""
+
+
+@pytest.fixture
+def still(visit):
+    """The app, paused, with `bokeh` (the module) and `figures`, `parts` of figures.js as globals."""
+    page = visit()
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function("() => !punch.fresh && punch.mapped && !punch.playing")
+    page.evaluate(
+        f"""async () => {{
+            window.bokeh = await import({JS.format("bokeh")})
+            const {{ figures, parts }} = await import({JS.format("figures")})
+            Object.assign(window, {{ figures, parts, pixels: {PIXELS} }})
+            window.screen2 = () => new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))
+            await screen2()
+        }}"""
+    )
+    return page
+
+
+def test_the_index_finds_the_view_of_a_figure_and_says_when_it_is_drawn(still):
+    assert still.evaluate("Object.values(figures).every((figure) => bokeh.viewOf(figure).model === figure)")
+    still.wait_for_function("() => Object.values(figures).every(bokeh.isDrawn)")
+
+
+def test_changes_of_a_paused_view_are_painted_at_once_when_it_goes_on(still):
+    painted = still.evaluate(
+        """async () => {
+            const before = pixels()
+            await bokeh.paintedTogether([figures.forces], () => {
+                bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] })
+                if (pixels() !== before) throw new Error("painted too early")
+            })
+            const at_once = pixels()
+            await screen2()
+            return [at_once !== before, at_once === pixels()]
+        }"""
+    )
+    assert painted == [True, True]  # all that was to be painted was painted: CHAIN is long enough
+
+
+def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(still):
+    sent = still.evaluate(
+        f"""async () => {{
+            const send = WebSocket.prototype.send, said = []
+            WebSocket.prototype.send = function (text) {{ said.push(text); return send.call(this, text) }}
+            bokeh.set(figures.forces.y_range, {{ start: -3, end: 3 }})
+            bokeh.fill(parts.forces.L, {{ U_x: [0], value: [0] }})
+            bokeh.tint(parts.forces.L, "#ff0000")
+            await screen2()
+            const {{ order }} = await import({JS.format("channel")})
+            order("pause")
+            await screen2()
+            WebSocket.prototype.send = send
+            return said.flatMap((text) => JSON.parse(text).events ?? []).map((event) => event.attr ?? event.kind)
+        }}"""
+    )
+    layout = {"inner_width", "inner_height", "outer_width", "outer_height"}  # which Bokeh tells by itself
+    assert set(sent) - layout == {"order"}
+
+
+def test_every_part_of_a_figure_is_found_by_its_name_and_takes_its_colour(still):
+    assert set(still.evaluate("Object.keys(parts.forces)")) == {
+        *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor")
+    }
+    still.evaluate("bokeh.tint(parts.forces.F, '#123456')")
+    line, bokeh_value = "parts.forces.F.glyph.line_color", still.evaluate("parts.forces.F.glyph.line_color")
+    assert "#123456" in (bokeh_value, still.evaluate(f"{line}.value")), bokeh_value
+
+
+def test_an_image_is_of_the_kind_that_came_from_the_server_and_has_its_shape(still):
+    shape = still.evaluate("bokeh.image(parts.map.map, new Float32Array(6), [2, 3])[0].shape")
+    assert list(shape) == [2, 3]
+
+
+def test_a_figure_knows_its_size_on_screen(still):
+    assert still.evaluate("bokeh.stretch(figures.punch)") > 1
+    assert still.evaluate("bokeh.stretch(undefined)") is None
+
+
+def test_a_figure_knows_where_its_axes_enclose_it(still):
+    box = still.evaluate("bokeh.frameBox(figures.punch)")
+    view = still.locator("figure[aria-label^='The punch'] .view").bounding_box()
+    assert 0 < box["left"] < box["left"] + box["width"] <= view["width"]
+    assert 0 <= box["top"] < box["top"] + box["height"] <= view["height"]
+
+
+def test_changes_and_events_of_a_model_are_heard(still):
+    heard = still.evaluate(
+        """() => {
+            let changes = 0
+            bokeh.onChange(figures.forces.y_range, "end", () => changes++)
+            bokeh.set(figures.forces.y_range, { end: 7 })
+            return changes
+        }"""
+    )
+    assert heard == 1
+    still.evaluate("window.taps = []; bokeh.onEvent(figures.area, 'tap', ({ x }) => taps.push(x))")
+    box = still.locator("figure[aria-label^='Contact area'] .view").bounding_box()
+    still.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    still.wait_for_function("() => taps.length === 1 && taps[0] > 0 && taps[0] < 40")
+
+
+def test_no_canvas_is_a_stop_of_the_tab_key(still):
+    assert still.evaluate("Object.values(figures).every((f) => bokeh.viewOf(f).canvas_view.events_el.tabIndex === -1)")

@@ -1,0 +1,161 @@
+"""The scripts without a page: each module in a blank tab of a real Chromium, fed with what a worker packs."""
+
+import base64
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.service import worker
+from solver import Scene, load_path
+
+pytestmark = pytest.mark.browser
+STATIC = Path(__file__).parent.parent / "app" / "static"
+MODULES = sorted(path.relative_to(STATIC).as_posix() for path in STATIC.rglob("*.js"))
+SHORT = Scene(nodes=256, width=625.0, radius=60.0, u_x_max=12.0, E=200.0)
+WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
+LOOP = SHORT.changed(path="loop", u_x_max=6.0)
+
+
+@pytest.fixture(scope="module")
+def tab(browser):
+    """A blank page at an address of its own from which the modules can be imported; no server, nothing else."""
+    page = browser.new_page()
+    kinds = {".js": "text/javascript", ".html": "text/html"}
+
+    def answer(route):
+        path = route.request.url.removeprefix("http://scripts/")
+        body = "<!doctype html>" if path == "blank.html" else (STATIC / path).read_text(encoding="utf-8")
+        route.fulfill(body=body, content_type=kinds[Path(path).suffix])
+
+    page.route("http://scripts/**", answer)
+    page.goto("http://scripts/blank.html")
+    yield page
+    page.close()
+
+
+def run_of(tab, scene):
+    """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
+    checkpoint, last, blocks = None, None, []
+    while checkpoint is None or not checkpoint.done:
+        piece = worker.compute(scene, checkpoint, 0.01, last)
+        checkpoint, last = piece.checkpoint, piece.last
+        blocks += [base64.b64encode(worker.numbered(7, block)).decode() for block in piece.blocks]
+    tab.evaluate(
+        """async (blocks) => {
+            const { Run, unpack } = await import("http://scripts/js/run.js")
+            for (const text of blocks) {
+                const chunk = unpack(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
+                if (text === blocks[0]) window.run = new Run(chunk.run, chunk.head)
+                window.run.add(chunk)
+            }
+        }""",
+        blocks,
+    )
+    return list(load_path(scene))
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_can_be_imported_alone_and_touches_no_page(tab, name):
+    tab.evaluate(f"import('http://scripts/{name}').then((module) => Object.keys(module))")
+
+
+def test_frames_arrive_as_the_solver_computed_them(tab):
+    frames = run_of(tab, SHORT)
+    assert tab.evaluate("[run.number, run.length, run.whole]") == [7, len(frames), True]
+    for name in ("index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations"):
+        mine = np.array([getattr(frame, name) for frame in frames], dtype=np.float32)
+        assert tab.evaluate(f"run.curves.{name}") == mine.tolist(), name
+    k = len(frames) - 1
+    shown = tab.evaluate(f"Object.fromEntries(Object.entries(run.frame({k})).map(([name, list]) => [name, [...list]]))")
+    frame = frames[k]
+    nodes = frame.first + np.arange(frame.u.shape[1])
+    true = {
+        "x": nodes * SHORT.spacing - SHORT.width / 2 + frame.u[0],
+        "gap": SHORT.profile[nodes % SHORT.nodes] + frame.u[1],
+        "T_n": frame.T[1],
+        "T_t": -frame.T[0],  # shown positive where it resists
+    }
+    for name, values in true.items():
+        assert np.abs(np.array(shown[name]) - values).max() < 1e-3 * np.abs(values).max(), name  # int16
+
+
+def test_the_shear_is_cut_off_the_approach_and_scaled(tab):
+    frames = run_of(tab, SHORT)
+    forces = [frame.F_bar for frame in frames if frame.stage == "shear"]
+    assert tab.evaluate("[...run.shear('F_bar', 1000)]") == pytest.approx([1000 * F for F in forces], rel=1e-6)
+
+
+def test_the_nearest_frame_of_a_loop_is_on_the_leg_that_is_shown(tab):
+    frames = run_of(tab, LOOP)
+    for stage in ("shear", "back", "forth"):
+        leg = [k for k, frame in enumerate(frames) if frame.stage == stage]
+        now = leg[len(leg) // 2]
+        k = tab.evaluate(f"run.nearest(2.04, {now})")
+        assert frames[k].stage == stage and frames[k].U_x == pytest.approx(2.04, abs=LOOP.du_x)
+
+
+def test_the_map_holds_the_traction_where_it_acts_and_nothing_where_it_does_not(tab):
+    frames = run_of(tab, WIDE)
+    shear = [frame for frame in frames if frame.stage == "shear"]
+    made = tab.evaluate(
+        """(() => {
+            const { image, rows, columns, start, low } = run.map(run.length - 1)
+            return { image: [...image].map((v) => (Number.isNaN(v) ? null : v)), rows, columns, start, low }
+        })()"""
+    )
+    image = np.array(made["image"], dtype=float).reshape(made["rows"], made["columns"])
+    assert made["columns"] == len(shear) and made["start"] == 0.0
+    peak = WIDE.phi_n / (np.e * WIDE.delta_n)
+    for column in (0, len(shear) // 2, -1):
+        frame = shear[column]
+        row = round(frame.first - 0.5 - (made["low"] + WIDE.width / 2) / WIDE.spacing)
+        own = image[row : row + frame.u.shape[1], column]
+        nodes = frame.first + np.arange(frame.u.shape[1])
+        gap = WIDE.profile[nodes % WIDE.nodes] + frame.u[1]
+        acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -worker.FREE * peak)
+        sure = np.abs(frame.T[1] + worker.FREE * peak) > 1e-3 * peak  # not on the limit, where int16 decides
+        assert (np.isfinite(own) == acts)[sure].all() and acts.any() and not acts.all()
+        assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=1e-3 * np.abs(frame.T[1]).max())
+
+
+def test_a_run_carried_on_begins_with_the_frames_of_the_other(tab):
+    run_of(tab, SHORT)
+    counts = tab.evaluate(
+        """(async () => {
+            const { Run } = await import("http://scripts/js/run.js"), next = new Run(8, run.head)
+            next.takeOver(run, run.sheared + 5)
+            return [next.length, run.sheared + 6, next.curves.U_x.at(-1), run.curves.U_x[run.sheared + 5]]
+        })()"""
+    )
+    assert counts[0] == counts[1] and counts[2] == counts[3]
+
+
+def test_numbers_are_written_with_a_true_minus_and_without_negative_zeros(tab):
+    written = tab.evaluate(
+        """import("http://scripts/js/dom.js").then(({ fixed, minus }) => [
+            fixed(-1.25, 1), fixed(-0.0004, 3).replace("−", ""), fixed(3, 0), minus("-2")])"""
+    )
+    assert written == ["−1.2", "0.000", "3", "−2"]
+
+
+@pytest.mark.parametrize(("low", "high"), [(-0.8, 0.4), (-0.8, 40.0), (-3.0, 3.0)])
+def test_shades_change_their_ramp_exactly_at_zero(tab, low, high):
+    ends = {"pull": [[255, 0, 0], [200, 0, 0]], "push": [[0, 0, 255], [0, 0, 200]]}
+    made = tab.evaluate(
+        f"""import("http://scripts/js/colours.js").then(({{ shades }}) =>
+            shades({low}, {high}, ["pull", "push"], (name) => ({json.dumps(ends)})[name]))"""
+    )
+    step = (made["high"] - made["low"]) / len(made["palette"])
+    below = round(-made["low"] / step)
+    assert -made["low"] / step == pytest.approx(below, abs=1e-6)
+    assert low - step <= made["low"] <= low and high <= made["high"] <= high + step
+    assert all(shade.endswith("0000") for shade in made["palette"][:below])  # red only
+    assert all(shade.startswith("#0000") for shade in made["palette"][below:])  # blue only
+
+
+def test_limits_are_rounded_up_to_a_number_that_is_read_easily(tab):
+    values = [0.012, 0.99, 1.0, 1.01, 37.0, 4200.0]
+    rounded = tab.evaluate(f"import('http://scripts/js/colours.js').then(({{ nice }}) => {values}.map(nice))")
+    assert rounded == [0.015, 1, 1, 1.5, 40, 5000]
