@@ -1,100 +1,177 @@
 """Calls in processes of their own, each with a limit of time: a call that hangs or crashes costs a process, no more."""
 
 import os
+import signal
+import sys
 from collections import deque
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from inspect import isgenerator
+from math import inf
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
-from threading import Thread
+from queue import SimpleQueue
+from threading import Event, RLock, Thread
 from time import monotonic
 from traceback import format_exc
 
 # One thread of linear algebra in each process: there are as many of these as cores, and threads would only wait
-ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"
+ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"
+spawning = RLock()
 
 
-@dataclass(frozen=True)
-class Lost:
-    """A call without a result: kind 'hang', 'crash' or 'error', and what is known of it."""
+class Lost(Exception):
+    """A call without a result: kind 'hang', 'crash' or 'error', and what is known of it; of an error its traceback."""
 
-    kind: str
-    reason: str
+    def __init__(self, kind, reason):
+        super().__init__(kind, reason)
+        self.kind, self.reason = kind, reason
+
+    def __str__(self):
+        return self.reason
+
+
+class Caller:
+    """A process that makes one call at a time, and ends with this one; `end` it from any thread."""
+
+    def __init__(self):
+        for name in ONE_THREAD:
+            os.environ.setdefault(name, "1")
+        context = get_context("spawn")  # fork copies threads' locks in whatever state they are
+        self._pipe, theirs = context.Pipe()
+        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        with theirs, _bare_main():  # their end is closed here, so that the pipe ends with the process
+            self.process.start()
+
+    def call(self, function, *arguments, limit=inf, hear=None):
+        """function(*arguments), made in the process; raises Lost, and but for kind 'error' the process is gone then.
+
+        All must be picklable, the function importable. limit: s until the result is here. Of a generator, hear(each)
+        is called here for all it yields, and the result is what it returns.
+        """
+        due = monotonic() + limit
+        try:
+            with suppress(BrokenPipeError, ConnectionError):  # heard below
+                self._pipe.send((function, arguments))
+            while True:
+                kind, value = self._answer(due, limit)
+                if kind == "result":
+                    return value
+                if kind == "error":
+                    raise Lost("error", value)
+                hear(value)
+        except Lost:
+            raise
+        except (EOFError, OSError):  # the process ended, maybe in the middle of an answer
+            self.end()
+            raise Lost("crash", f"the process ended with exit code {self.process.exitcode}") from None
+        except Exception:  # what cannot be pickled
+            raise Lost("error", format_exc(limit=-6)) from None
+
+    def _answer(self, due, limit):
+        ready = wait([self._pipe, self.process.sentinel], None if due == inf else max(0.0, due - monotonic()))
+        if ready:
+            return self._pipe.recv()
+        self.end()
+        raise Lost("hang", f"no answer within {limit:g} s")
+
+    def end(self):
+        """Kill the process, whatever it does; a call that goes on raises Lost."""
+        self.process.kill()
+        self.process.join()
+
+
+@contextmanager
+def _bare_main():
+    """Hide `__main__`'s file while a process is spawned: it would import the start script, of a server all of it."""
+    main = sys.modules["__main__"]
+    with spawning:
+        file = main.__dict__.pop("__file__", None)
+        try:
+            yield
+        finally:
+            if file is not None:
+                main.__file__ = file
 
 
 def outcomes(call, items, workers, limit):
     """Yield (index, call(item) or Lost) as they come; call importable, items picklable, limit in seconds for each."""
-    for name in ONE_THREAD:
-        os.environ.setdefault(name, "1")
-    waiting, desks = deque(enumerate(items)), []
+    waiting, found, callers, over = deque(enumerate(items)), SimpleQueue(), [], Event()
+    count = len(waiting)
+    threads = [
+        Thread(target=_work_off, args=(call, waiting, found, callers, over, limit), daemon=True)
+        for _ in range(min(workers, count))
+    ]
     try:
-        desks = [_Desk(call) for _ in range(min(workers, max(1, len(waiting))))]
-        while waiting or any(desk.index is not None for desk in desks):
-            for desk in desks:
-                if desk.index is None and waiting:
-                    desk.start(*waiting.popleft(), limit)
-            busy = [desk for desk in desks if desk.index is not None]
-            ready = wait([desk.pipe for desk in busy], max(0.0, min(desk.due for desk in busy) - monotonic()))
-            for desk in busy:
-                if desk.pipe in ready or monotonic() >= desk.due:
-                    yield desk.finish(limit)
+        for thread in threads:
+            thread.start()
+        for _ in range(count):
+            yield found.get()
     finally:
-        for desk in desks:
-            desk.close()
+        over.set()
+        for caller in list(callers):
+            caller.end()
+        for thread in threads:
+            thread.join()
 
 
-class _Desk:
-    """One worker process and the call it is busy with."""
+def _work_off(call, waiting, found, callers, over, limit):
+    """Make calls in a process, and in a new one after each that was lost."""
+    caller = None
+    while waiting and not over.is_set():
+        with suppress(IndexError):
+            index, item = waiting.popleft()
+            try:
+                if caller is None:
+                    caller = Caller()
+                    callers.append(caller)
+                    if over.is_set():
+                        break
+                outcome = caller.call(call, item, limit=limit)
+            except Lost as lost:
+                outcome = lost
+                if lost.kind != "error":
+                    callers.remove(caller)
+                    caller = None
+            found.put((index, outcome))
+    if caller is not None:
+        caller.end()
 
-    def __init__(self, call):
-        self.call, self.index = call, None
-        self._open()
 
-    def _open(self):
-        context = get_context("spawn")  # fork copies threads' locks in whatever state they are
-        self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=_work, args=(self.call, theirs), daemon=True)
-        self.process.start()
-        theirs.close()
-
-    def start(self, index, item, limit):
-        self.index, self.due = index, monotonic() + limit
-        self.pipe.send(item)
-
-    def finish(self, limit):
-        """(index, result) of the call that answered, died or took too long; the last two get a new process."""
-        index, self.index = self.index, None
+def _serve(pipe):
+    """The life of the process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
+    Thread(target=_end_with_parent, daemon=True).start()
+    while True:
         try:
-            if self.pipe.poll():
-                return index, self.pipe.recv()
-            lost = Lost("hang", f"no answer within {limit:g} s")
-        except (EOFError, ConnectionError):
-            self.process.join(5.0)
-            lost = Lost("crash", f"the process ended with exit code {self.process.exitcode}")
-        self.close()
-        self._open()
-        return index, lost
+            function, arguments = pipe.recv()
+        except EOFError:
+            return
+        except Exception:  # what cannot be imported
+            pipe.send(("error", format_exc(limit=-6)))
+            continue
+        try:
+            answer = "result", _made(function, arguments, pipe)
+        except Exception:
+            answer = "error", format_exc(limit=-6)
+        try:
+            pipe.send(answer)
+        except (BrokenPipeError, ConnectionError):
+            return
+        except Exception:  # what cannot be pickled
+            pipe.send(("error", format_exc(limit=-6)))
 
-    def close(self):
-        self.process.kill()
-        self.process.join()
-        self.pipe.close()
+
+def _made(function, arguments, pipe):
+    made = function(*arguments)
+    while isgenerator(made):
+        try:
+            pipe.send(("news", next(made)))
+        except StopIteration as end:
+            made = end.value
+    return made
 
 
 def _end_with_parent():
     """End this process when its parent is gone, whatever it is busy with."""
     wait([parent_process().sentinel])
     os._exit(1)
-
-
-def _work(call, pipe):
-    Thread(target=_end_with_parent, daemon=True).start()
-    while True:
-        try:
-            item = pipe.recv()
-        except (EOFError, KeyboardInterrupt):
-            return
-        try:
-            result = call(item)
-        except Exception:
-            result = Lost("error", format_exc(limit=-6))
-        pipe.send(result)

@@ -10,6 +10,7 @@ import pytest
 
 from solver import METHODS, Scene, SceneError, advance, load_path, summarize, whole_surface
 from solver.mechanics.layer import Modes
+from solver.run.loadpath import in_time
 
 SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, tolerance=1e-8)
 
@@ -81,6 +82,28 @@ def test_every_frame_is_in_equilibrium_by_direct_sums(method, nodes):
         elastic = np.fft.irfft(np.array([force_x, force_z]), nodes)
         # a displacement error of the tolerance makes a traction error of up to the stiffest mode times it
         assert np.abs(elastic - tractions).max() < 10 * modes.k_zz.max() * scene.tolerance
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_increment_out_of_time_says_where_and_the_run_goes_on_from_there_when_given_more(method):
+    scene = SMALL.changed(u_x_max=11.0 if method == "fast" else 1.0)
+    whole = list(load_path(scene, method))
+    half = len(whole) // 2
+    found, checkpoint = [], None
+    while len(found) < half:
+        frames, checkpoint = advance(scene, checkpoint, 0.0, method)
+        found += frames
+    for _ in range(16):  # the clock is looked at now and then: cheap increments may pass unseen
+        frames, checkpoint = advance(scene, checkpoint, 0.0, method, limit=0.0)
+        found += frames
+        if checkpoint.done:
+            break
+    assert checkpoint.late and checkpoint.failure.startswith("Not converged at ")
+    assert "no equilibrium within 0 s of processor time" in checkpoint.failure
+    rest, end = advance(scene, in_time(checkpoint), inf, method)
+    assert end.done and end.failure is None and [f.index for f in found + rest] == [f.index for f in whole]
+    force = np.array([[f.F_bar for f in run] for run in (found + rest, whole)])
+    assert np.abs(force[0] - force[1]).max() <= 1e-6 * np.abs(force[1]).max()
 
 
 def test_frames_carry_residual_evaluations_and_slip():

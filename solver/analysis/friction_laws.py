@@ -1,12 +1,13 @@
 """Where sliding sets in, and the paper's friction (Eq. 5, 7), from runs and, on the flat, in closed form."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import ceil, e, pi, sqrt
+from math import ceil, e, inf, pi, sqrt
 
 import numpy as np
 
-from ..run.loadpath import load_path
+from ..continuation.state import NotConverged
+from ..run.loadpath import Checkpoint, advance
 from ..scene import LARGEST_RUN, Scene, SceneError
 
 # Paper Fig. 8: three interfaces, named as in the app's presets, over a range of loads from full separation under
@@ -42,19 +43,31 @@ def onset(scene):
     Without a slip by then, the run is repeated up to the reach at the strength that pressure gave its springs, as far
     as the scene allows; at most RUNS in all.
     """
-    end = reach(scene)
-    for _ in range(RUNS):
-        found, farther = _first_slip(_extended(scene, end))
-        if found.U_s is not None or farther <= max(end, scene.u_x_max):
-            break
-        end = farther
-    return found
+    search = Search(reach(scene))
+    while search.found is None:
+        search = search_on(scene, search)
+    return search.found
 
 
-def _first_slip(scene):
-    """(Onset of a scene as it is, reach at the largest strength that its surface had on the way, nm)."""
-    rows, nodes, slipped, strength = [], 0, False, 0.0
-    for frame in load_path(scene):
+@dataclass(frozen=True)
+class Search:
+    """How far the search for an onset has come, picklable; found: the Onset, once it is known."""
+
+    end: float  # nm, of the run in hand, the number `run`
+    run: int = 1
+    checkpoint: Checkpoint | None = None
+    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar) in shear
+    nodes: int = 0  # under repulsion, in the last row
+    strength: float = 0.0  # GPa, the largest that the surface had on the way
+    found: Onset | None = None
+
+
+def search_on(scene, search, budget=0.1, limit=inf):
+    """The Search some `budget` seconds later; raises NotConverged. limit: as of `advance`."""
+    longer = _extended(scene, search.end)
+    frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
+    rows, nodes, strength, slipped = list(search.rows), search.nodes, search.strength, False
+    for frame in frames:
         if frame.stage != "shear":
             continue
         slipped = frame.slip
@@ -63,11 +76,25 @@ def _first_slip(scene):
             rows.append((first.load, first.F_bar, first.A_bar, first.L_bar))
             break
         rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
-        nodes = np.count_nonzero(frame.T[1] > 0.0)
+        nodes = int(np.count_nonzero(frame.T[1] > 0.0))
         strength = max(strength, _strength(scene, frame))
-    U, F, A, L = np.array(rows).T.copy()
+    search = replace(search, checkpoint=checkpoint, rows=tuple(rows), nodes=nodes, strength=strength)
+    if slipped:
+        return replace(search, found=_found(scene, search, True))
+    if checkpoint.failure:
+        raise NotConverged(checkpoint.failure)
+    if not checkpoint.done:
+        return search
+    farther = reach(scene, strength)
+    if search.run == RUNS or farther <= max(search.end, scene.u_x_max):
+        return replace(search, found=_found(scene, search, False))
+    return Search(farther, search.run + 1)
+
+
+def _found(scene, search, slipped):
+    U, F, A, L = np.array(search.rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
-    return Onset(*end, float(A[0]), U, F, A, L, float(nodes / scene.nodes)), reach(scene, strength)
+    return Onset(*end, float(A[0]), U, F, A, L, float(search.nodes / scene.nodes))
 
 
 def _strength(scene, frame):

@@ -11,6 +11,10 @@ class NotConverged(RuntimeError):
     """An increment ended without an equilibrium; the message names the place, the residual and a remedy."""
 
 
+class OutOfTime(NotConverged):
+    """An increment took longer than it was given; a longer time may do."""
+
+
 class PulledOff(NotConverged):
     """A load is held under which the contact came apart in a slip: the end of the run."""
 

@@ -7,6 +7,7 @@ from . import cohesive_law
 from .layer import Convolution, Modes, UniformMode
 
 MARGIN = 1e-3  # of delta_n, by which a node must cross the edge of the window to be let in or out
+LOOK = 16  # force evaluations between two looks at the clock
 EDGE = 2  # nodes at each end of a patch that must stay inactive
 
 
@@ -16,7 +17,8 @@ class Contact:
     uniform: one node that stands for all; normal_only: without tangential traction.
 
     Nodes outside the patch carry no traction; where they are follows from the patch (`run.loadpath.whole_surface`).
-    Buffers belong to this object: not for use by two threads.
+    Buffers belong to this object: not for use by two threads. `watch()` is called every LOOK evaluations, and may raise
+    to end the increment in hand.
     """
 
     def __init__(self, scene, first, size, uniform=False, normal_only=False):
@@ -31,11 +33,17 @@ class Contact:
         self._others = not self.covers_cell and _summits_outside(scene.profile, first, size)
         self._whole = None  # the layer's response over all nodes, once `overlooked` needs it
         self.work = np.empty((cohesive_law.WORK, size))
-        self.evaluations = 0
+        self.evaluations, self.watch = 0, None
+
+    def count(self):
+        """One more force evaluation."""
+        self.evaluations += 1
+        if self.watch is not None and self.evaluations % LOOK == 0:
+            self.watch()
 
     def response(self, u, active):
         """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next."""
-        self.evaluations += 1
+        self.count()
         cohesive_law.tractions(u, self.profile, active, self.law, self.work, self._layer.field, self.size)
         self._layer.apply()
         return self._layer.product
@@ -63,7 +71,7 @@ class Contact:
 
     def product(self, tangents, w):
         """(C dT/du w nm, dT/du w GPa), (2, size) each, buffers; counts as a force evaluation, without exponentials."""
-        self.evaluations += 1
+        self.count()
         _turn(tangents, w, self._layer.field)
         self._layer.apply()
         return self._layer.product, self._layer.field
@@ -121,7 +129,7 @@ class Contact:
         whole = self.uniform or low < 0 or high > self.nodes
         first, size = (0, self.nodes) if whole else (low, high - low)
         wide = Contact(self.scene, first, size, normal_only=self.normal_only)
-        wide.evaluations = self.evaluations
+        wide.evaluations, wide.watch = self.evaluations, self.watch
         return wide
 
 

@@ -267,7 +267,7 @@ class Surface:
     def force(self, y, active):
         """T in the coordinates y, less a held load; complex (2, modes), a buffer. One force evaluation."""
         contact = self.problem.contact
-        contact.evaluations += 1
+        contact.count()
         u = self.displacement(y)
         if self._uniform:
             spectrum = contact.traction(u, active).astype(complex)

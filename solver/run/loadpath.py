@@ -1,15 +1,16 @@
 """The experiment as a sequence of Frames along the load steps of its path; in one go or in slices with checkpoints."""
 
 from dataclasses import dataclass, replace
+from math import inf
 from threading import Lock
-from time import perf_counter
+from time import perf_counter, thread_time
 
 import numpy as np
 
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
-from ..continuation.state import NotConverged, PulledOff, State
+from ..continuation.state import NotConverged, OutOfTime, PulledOff, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium, closed_stiffness
 from ..mechanics.layer import Convolution, Modes
@@ -33,6 +34,7 @@ class Checkpoint:
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
+    late: bool = False  # whether that was for want of time only: see `in_time`
     load_steps: tuple | None = None  # the path, once begun
     pressure: float | None = None  # GPa: mean normal traction at the end of the last load step that did not hold it
     carried: bool = False  # whether the state was at rest under other parameters: the next increment may jump
@@ -49,24 +51,31 @@ def load_path(scene, method="fast", leave_out=ALL):
         yield frame
 
 
-def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL):
+def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL, limit=inf):
     """(frames, checkpoint): the Frames that follow `checkpoint` (None: the first ones), for about `budget` seconds.
 
     A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
-    then checkpoint.failure says where and what to do.
+    then checkpoint.failure says where and what to do. limit: processor time for one increment, s.
     """
     checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
     frames, end = [], perf_counter() + budget
     with _borrowed(scene, method, leave_out) as run:
         while not checkpoint.done:
             try:
-                frame, checkpoint = run.next_frame(checkpoint)
+                frame, checkpoint = run.next_frame(checkpoint, limit)
             except NotConverged as failure:
-                return frames, replace(checkpoint, done=True, failure=str(failure))
+                late = isinstance(failure, OutOfTime)
+                return frames, replace(checkpoint, done=True, failure=str(failure), late=late)
             frames.append(frame)
             if perf_counter() > end:
                 break
     return frames, checkpoint
+
+
+def in_time(checkpoint):
+    """The Checkpoint before the increment that a run had no time for, from one whose `late` is set."""
+    state = checkpoint.state and replace(checkpoint.state, secants=None)  # those of the attempt lead elsewhere
+    return replace(checkpoint, state=state, done=False, failure=None, late=False)
 
 
 def owned(checkpoint):
@@ -78,10 +87,10 @@ def owned(checkpoint):
     return replace(checkpoint, state=own)
 
 
-def next_frame(scene, checkpoint, method="fast", leave_out=ALL):
+def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
     """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
     with _borrowed(scene, method, leave_out) as run:
-        return run.next_frame(checkpoint)
+        return run.next_frame(checkpoint, limit)
 
 
 class _borrowed:
@@ -116,11 +125,16 @@ class Run:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
         self._fast = method == "fast"
+        self._limit = self._end = inf  # of an increment, s of this thread's processor time; what the clock shows then
         self._stepper = self._place = None  # of the load step and patch that are computed at present
 
-    def next_frame(self, checkpoint):
-        """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
+    def next_frame(self, checkpoint, limit=inf):
+        """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
+
+        Raises OutOfTime where that takes more than `limit` seconds of processor time.
+        """
         scene = self.scene
+        self._limit, self._end = limit, thread_time() + limit
         load_steps = checkpoint.load_steps or load_steps_of(scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         if checkpoint.carried and not self._fast:  # it would start from the whole surface of another equilibrium
@@ -140,6 +154,7 @@ class Run:
                 load = step.at(index)
                 done = replace(done, slips=()) if done.state.load > load else stepper.increment(done.state, load)
         except NotConverged as failure:
+            self._place = None  # the problem may have grown beyond the checkpoint's patch
             raise self._placed(failure, step, load) from None
         done = replace(done, slips=slips + done.slips)
         problem = stepper.problem
@@ -153,6 +168,10 @@ class Run:
         self._place = step, here.patch, here.pressure
         return frame, self._after(here, step, problem, done)
 
+    def _watch(self):
+        if thread_time() > self._end:
+            raise OutOfTime(f"no equilibrium within {self._limit:g} s of processor time")
+
     def _placed(self, failure, step, load):
         """The same failure with its place and a remedy."""
         if isinstance(failure, PulledOff):
@@ -162,7 +181,8 @@ class Run:
             remedy = f"try a damping larger than {self.scene.damping:g}: with so little it may never come to rest"
         elif not self._fast:
             remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
-        return NotConverged(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
+        kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
+        return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
 
     def _stepper_of(self, step, checkpoint):
         """The stepper of a step, on the patch of the checkpoint."""
@@ -191,7 +211,9 @@ class Run:
         elif where is None:
             where = patch(scene, BULGE) if "window" in leave_out else (0, scene.nodes)
         normal_only = self._fast and scene.phi_ratio == 0.0 and "friction" in leave_out
-        return Contact(scene, *where, uniform=where[1] == 1 and scene.surface == "flat", normal_only=normal_only)
+        contact = Contact(scene, *where, uniform=where[1] == 1 and scene.surface == "flat", normal_only=normal_only)
+        contact.watch = self._watch
+        return contact
 
     def _after(self, checkpoint, step, problem, done):
         """The Checkpoint after an increment: one increment on, or at the beginning of the next step."""
