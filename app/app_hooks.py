@@ -2,8 +2,15 @@
 
 import logging
 
+from tornado.ioloop import PeriodicCallback
+
 from app.service.pool import pool
+from app.session import gate
+from app.session.session import visitors
 from app.views.pages import compose_all
+
+LOOK = 1000  # ms between two looks at who waits
+gate.install()
 
 
 def on_server_loaded(server_context):
@@ -16,6 +23,7 @@ def on_server_loaded(server_context):
         log.addHandler(handler)
         log.propagate = False
     pool.start()
+    PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     compose_all()
 
 

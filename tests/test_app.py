@@ -225,7 +225,7 @@ def test_an_unusable_entry_leaves_the_run_on_screen(page):
 
 
 def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeypatch):
-    monkeypatch.setattr("app.service.pool.GRACE", 600.0)
+    monkeypatch.setattr(pool, "patience", 600.0)
     monkeypatch.setattr(session_module, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
     all_at_work(pool)
     page.session.scene = Scene(E=10.0, delta_bar=1.0)

@@ -78,11 +78,12 @@ def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
     bench.begin(Scene())
     job = bench.job
     visitor.calls.get(timeout=WAIT)()
-    assert '"measuring"' in visitor.accuracy and job.process.is_alive()
+    process = job.caller.process
+    assert '"measuring"' in visitor.accuracy and process.is_alive()
     bench.cancel("enough")
     assert '"cancelled"' in visitor.accuracy and "enough" in visitor.accuracy
     job.join(WAIT)
-    assert not job.process.is_alive() and job.process not in multiprocessing.active_children()
+    assert not process.is_alive() and process not in multiprocessing.active_children()
     while not visitor.calls.empty():
         visitor.calls.get()()
     assert '"cancelled"' in visitor.accuracy
@@ -96,8 +97,8 @@ def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_s
     other.begin(Scene())
     waiting = other.job
     time.sleep(0.3)
-    assert waiting.process is None and '"waiting"' in second.accuracy
-    one.job.process.kill()
+    assert waiting.caller is None and '"waiting"' in second.accuracy
+    one.job.caller.process.kill()
     while '"failed"' not in first.accuracy:
         first.calls.get(timeout=WAIT)()
     assert "Measure again" in first.accuracy

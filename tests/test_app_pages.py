@@ -27,11 +27,14 @@ class NoPool:
     def __init__(self):
         self.tasks = []
 
-    def submit(self, *task, near=None, background=False):
+    def submit(self, *task, near=None, owner=None, rank=0, seconds=0.0):
         from app.service.pool import Task
 
-        self.tasks.append(Task(task))
+        self.tasks.append(Task(task, owner, rank))
         return self.tasks[-1]
+
+    def place(self, task):
+        return None
 
     def abandon(self, task):
         task.cancel()

@@ -1,29 +1,101 @@
 """What visitors share: worker processes that are replaced one by one, and the shelf of finished runs."""
 
 import os
+import signal
 import time
 
 import pytest
 
 from app.service import worker
 from app.service.finished import Finished, Shelf
-from app.service.pool import Pool
+from app.service.pool import HEAVY, LATER, Line, Pool, Task
 from solver import Scene
 
 PATIENCE = 60  # s; a limit against hanging, not a claim about speed
 
 
-def test_a_worker_stuck_in_an_abandoned_slice_is_replaced_when_work_waits(monkeypatch):
-    monkeypatch.setattr("app.service.pool.GRACE", 0.05)
-    workers = Pool(size=1)
+def test_a_task_that_hangs_is_ended_with_its_worker_and_others_go_on():
+    workers = Pool(size=1, patience=0.2)
     stuck = workers.submit(time.sleep, 10 * PATIENCE)
-    while not stuck.running():
-        os.sched_yield()
     waiting = workers.submit(os.getpid)
-    workers.abandon(stuck)
+    assert stuck.exception(PATIENCE).kind == "hang" and "no answer within" in str(stuck.exception())
     assert waiting.result(PATIENCE) > 0
     assert workers.replaced == 1
     workers.close()
+
+
+def test_a_worker_killed_while_it_is_idle_is_replaced_before_anybody_asks():
+    workers = Pool(size=1)
+    first = workers.submit(os.getpid).result(PATIENCE)
+    os.kill(first, signal.SIGKILL)
+    while workers.processes() in ([], [first]) or workers.status != "ready":
+        time.sleep(0.01)
+    assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
+    workers.close()
+
+
+def send(size):
+    """Bytes enough to keep a worker sending."""
+    return bytes(size)
+
+
+def test_every_seat_is_filled_again_when_workers_die_in_the_middle_of_sending_or_while_they_warm_up():
+    workers = Pool(size=2)
+    workers.submit(worker.ready).result(PATIENCE)
+    for size in (10**8, 0):  # the second time while the new ones warm up
+        asked = [workers.submit(send, size, seconds=PATIENCE) for _ in range(2)]
+        while workers.in_flight and not any(task.running() for task in asked):
+            time.sleep(0.001)
+        for process in workers.processes():
+            os.kill(process, signal.SIGKILL)
+        for task in asked:
+            assert task.exception(PATIENCE) is None or task.exception().kind == "crash"
+    both_at_work(workers)
+    workers.close()
+
+
+def both_at_work(workers):
+    """Wait until two tasks are done by two processes."""
+    while len({task.result(PATIENCE) for task in [workers.submit(busy) for _ in range(2)]}) < 2:
+        pass
+
+
+def busy():
+    time.sleep(0.02)  # so that the other task finds another worker
+    return os.getpid()
+
+
+def broken():
+    raise ZeroDivisionError("a mistake")
+
+
+def test_a_mistake_in_a_task_keeps_the_worker_and_its_traceback(caplog):
+    workers = Pool(size=1)
+    error = workers.submit(broken).exception(PATIENCE)
+    assert error.kind == "error" and 'raise ZeroDivisionError("a mistake")' in error.reason
+    assert "ZeroDivisionError" in caplog.text and workers.replaced == 0
+    workers.close()
+
+
+def test_workers_that_cannot_start_are_reported_to_those_who_wait(monkeypatch):
+    monkeypatch.setattr("app.service.pool.PAUSES", (0.0,))
+    monkeypatch.setattr(worker, "start", os._exit)  # found by name in the worker: it ends with that
+    workers = Pool(size=2)
+    waiting = workers.submit(os.getpid)
+    assert "no worker process can be started" in str(waiting.exception(PATIENCE))
+    assert workers.status == "failing" and workers.submit(os.getpid).exception(PATIENCE).kind == "closed"
+    workers.close()
+
+
+def test_owners_take_turns_and_are_told_how_many_come_before():
+    line, tasks = Line(), {}
+    for owner, number in (("a", 1), ("a", 2), ("a", 3), ("b", 1), ("c", 1), ("b", 2)):
+        tasks[owner, number] = Task((), owner)
+        line.add(tasks[owner, number])
+    turns = [("a", 1), ("b", 1), ("c", 1), ("a", 2), ("b", 2), ("a", 3)]
+    assert [line.place(tasks[turn]) for turn in turns] == list(range(6))
+    assert [line.take() for _ in range(6)] == [tasks[turn] for turn in turns]
+    assert len(line) == 0 and line.place(tasks["a", 1]) is None
 
 
 def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
@@ -55,17 +127,18 @@ def test_closing_the_pool_leaves_no_process():
         os.kill(process, 0)
 
 
-def test_work_in_the_background_leaves_a_worker_for_what_is_on_a_screen():
+@pytest.mark.parametrize("rank", [HEAVY, LATER])
+def test_slow_work_leaves_a_worker_for_what_is_soon_done(rank):
     workers = Pool(size=2)
-    while workers.wisdom is None:  # until both are at work
-        workers.submit(worker.ready).result(PATIENCE)
-    slow = [workers.submit(time.sleep, 10 * PATIENCE, background=True) for _ in range(3)]
+    both_at_work(workers)
+    slow = [workers.submit(time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE) for _ in range(3)]
     assert workers.submit(os.getpid).result(PATIENCE) > 0
     assert sum(task.running() for task in slow) == 1
+    assert [workers.place(task) for task in slow] == [None, 0, 1]
     workers.close()
 
 
-def test_work_in_the_background_is_done_by_a_single_worker_too():
+def test_slow_work_is_done_by_a_single_worker_too():
     workers = Pool(size=1)
-    assert workers.submit(os.getpid, background=True).result(PATIENCE) > 0
+    assert workers.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
     workers.close()

@@ -2,16 +2,22 @@
 
 import json
 import logging
-import multiprocessing
 import threading
+from functools import partial
 
 from app.service.measuring import work
-from app.service.pool import bare_main
 from app.session.controls import values_of
+from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 turn = threading.Lock()  # one measurement at a time: side by side they would measure each other
-LOOK = 0.1  # s between two looks whether the measurement is still wanted
+LOOK = 0.1  # s between two looks whether a measurement that waits is still wanted
+LONGEST = 600.0  # s
+WHY = {
+    "crash": "its process ended unexpectedly. Measure again",
+    "hang": f"it took longer than {LONGEST:g} s. Choose a scene that is sooner done",
+    "error": "it could not be measured; the server's log says why",
+}
 FINAL = ("done", "failed")
 
 
@@ -22,7 +28,7 @@ class Job(threading.Thread):
         super().__init__(name="measurement", daemon=True)
         self.scene, self.wisdom, self.tell = scene, wisdom, tell
         self.stopped = threading.Event()
-        self.process = None
+        self.caller = None
 
     def run(self):
         """Until the process has said its last word, or nobody wants to hear it."""
@@ -30,32 +36,27 @@ class Job(threading.Thread):
             if self.stopped.is_set():
                 return
         try:
-            self._listen()
-        except Exception as error:  # no process could be started, or it was killed
-            why = (
-                "its process ended unexpectedly" if isinstance(error, EOFError) else f"{type(error).__name__}: {error}"
-            )
-            self.tell(self, {"state": "failed", "why": f"{why}. Measure again"})
+            self.caller = Caller()
+            if not self.stopped.is_set():
+                hear = partial(self.tell, self)
+                self.caller.call(work, self.scene, self.wisdom, limit=LONGEST, hear=hear)
+        except Lost as lost:
+            if lost.kind == "error":
+                log.error("a measurement failed:\n%s", lost.reason)
+            self.tell(self, {"state": "failed", "why": WHY[lost.kind]})
+        except OSError:
+            log.exception("no process could be started")
+            self.tell(self, {"state": "failed", "why": WHY["error"]})
         finally:
+            if self.caller is not None:
+                self.caller.end()
             turn.release()
 
-    def _listen(self):
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe(duplex=False)
-        self.process = context.Process(target=work, args=(theirs, self.scene, self.wisdom), daemon=True)
-        with ours:
-            try:
-                with theirs, bare_main():
-                    self.process.start()
-                news = {}
-                while not self.stopped.is_set() and news.get("state") not in FINAL:
-                    if ours.poll(LOOK):
-                        news = ours.recv()
-                        self.tell(self, news)
-            finally:
-                if self.process.pid is not None:
-                    self.process.kill()
-                    self.process.join()
+    def stop(self):
+        """End it, whatever it does."""
+        self.stopped.set()
+        if self.caller is not None:
+            self.caller.end()
 
 
 class Bench:
@@ -81,7 +82,7 @@ class Bench:
     def close(self):
         """End a measurement without a word."""
         if self.job is not None:
-            self.job.stopped.set()
+            self.job.stop()
             self.job = None
             log.info("a measurement ends early")
 

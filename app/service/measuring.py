@@ -12,19 +12,16 @@ PAUSE = 0.2  # s between two messages that bring nothing but progress
 LEAST = {"seconds": 1e-4, "error": 1e-13}  # a logarithmic axis has no zero; smaller is round-off or nothing
 
 
-def work(pipe, scene, wisdom):
-    """Measure `scene`, and send {'state', 'progress', 'points', ...} through `pipe` as it goes; the last is final."""
+def work(scene, wisdom):
+    """Measure `scene`, and yield {'state', 'progress', 'points', ...} as it goes; the last is final."""
     from solver.continuation.state import NotConverged
 
     worker.start(wisdom)
     try:
         _warm_up()
-        for news in _news(scene):
-            pipe.send(news)
+        yield from _news(scene)
     except (NotConverged, SceneError) as error:
-        pipe.send({"state": "failed", "why": f"The reference did not converge: {error}"})
-    except Exception as error:
-        pipe.send({"state": "failed", "why": f"{type(error).__name__}: {error}"})
+        yield {"state": "failed", "why": f"The reference did not converge: {error}"}
 
 
 def _warm_up():

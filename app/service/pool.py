@@ -1,23 +1,27 @@
-"""The worker processes shared by all visitors: spawned, warmed when the server starts, each replaced by itself."""
+"""The worker processes shared by all visitors: warmed when the server starts, each in a seat that fills itself again.
+
+The interface is all that a visitor's session and its pages know: `submit` of a pure function of picklable arguments,
+`abandon`, `place`, `status` and `why`; whatever executes tasks elsewhere has to offer these.
+"""
 
 import atexit
-import contextlib
 import logging
-import multiprocessing
 import os
-import sys
-import threading
-from collections import deque
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections import OrderedDict, deque
+from concurrent.futures import Future
+from multiprocessing import Pipe
+from multiprocessing.connection import wait
+from threading import Event, RLock, Thread
 
 from app.service import worker
+from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-STARTS = 3  # how often in a row a worker may end while it gets ready
-spawning = threading.RLock()
-GRACE = 2.0  # s: an increment takes up to one; an abandoned task in the way of others for longer ends with its worker
+PATIENCE = 5.0  # s without a result, beyond what a task asks for, after which its process is killed
+WARMING = 300.0  # s for kernels to be compiled, on a slow machine
+STARTS = 3  # how often in a row no worker may get ready before those who wait are told
+PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed; s
+SCREEN, HEAVY, LATER = range(3)  # what a task is for: somebody's screen; the same, but it takes long; anything else
 
 
 def default_size():
@@ -26,136 +30,160 @@ def default_size():
     return int(os.environ.get("APP_WORKERS", max(2, cores)))
 
 
-@contextlib.contextmanager
-def bare_main():
-    """Hide `__main__`'s file while a worker is spawned: it would import the server's start script, and so Panel."""
-    main = sys.modules["__main__"]
-    with spawning:
-        file = main.__dict__.pop("__file__", None)
-        try:
-            yield
-        finally:
-            if file is not None:
-                main.__file__ = file
-
-
 class Task(Future):
-    """A call to be made by a worker; `seat` is where it runs or ran, `abandoned` says that nobody waits for it."""
+    """A call to be made by a worker, for an owner: raises Lost if it was, and if not for an error it may be made again.
 
-    def __init__(self, call, background=False):
+    `seat` is where it runs or ran, `abandoned` says that nobody waits for it.
+    """
+
+    def __init__(self, call, owner=None, rank=SCREEN, limit=PATIENCE):
         super().__init__()
-        self.call, self.background, self.seat, self.abandoned = call, background, None, False
+        self.call, self.owner, self.rank, self.limit = call, owner, rank, limit
+        self.seat, self.abandoned = None, False
+
+
+class Line:
+    """Waiting tasks, whose owners take turns."""
+
+    def __init__(self):
+        self._of = OrderedDict()  # owner: deque of tasks
+
+    def __len__(self):
+        return sum(map(len, self._of.values()))
+
+    def __iter__(self):
+        return (task for tasks in self._of.values() for task in tasks)
+
+    def add(self, task, first=False):
+        """At the end of its owner's tasks; first: it has lost its turn through no fault of its own."""
+        tasks = self._of.setdefault(task.owner, deque())
+        if first:
+            tasks.appendleft(task)
+            self._of.move_to_end(task.owner, last=False)
+        else:
+            tasks.append(task)
+
+    def take(self):
+        """The task whose turn it is."""
+        owner, tasks = next(iter(self._of.items()))
+        task = tasks.popleft()
+        self._of.move_to_end(owner)
+        if not tasks:
+            del self._of[owner]
+        return task
+
+    def place(self, task):
+        """How many have their turn before this task; None if it does not wait here."""
+        tasks = self._of.get(task.owner, ())
+        if task not in tasks:
+            return None
+        before = tasks.index(task)
+        owners = list(self._of)
+        ahead = owners.index(task.owner)
+        return sum(min(len(self._of[owner]), before + (k < ahead)) for k, owner in enumerate(owners))
 
 
 class Seat:
-    """One worker process with an executor of its own, so that its end disturbs no other; `task` is what it does."""
+    """Room for one worker process, with the thread that fills it; `task` is what it does."""
 
     def __init__(self):
-        self.executor, self.ready, self.task = None, False, None
-        self.failures = 0  # to start, in a row
+        self.caller, self.ready, self.task, self.wisdom, self.failures = None, False, None, None, 0
+        self.bell, self.cord = Pipe(duplex=False)  # pulled when there is a task: the thread waits for a process as well
 
-    def spawn(self, probe, wisdom, warmed):
-        """A new process; `warmed` is called with (seat, future of `probe`) once it is fit for work."""
-        self.ready, self.task = False, None
-        context = multiprocessing.get_context("spawn")
-        self.executor = ProcessPoolExecutor(1, mp_context=context, initializer=worker.start, initargs=(wisdom,))
-        self.run(probe).add_done_callback(lambda future: warmed(self, future))
+    def ring(self):
+        self.cord.send_bytes(b"!")
 
-    def run(self, call, *arguments):
-        with bare_main():
-            return self.executor.submit(call, *arguments)
-
-    @property
-    def processes(self):
-        return list((self.executor._processes or {}).values()) if self.executor else []
+    def silence(self):
+        while self.bell.poll():
+            self.bell.recv_bytes()
 
 
 class Pool:
-    """Tasks in order of arrival for a few workers that may die; `status` is 'closed', 'warming' or 'ready'.
+    """Workers that may die and tasks that may hang; `status` is 'closed', 'warming', 'ready' or 'failing' (see `why`).
 
-    What runs on somebody's screen goes first; sweeps, which fill a page in the background, never take the last worker.
+    Owners take turns. What takes long, and what nobody looks at yet, never takes the last worker.
     """
 
-    def __init__(self, size=None):
-        self.size = size or default_size()
+    def __init__(self, size=None, patience=PATIENCE):
+        self.size, self.patience = size or default_size(), patience
         self.replaced = 0  # workers lost
         self.wisdom = None  # FFTW's, measured by one worker for all
-        self._seats, self._queue = [], deque()
-        self._later = deque()  # tasks in the background
-        self._lock = threading.RLock()
+        self.why = ""  # no worker can be started
+        self._seats, self._lines = [], (Line(), Line(), Line())
+        self._lock, self._closing, self._warm = RLock(), Event(), Event()
 
     @property
     def status(self):
-        return "closed" if not self._seats else "ready" if any(seat.ready for seat in self._seats) else "warming"
+        if not self._seats:
+            return "closed"
+        return "ready" if any(seat.ready for seat in self._seats) else "failing" if self.why else "warming"
 
     @property
     def in_flight(self):
         """How many tasks wait or run for somebody."""
         with self._lock:
-            tasks = [*self._queue, *self._later, *(seat.task for seat in self._seats)]
+            tasks = [*(task for line in self._lines for task in line), *(seat.task for seat in self._seats)]
             return sum(task is not None and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
-        """Spawn the first worker, which compiles the kernels or finds them, then the others; harmless when done."""
+        """Start the first worker, which compiles the kernels or finds them, then the others; harmless when done."""
         with self._lock:
-            if not self._seats:
-                for name in ONE_THREAD:  # read by the workers when they import NumPy
-                    os.environ.setdefault(name, "1")
-                self._seats = [Seat() for _ in range(self.size)]
-                atexit.register(self.close)
-            if all(seat.executor is None for seat in self._seats):
-                self._seats[0].spawn(worker.ready, self.wisdom, self._warmed)
-
-    def _warmed(self, seat, probe):
-        """A worker is fit: let the others follow; the second also measures FFTW's plans while the first works."""
-        with self._lock:
-            if seat not in self._seats:
+            if self._seats or self._closing.is_set():
                 return
-            if probe.cancelled() or probe.exception() is not None:
-                return self._not_started(seat)
-            if self.status != "ready":
-                log.info("workers are warm")
-            seat.ready, seat.failures = True, 0
-            self._share(probe.result())
-            idle = [other for other in self._seats if other.executor is None]
-            for number, other in enumerate(idle):
-                measures = number == 0 and self.wisdom is None
-                other.spawn(worker.measure if measures else worker.ready, self.wisdom, self._warmed)
-        self._dispatch()
+            self._seats = [Seat() for _ in range(self.size)]
+            for number, seat in enumerate(self._seats):
+                Thread(target=self._sit, args=(seat, number), name=f"seat {number}", daemon=True).start()
+        atexit.register(self.close)
 
-    def _not_started(self, seat):
-        """A worker ended while it got ready; where that goes on, those who wait are told."""
-        seat.failures += 1
-        if seat.failures < STARTS:
-            return self._replace(seat)
-        seat.executor = None
-        while (self._queue or self._later) and all(other.executor is None for other in self._seats):
-            task = (self._queue or self._later).popleft()
-            if task.set_running_or_notify_cancel():
-                task.set_exception(BrokenProcessPool("no worker can be started"))
+    def submit(self, call, *arguments, owner=None, rank=SCREEN, near=None, seconds=0.0):
+        """A Task of that owner, done by the worker that did the task `near` if that is idle: it still has the plans.
 
-    def _share(self, wisdom):
-        """What one worker has measured, the others that are at work learn between two tasks."""
-        if wisdom is not None:
-            self.wisdom = wisdom
-            for seat in self._seats:
-                if seat.ready:
-                    with contextlib.suppress(BrokenProcessPool):
-                        seat.run(worker.learn, wisdom)
-
-    def submit(self, call, *arguments, near=None, background=False):
-        """A Task, done by the worker that did the task `near` if that is idle: it still has the plans.
-
-        background: only when no other task waits, and on all workers but one. It raises BrokenProcessPool if its worker
-        died: submit again. Cancel it while it waits, `abandon` it when not.
+        seconds: what it is expected to take at most. Cancel it while it waits, `abandon` it when not.
         """
         self.start()
-        task = Task((call, *arguments), background)
+        task = Task((call, *arguments), owner, rank, seconds + self.patience)
         task.seat = near and near.seat
         with self._lock:
-            (self._later if background else self._queue).append(task)
+            if self._closing.is_set() or self.status == "failing":
+                task.set_exception(Lost("closed", self.why or "the server is being stopped"))
+            else:
+                self._lines[rank].add(task)
         self._dispatch()
         return task
+
+    def abandon(self, task):
+        """Nobody waits for this task any longer."""
+        if not task.cancel():
+            task.abandoned = True
+
+    def place(self, task):
+        """How many tasks have their turn before this one; None if it does not wait."""
+        with self._lock:
+            found = self._lines[task.rank].place(task)
+            return found if found is None else found + sum(len(line) for line in self._lines[: task.rank])
+
+    def processes(self):
+        """The process ids of the workers."""
+        with self._lock:
+            return [seat.caller.process.pid for seat in self._seats if seat.caller]
+
+    def close(self):
+        """End every worker at once, even in the middle of a slice."""
+        self._closing.set()
+        self._warm.set()
+        atexit.unregister(self.close)
+        with self._lock:
+            seats, self._seats = self._seats, []
+            waiting, self._lines = [task for line in self._lines for task in line], (Line(), Line(), Line())
+            callers = [seat.caller for seat in seats if seat.caller]
+        for task in waiting:
+            task.cancel()
+        for caller in callers:
+            caller.end()
+        for seat in seats:
+            seat.ring()
+
+    # who does what
 
     def _dispatch(self):
         """Give waiting tasks to idle workers."""
@@ -165,81 +193,109 @@ class Pool:
                 if task is None:
                     break
                 if task.set_running_or_notify_cancel():
-                    self._place(task, task.seat if task.seat in idle else idle[0])
+                    seat = task.seat if task.seat in idle else idle[0]
+                    task.seat, seat.task = seat, task
+                    seat.ring()
 
     def _next(self):
-        """The task whose turn it is, taken from its queue, or None."""
-        if self._queue:
-            return self._queue.popleft()
-        busy = sum(seat.task is not None and seat.task.background for seat in self._seats)
-        return self._later.popleft() if self._later and busy < max(1, len(self._seats) - 1) else None
+        """The task whose turn it is, taken from its line, or None."""
+        screen, *slow = self._lines
+        if screen:
+            return screen.take()
+        free = sum(seat.ready and (seat.task is None or seat.task.rank == SCREEN) for seat in self._seats)
+        hoped = sum(seat.failures < STARTS for seat in self._seats)
+        line = next(filter(len, slow), None)
+        return line.take() if line and free > (hoped > 1) else None
 
-    def _place(self, task, seat):
+    # a seat, in its thread
+
+    def _sit(self, seat, number):
+        """Keep a worker in the seat until the pool is closed."""
+        while number and not self._warm.wait():
+            pass
+        while not self._closing.wait(PAUSES[min(seat.failures, len(PAUSES) - 1)]):
+            try:
+                self._fill(seat, measure=number == min(1, self.size - 1))
+                self._serve(seat)
+            except Lost as lost:
+                self._emptied(seat, lost)
+            except Exception as error:  # no process could be started
+                log.exception("a worker could not be started")
+                self._emptied(seat, Lost("crash", str(error)))
+
+    def _fill(self, seat, measure):
+        """Start a worker and make it ready; one also measures FFTW's plans, while the first works already."""
+        seat.caller = Caller()
+        if self._closing.is_set():  # it may have come too late to be ended by `close`
+            seat.caller.end()
+        seat.wisdom = self.wisdom
+        seat.caller.call(worker.start, seat.wisdom, limit=WARMING)
+        if measure and self.wisdom is None and self.size > 1:
+            seat.wisdom = seat.caller.call(worker.measure, limit=WARMING)
+            self.wisdom = seat.wisdom
+        with self._lock:
+            if self.status != "ready":
+                log.info("workers are warm")
+            seat.ready, seat.failures, self.why = True, 0, ""
+        self._warm.set()
+
+    def _serve(self, seat):
+        """Do tasks until the worker is lost."""
+        while True:
+            self._dispatch()
+            if seat.bell not in wait([seat.bell, seat.caller.process.sentinel]):
+                raise Lost("crash", "the process ended while it was idle")
+            seat.bell.recv_bytes()
+            if self._closing.is_set():
+                raise Lost("closed", "the server is being stopped")
+            self._do(seat)
+
+    def _do(self, seat):
+        task = seat.task
         try:
-            running = seat.run(*task.call)
-        except BrokenProcessPool:  # died while idle
-            self._replace(seat)
-            task.set_exception(BrokenProcessPool("the worker had died"))
-            return
-        task.seat, seat.task = seat, task
-        running.add_done_callback(lambda future: self._landed(seat, task, future))
-
-    def _landed(self, seat, task, future):
-        """Called in a thread of the seat's executor."""
-        error = BrokenProcessPool("the pool was closed") if future.cancelled() else future.exception()
+            if seat.wisdom is not self.wisdom:  # what one worker has measured, the others learn between two tasks
+                seat.wisdom = self.wisdom
+                seat.caller.call(worker.learn, seat.wisdom, limit=task.limit)
+            result = seat.caller.call(*task.call, limit=task.limit)
+        except Lost as lost:
+            if lost.kind != "error":
+                raise
+            log.error("a task failed in a worker:\n%s", lost.reason)
+            result = lost
         with self._lock:
-            if seat.task is task:
-                seat.task = None
-                if isinstance(error, BrokenProcessPool) and seat in self._seats:
-                    self._replace(seat)
-        if error is None:
-            task.set_result(future.result())
+            seat.task = None
+        self._settle(task, result)
+
+    def _settle(self, task, result):
+        if isinstance(result, Lost):
+            task.set_exception(result)
         else:
-            task.set_exception(error)
-        self._dispatch()
+            task.set_result(result)
 
-    def abandon(self, task):
-        """Nobody waits for this task any longer; its worker is killed if that does not help waiting ones in time."""
-        if not task.cancel():
-            task.abandoned = True
-            timer = threading.Timer(GRACE, self._make_room, (task,))
-            timer.daemon = True
-            timer.start()
-
-    def _make_room(self, task):
+    def _emptied(self, seat, lost):
+        """The worker has ended, or did not start: those who wait for it are told, or wait again."""
+        if seat.caller is not None:
+            seat.caller.end()
         with self._lock:
-            if self._queue and not task.done() and task.seat in self._seats:
-                log.warning("a worker stuck in an abandoned slice is replaced")
-                for process in task.seat.processes:
-                    process.kill()
-
-    def _replace(self, seat):
-        log.warning("a worker ended; a new one is starting")
-        seat.executor.shutdown(wait=False, cancel_futures=True)
-        self.replaced += 1
-        seat.spawn(worker.ready, self.wisdom, self._warmed)
-
-    def processes(self):
-        """The process ids of the workers."""
-        with self._lock:
-            return [process.pid for seat in self._seats for process in seat.processes]
-
-    def close(self):
-        """End every worker at once, even in the middle of a slice."""
-        with self._lock:
-            seats, self._seats = self._seats, []
-            waiting, self._queue, self._later = [*self._queue, *self._later], deque(), deque()
-        for task in waiting:
-            task.cancel()
-        workers = [process for seat in seats for process in seat.processes]
-        for seat in seats:
-            if seat.executor:
-                seat.executor.shutdown(wait=False, cancel_futures=True)
-        for process in workers:
-            process.terminate()
-        for process in workers:
-            process.join(5)
-        atexit.unregister(self.close)
+            task, seat.task = seat.task, None
+            warm, seat.ready, seat.caller = seat.ready, False, None
+            seat.silence()
+            if self._closing.is_set():
+                lost = Lost("closed", "the server is being stopped")
+            else:
+                self.replaced += 1
+                seat.failures += not warm
+                log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
+            hopeless = seat.failures >= STARTS and not any(other.ready for other in self._seats)
+            waiting = []
+            if hopeless:
+                self.why = "no worker process can be started; the server's log says why"
+                waiting = [line.take() for line in self._lines for _ in range(len(line))]
+        if task is not None:
+            self._settle(task, lost)
+        for other in waiting:
+            if other.set_running_or_notify_cancel():
+                other.set_exception(Lost("closed", self.why))
 
 
 pool = Pool()

@@ -1,23 +1,42 @@
 """Many small calls for the workers in the background: what one visitor has asked for is there for all."""
 
 import logging
+import pickle
 from collections import OrderedDict
 from concurrent.futures import CancelledError
-from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from threading import RLock
+from typing import Any
+
+from app.service.pool import LATER
+from app.service.tasks import Part
+from solver.isolated import Lost
 
 log = logging.getLogger("app")
-CAPACITY = 2000  # results kept
-LIVES = 3  # how often a call may be lost with its worker
+CAPACITY = 50e6  # bytes of results kept
+LIVES = 3  # how often a slice may be lost with its worker
+MADE = RuntimeError("the server could not compute it; its log says why")
+
+
+@dataclass
+class Asked:
+    """A call on its way: its task, who waits for it, how often a slice was lost, and what it has come to."""
+
+    owner: Any
+    hearers: list
+    task: Any = None
+    lost: int = 0
+    kept: tuple = ()
 
 
 class Results:
     """Results by call, those used last; a call that several visitors want at the same time is made once."""
 
     def __init__(self, capacity=CAPACITY):
-        self.capacity, self._kept, self._asked, self._lock = capacity, OrderedDict(), {}, RLock()
+        self.capacity, self.size = capacity, 0
+        self._kept, self._asked, self._lock = OrderedDict(), {}, RLock()
 
-    def ask(self, pool, call, hear):
+    def ask(self, pool, call, hear, owner=None):
         """Have call = (function, *arguments) made; `hear(call, result)` is called once, in whatever thread.
 
         Returns the result at once if it is known, and then hear is not called. A result may be an Exception.
@@ -25,54 +44,60 @@ class Results:
         with self._lock:
             if call in self._kept:
                 self._kept.move_to_end(call)
-                return self._kept[call]
+                return self._kept[call][0]
             if call in self._asked:
-                self._asked[call][1].append(hear)
+                self._asked[call].hearers.append(hear)
             else:
-                self._asked[call] = [None, [hear], 0]
+                self._asked[call] = Asked(owner, [hear])
                 self._submit(pool, call)
         return None
 
     def leave(self, pool, call, hear):
         """Do not wait any longer; when nobody does, the call is not made."""
         with self._lock:
-            if call in self._asked:
-                task, hearers, _ = self._asked[call]
-                if hear in hearers:
-                    hearers.remove(hear)
-                if not hearers:
+            asked = self._asked.get(call)
+            if asked is not None:
+                if hear in asked.hearers:
+                    asked.hearers.remove(hear)
+                if not asked.hearers:
                     del self._asked[call]
-                    pool.abandon(task)
+                    pool.abandon(asked.task)
 
     def _submit(self, pool, call):
         asked = self._asked[call]
-        asked[0] = pool.submit(*call, background=True)
-        asked[0].add_done_callback(lambda task: self._made(pool, call, task))
+        before = asked.task
+        asked.task = pool.submit(*call, *asked.kept, owner=asked.owner, rank=LATER, near=before)
+        asked.task.add_done_callback(lambda task: self._made(pool, call, task))
 
     def _made(self, pool, call, task):
         with self._lock:
             asked = self._asked.get(call)
-            if asked is None or asked[0] is not task:
+            if asked is None or asked.task is not task:
                 return
             try:
                 result = task.result()
-                self._keep(call, result)
-            except (BrokenProcessPool, CancelledError) as error:
-                asked[2] += 1
-                if asked[2] < LIVES:
+            except (Lost, CancelledError) as error:
+                asked.lost += 1
+                if asked.lost < LIVES and getattr(error, "kind", "") == "crash":
                     return self._submit(pool, call)
-                result = error
-            except Exception as error:
-                log.exception("a call in the background failed")
-                result = error
-            hearers = self._asked.pop(call)[1]
-        for hear in hearers:
+                result = MADE if getattr(error, "kind", "") == "error" else error
+            if isinstance(result, Part):
+                asked.kept = (result.kept,)
+                return self._submit(pool, call)
+            self._keep(call, result)
+            del self._asked[call]
+        for hear in asked.hearers:
             hear(call, result)
 
     def _keep(self, call, result):
-        self._kept[call] = result
-        while len(self._kept) > self.capacity:
-            self._kept.popitem(last=False)
+        """Keep a result, and drop those not used for longest."""
+        if isinstance(result, (Lost, CancelledError)):  # it may be another one next time
+            return
+        size = len(pickle.dumps((call, result)))
+        self._kept[call] = result, size
+        self.size += size
+        while self.size > self.capacity:
+            self.size -= self._kept.popitem(last=False)[1][1]
 
 
 results = Results()
@@ -97,7 +122,7 @@ class Sweep:
         for call in calls:
             if call in self.waiting:
                 continue
-            known = self.shared.ask(self.session.pool, call, self._hear)
+            known = self.shared.ask(self.session.pool, call, self._hear, owner=id(self.session))
             if known is None:
                 self.waiting.add(call)
                 self.count += 1

@@ -1,11 +1,16 @@
 """What the pages ask of a worker: each a pure function of picklable arguments that returns small arrays or numbers."""
 
+from dataclasses import dataclass, replace
+from typing import Any
+
 import numpy as np
 
-from solver import NotConverged, ProfileError, SceneError, load_path, read_profile
-from solver.analysis.friction_laws import friction_force, onset
+from app.service import worker
+from solver import NotConverged, ProfileError, SceneError, advance, read_profile
+from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.raster import fringes, mesh, picture
 
+SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
 DRAWN = 400  # points of a curve, about one per pixel
 SEEN = 0.06  # of the width shown: the largest displacement in the mesh, as it is drawn
 CELLS = (19, 7)  # of the mesh in the picture, across and deep
@@ -13,29 +18,54 @@ BESIDE = 2  # cells more on either side: displaced, the mesh still reaches both 
 RESOLVED = 0.5  # fringe orders per pixel: with more, a picture shows fringes that are none
 
 
-def flat_curve(scene):
-    """(U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin."""
-    rows = []
-    for frame in load_path(scene):
+@dataclass(frozen=True)
+class Part:
+    """What a call has come to in its time: made again with `kept` behind its arguments, it goes on from there."""
+
+    kept: Any
+
+
+def flat_curve(scene, kept=None):
+    """(U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin.
+
+    Or Part of it, or the NotConverged that ended it.
+    """
+    rows, checkpoint = kept or ([], None)
+    frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
+    for frame in frames:
         if frame.stage == "shear":
             rows += [(slip.load, slip.F_bar) for slip in frame.slips]
             rows.append((frame.U_x, frame.F_bar))
-    return tuple(np.array(rows, dtype=np.float32).T)
+    if not checkpoint.done:
+        return Part((rows, checkpoint))
+    return NotConverged(checkpoint.failure) if checkpoint.failure else tuple(np.array(rows, dtype=np.float32).T)
 
 
-def flat_friction(scene):
-    """Largest and least F_bar of a run during sliding, and the increments it took."""
-    frames = list(load_path(scene))
-    force = friction_force(scene, frames)
-    return force.F_s, force.F_k, len(frames)
-
-
-def onset_of(scene):
-    """The Onset of a scene, its curves float32 and with about DRAWN points; or why there is none, as text."""
+def flat_friction(scene, kept=None):
+    """Largest and least F_bar of a run during sliding, and the increments it took; or Part, or the error."""
+    done, checkpoint = kept or ([], None)
+    frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
+    done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]  # all nodes of a flat are alike
+    if not checkpoint.done:
+        return Part((done, checkpoint))
+    if checkpoint.failure:
+        return NotConverged(checkpoint.failure)
     try:
-        found = onset(scene)
+        force = friction_force(scene, done)
+    except ValueError as error:  # it has not slid far enough
+        return error
+    return force.F_s, force.F_k, len(done)
+
+
+def onset_of(scene, kept=None):
+    """The Onset of a scene, its curves float32 with about DRAWN points; Part of it; or why there is none."""
+    try:
+        search = search_on(scene, kept or Search(reach(scene)), SLICE, worker.SLOW)
     except NotConverged as error:
         return str(error)
+    found = search.found
+    if found is None:
+        return Part(search)
     step = max(1, found.U.size // DRAWN)
     keep = np.append(np.arange(0, found.U.size - 1, step), found.U.size - 1)
     curves = {name: getattr(found, name)[keep].astype(np.float32) for name in ("F", "A")}

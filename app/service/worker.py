@@ -4,28 +4,25 @@ Packing here rather than in the server keeps the event loop free: the server han
 """
 
 import json
-import logging
-import multiprocessing
 import os
-import signal
 import struct
-import threading
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import e
+from math import e, inf
 from typing import Any
 
 import numpy as np
 import pyfftw
 
-from solver import Checkpoint, Scene, advance
+from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
 from solver.analysis.raster import QUANTITIES, picture
+from solver.continuation.state import OutOfTime
 from solver.mechanics.layer import transforms
 from solver.run.carry import carry_on
 from solver.run.load_steps import load_steps_of
-from solver.run.loadpath import next_frame
+from solver.run.loadpath import in_time, next_frame, owned
 
 NICENESS = 10  # the event loop must win against the physics
 COLUMNS = (  # of a packed block: a number each per frame
@@ -35,6 +32,7 @@ COLUMNS = (  # of a packed block: a number each per frame
 STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
+QUICK, SLOW = 0.3, 2.5  # s of processor time for an increment: of a run that must not be in the way of others, of any
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
 FLAT = 160  # nodes sent of a flat surface, where all are alike
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as width that acts
@@ -45,7 +43,8 @@ FREE = 0.05  # of the same: a node beyond the peak (gap > delta_n) that is attra
 class Slice:
     """The outcome of one task: packed frames (bytes, one block per patch), their number, the sums over them.
 
-    ahead: frames still to come, as far as is known; last: the Frame and the work up to it, if the next slice needs it.
+    ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: the Frame and the
+    work up to it, if the next slice needs it.
     """
 
     blocks: tuple
@@ -58,24 +57,15 @@ class Slice:
     last: Any
     done: bool
     failure: str | None
+    heavy: bool = False  # whether an increment takes, or took, longer than QUICK
 
 
 def start(wisdom=None):
-    """Prepare a new worker: low priority, deaf to Ctrl-C, gone when the server is gone, kernels loaded."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Prepare a new worker: low priority, kernels loaded."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
-    threading.Thread(target=_leave_with_server, daemon=True).start()
     learn(wisdom)
-    try:
-        warm_up()
-    except Exception:  # the first real slice will say what is wrong, to the visitor
-        logging.getLogger("app").exception("warm-up of a worker failed")
-
-
-def _leave_with_server():
-    multiprocessing.parent_process().join()
-    os._exit(0)
+    warm_up()
 
 
 def warm_up():
@@ -90,7 +80,7 @@ def warm_up():
 
 
 def ready():
-    """A task that does nothing: once it has come back, a worker is warm."""
+    """A task that does nothing."""
 
 
 def measure():
@@ -107,18 +97,39 @@ def learn(wisdom):
         pyfftw.import_wisdom(wisdom)
 
 
-def compute(scene, checkpoint, budget, last=None, history=()):
+@dataclass(frozen=True)
+class Carrying:
+    """On the way to where a run goes on from another: the legs of the history done, frames of the next, Checkpoint."""
+
+    legs: int = 0
+    frames: int = 0
+    checkpoint: Checkpoint = field(default_factory=Checkpoint)
+
+
+def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     """Advance `scene` for about `budget` seconds, somewhat longer if that ends in the approach, and pack the frames.
 
-    last: that of the Slice before; history: ((Scene, frames), ...) of the runs that this one goes on from.
+    last: that of the Slice before; history: ((Scene, frames), ...) of the runs that this one goes on from; limit: s of
+    processor time for an increment. One that takes longer is left out, and may be tried again with more.
     """
-    if checkpoint is None and history:
-        checkpoint = carried((*history, (scene, 0)))
-    latest = time.perf_counter() + APPROACH * budget
-    frames, checkpoint = advance(scene, checkpoint, budget)
+    begun = time.perf_counter()
+    try:
+        if history and (checkpoint is None or isinstance(checkpoint, Carrying)):
+            checkpoint = carried((*history, (scene, 0)), checkpoint or Carrying(), begun + budget, limit)
+            if isinstance(checkpoint, Carrying):
+                return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=_slow(begun, budget))
+    except (NotConverged, SceneError, NotInShear) as error:  # the state does not lead on into this scene
+        if isinstance(error, OutOfTime) and limit < SLOW:
+            return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
+        return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
+    latest = begun + APPROACH * budget
+    frames, checkpoint = advance(scene, checkpoint, budget, limit=limit)
     while checkpoint.stage == "approach" and not checkpoint.done and time.perf_counter() < latest:
-        more, checkpoint = advance(scene, checkpoint, budget / APPROACH)
+        more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
         frames += more
+    heavy = checkpoint.late or (limit == SLOW and _slow(begun, budget))
+    if checkpoint.late and limit < SLOW:
+        checkpoint = in_time(checkpoint)
     widest = max((_width(scene, frame) for frame in frames), default=0.0)
     works, last = _works(scene, frames, last)
     if scene.surface == "flat":
@@ -135,20 +146,44 @@ def compute(scene, checkpoint, budget, last=None, history=()):
         last=last,
         done=checkpoint.done,
         failure=checkpoint.failure,
+        heavy=heavy,
     )
 
 
-def carried(history):
+def _slow(begun, budget):
+    """Whether a slice took so much longer than its budget that its run would be in the way of others."""
+    return time.perf_counter() > begun + budget + QUICK
+
+
+def carried(history, way=None, until=inf, limit=inf):
     """The checkpoint from which a run goes on as the last scene of history [(scene, frames), ...]: see `carry_on`.
 
     Every run before is computed again up to the frame at which its successor took over: nothing has to be kept of it.
+    Or the Carrying that it has come to by `until`, of time.perf_counter.
     """
-    checkpoint = Checkpoint()
-    for (scene, count), (changed, _) in pairwise(history):
-        for _ in range(count):
-            _, checkpoint = next_frame(scene, checkpoint)
-        checkpoint = carry_on(checkpoint, scene, changed)
+    way = way or Carrying()
+    checkpoint, moved = owned(way.checkpoint), False
+    for k, ((scene, count), (changed, _)) in enumerate(pairwise(history)):
+        if k < way.legs:
+            continue
+        for frames in range(way.frames if k == way.legs else 0, count):
+            if moved and time.perf_counter() > until:
+                return Carrying(k, frames, checkpoint)
+            if checkpoint.done:
+                raise NotInShear("the run ended before the increment from which this one should go on")
+            _, checkpoint = next_frame(scene, checkpoint, limit=limit)
+            moved = True
+        try:
+            checkpoint = carry_on(checkpoint, scene, changed)
+        except SceneError:
+            raise
+        except ValueError as error:
+            raise NotInShear(str(error)) from None
     return checkpoint
+
+
+class NotInShear(ValueError):
+    """A run goes on from shear only, and from an increment that it has reached."""
 
 
 def _works(scene, frames, last):

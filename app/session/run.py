@@ -24,6 +24,7 @@ class Run:
     residual: float = 0.0
     seconds: float = 0.0
     widest: float = 0.0  # part of w over which anything acted, at most
+    heavy: bool = False  # whether an increment takes so long that the run must not be in the way of others
     lost: int = 0
     why: str = ""
     blocks: list = field(default_factory=list)  # packed frames so far
@@ -58,17 +59,25 @@ class Run:
 class Chains:
     """Which scenes a visitor's runs went through: all that a later run needs to go on from a frame of one of them."""
 
-    def __init__(self, most=300):
+    def __init__(self, most=40):
         self.most, self._of = most, {}  # number of a run: ((Scene, frames), ..., (its own Scene, None))
+        self._frames = {}  # number of a run: frames it has, with those before
 
-    def __contains__(self, number):
-        return number in self._of
+    def reaches(self, number, frame):
+        """Whether a run is known and has come to that frame."""
+        return 0 <= frame < self._frames.get(number, 0)
 
     def add(self, run):
         """Remember a run, and forget the oldest of too many."""
         self._of[run.number] = (*run.history, (run.scene, None))
+        self.grown(run)
         if len(self._of) > self.most:
-            del self._of[min(self._of)]
+            oldest = min(self._of)
+            del self._of[oldest], self._frames[oldest]
+
+    def grown(self, run):
+        """Remember how far a run has come."""
+        self._frames[run.number] = run.frames
 
     def history(self, number, frame):
         """((Scene, frames), ...) that lead to a frame of a run, that frame included."""

@@ -5,19 +5,29 @@ import logging
 import os
 import time
 from concurrent.futures import CancelledError
-from concurrent.futures.process import BrokenProcessPool
 
 from app.service import tasks, worker
 from app.service.bench import Bench
 from app.service.finished import Finished
 from app.service.finished import shelf as shared_shelf
+from app.service.pool import HEAVY, LATER, SCREEN
 from app.service.pool import pool as shared_pool
+from app.session import orders
 from app.session.cautions import cautions
-from app.session.controls import DEFAULT, address_of, changed_scene, increments_of, scene_from_address, values_of
+from app.session.controls import (
+    DEFAULT,
+    INCREMENTS,
+    STAYS,
+    address_of,
+    changed_scene,
+    increments_of,
+    scene_from_address,
+    values_of,
+)
 from app.session.run import Chains, Run
 from app.session.wire import Wire
 from app.views.pages import Pages
-from solver import SceneError
+from solver.isolated import Lost
 from solver.presets import presets
 from solver.run.carry import GEOMETRY
 
@@ -26,6 +36,7 @@ FIRST = 0.025  # s of work in the first slice: the approach and a little of the 
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
 SPARE = 0.09  # s for which a superseded run may go on if that is enough to finish it: whole curves in a drag
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+WAITS = 1.0  # s in the queue, after which a visitor is told its place
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
 
@@ -48,7 +59,9 @@ class Session:
         self.run = None
         self.chains = Chains()
         self.wanted = None  # a newer (scene, run and frame to go on from), while a slice of the old one is in flight
-        self.flight = None
+        self.flight, self.budget, self.since = None, 0.0, 0.0  # the slice, s of work in it, when it was asked for
+        self.told_place = None
+        self.reading = None  # the task that reads a profile
         self.last = None  # the slice before: the worker that did it is the best for the next
         self.closed = False
         self.wire.on_change("order", self._on_order)
@@ -60,6 +73,8 @@ class Session:
         if not self.closed:
             self.closed = True
             self._abandon()
+            if self.reading is not None:
+                self.pool.abandon(self.reading)
             self.bench.close()
             self.pages.close()
             self.run = self.wanted = None
@@ -70,28 +85,43 @@ class Session:
 
     def _on_order(self, attribute, old, new):
         try:
-            order = json.loads(new)
-            name, self.acknowledged = order["do"], order.get("n", self.acknowledged)
-            if name == "scene":
-                self.change(dict(order["values"]), order.get("from"))
-            elif name in ("hello", "pause", "go", "one", "reset"):
-                getattr(self, name)()
-            elif name == "profile":
-                self.read_profile(str(order["values"]["text"]))
-            elif name == "preset":
-                self.choose(order["values"]["preset"])
-            elif name == "ask":
-                self.pages.order(dict(order["values"]))
-            elif name == "page":
-                self.pages.open(order["values"]["page"])
-                self.publish()
-            elif name in ("measure", "cancel"):
-                self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
-                self.publish()
-        except (ValueError, KeyError, TypeError, AttributeError):
-            log.info("unreadable order from a browser: %.80s", new)
-        except Exception as error:
-            self._fail_unexpectedly(error)
+            order = orders.read(new)
+        except orders.Refused as refused:
+            log.info("an order was refused: %s", refused)
+            return self.refuse(refused)
+        self.acknowledged = order.n if order.n is not None else self.acknowledged
+        try:
+            self._obey(order)
+        except Exception:
+            self._fail_unexpectedly()
+
+    def _obey(self, order):
+        name, values = order.do, order.values
+        if name == "scene":
+            self.change(values, order.after)
+        elif name == "profile":
+            self.read_profile(values["text"])
+        elif name == "preset":
+            self.choose(values["preset"])
+        elif name == "ask":
+            self.pages.order(values)
+        elif name == "page":
+            self.pages.open(values["page"])
+            self.publish()
+        elif name in ("measure", "cancel"):
+            self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
+            self.publish()
+        else:
+            getattr(self, name)()
+
+    def refuse(self, refused):
+        """Tell the visitor that something was not understood; what is on screen stays."""
+        said = f"{refused}{STAYS}"
+        if refused.where:
+            self.errors = {refused.where: said}
+        else:
+            self.notes = [said]
+        self.publish()
 
     def hello(self):
         """The page is drawn and listens."""
@@ -113,20 +143,28 @@ class Session:
 
     def _usable(self, scene, after):
         """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
-        if not after or int(after[0]) not in self.chains:
+        if not after or not self.chains.reaches(*after):
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
             self.notes += ["A run goes on with the same surface and path only: this one starts anew."]
             return None
-        return int(after[0]), int(after[1])
+        if after[1] >= INCREMENTS:
+            self.notes += [f"A run goes on from one of its first {INCREMENTS} increments only: this one starts anew."]
+            return None
+        return after
 
     def read_profile(self, text):
         """Show the surface that a CSV describes; one of no use leaves a message, and what is on screen stays."""
-        task = self.pool.submit(tasks.measured, self.scene, text)
+        if self.reading is not None:  # the newest counts
+            self.pool.abandon(self.reading)
+        task = self.reading = self.pool.submit(tasks.measured, self.scene, text, owner=id(self), rank=LATER)
         task.add_done_callback(lambda task: self.closed or self.doc.add_next_tick_callback(lambda: self._read(task)))
 
     def _read(self, task):
-        scene, why = (None, "the worker was lost; try again") if task.exception() else task.result()
+        if task is not self.reading:
+            return
+        self.reading = None
+        scene, why = (None, "it could not be read; try again") if task.exception() else task.result()
         if scene is None:
             self.errors = {"profile": f"profile: {why}. The run on screen stays."}
             return self.publish()
@@ -217,11 +255,24 @@ class Session:
 
     def _submit(self, budget):
         if self.flight is None:
-            run = self.run
-            call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history)
-            self.flight = self.pool.submit(*call, near=self.last)
-            self.last = self.flight
+            run, self.budget = self.run, budget
+            rank, limit = (HEAVY, worker.SLOW) if run.heavy else (SCREEN, worker.QUICK)
+            call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history, limit)
+            how = {"owner": id(self), "rank": rank, "seconds": worker.APPROACH * budget}
+            self.flight = self.last = self.pool.submit(*call, near=self.last, **how)
+            self.since = time.monotonic()
             self.flight.add_done_callback(self._arrived)
+
+    @property
+    def place(self):
+        """How many have their turn before this visitor, or None: nobody, or it has not waited for long."""
+        waits = self.flight is not None and time.monotonic() - self.since > WAITS
+        return (self.pool.place(self.flight) or None) if waits else None
+
+    def look(self):
+        """From time to time: say how long the line is, in any thread."""
+        if not self.closed and (self.told_place or self.place):
+            self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
 
     def _arrived(self, future):
         """Called in a thread of the pool: hand over to the thread of the document."""
@@ -234,30 +285,31 @@ class Session:
             return
         self.flight = None
         try:
-            self._show(future.result())
-        except (BrokenProcessPool, CancelledError):
-            self._compute_again()
-        except SceneError as error:  # the state does not lead on into this scene
-            self.run.state, self.run.why = "failed", str(error)
-        except Exception as error:
-            self._fail_unexpectedly(error)
-        try:
-            self._go_on()
-        except Exception as error:  # the pool cannot take work
-            self._fail_unexpectedly(error)
+            piece, before = future.result(), self.run.frames
+            self._show(piece)
+            self._go_on(before)
+        except (Lost, CancelledError) as lost:
+            self._lost(lost)
+        except Exception:
+            self._fail_unexpectedly()
 
-    def _go_on(self):
+    def _go_on(self, before):
         if self._gives_way():
             self._begin(*self.wanted)
         elif self.run.state == "running":
             self._submit(BUDGET)
+        elif self.run.state == "paused" and self.budget == 0.0 and self.run.frames == before:
+            self._submit(0.0)  # the one increment asked for was left out, as it takes longer: once more, with more time
         self.publish()
 
     def _show(self, piece):
         run = self.run
         run.checkpoint, run.last = piece.checkpoint, piece.last
         run.frames += piece.frames
-        run.total = run.frames + piece.ahead
+        run.heavy = piece.heavy
+        if piece.ahead is not None:
+            run.total = run.frames + piece.ahead
+            self.chains.grown(run)
         run.evaluations += piece.evaluations
         run.residual = max(run.residual, piece.residual)
         run.widest = max(run.widest, piece.widest)
@@ -287,31 +339,53 @@ class Session:
         run.state, run.frames, run.total = "finished", known.frames, known.frames
         run.evaluations, run.residual, run.widest = known.evaluations, known.residual, known.widest
         self.cautions = cautions(run.scene, run.widest)
+        self.chains.grown(run)
         self._send(known.blocks)
 
     def _send(self, blocks):
         for block in blocks:
             self.wire.chunk = worker.numbered(self.run.number, block)
 
-    def _compute_again(self):
-        """A worker died and is being replaced: the slice is pure, so it is computed again by another."""
-        self.run.lost += 1
-        self.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
-        if self.run.lost >= LIVES:
-            self.run.state, self.run.why = "failed", f"lost {LIVES} workers; change a parameter or press Reset"
+    def _lost(self, lost):
+        """A worker was lost with a slice: it is pure, so it is computed again, unless that would be of no use."""
+        run, kind = self.run, getattr(lost, "kind", "closed")
+        run.lost += 1
+        if kind == "crash" and run.lost < LIVES:
+            self.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
+            if self._gives_way():
+                self._begin(*self.wanted)
+            else:
+                self._submit(self.budget)
+            return self.publish()
+        if kind == "error":
+            return self._fail("the server made an error, which is in its log. Press Reset to start again")
+        why = {
+            "crash": f"lost {LIVES} workers; change a parameter or press Reset",
+            "hang": f"{lost}, so the worker was ended; what is computed stays. Change a parameter or press Reset",
+        }
+        self._fail(why.get(kind, f"{str(lost) or 'the server is being stopped'}. Press Reset to try again"))
 
-    def _fail_unexpectedly(self, error):
-        log.exception("a visitor's run failed")
+    def _fail(self, why):
+        """The run ends here, with what it has."""
+        if self.wanted is not None:
+            return self._begin(*self.wanted)
         if self.run:
-            self.run.state = "failed"
-            self.run.why = f"{type(error).__name__}: {error}. Press Reset to start again"
+            self.run.state, self.run.why = "failed", why
         self.publish()
+
+    def _fail_unexpectedly(self):
+        """An error of this program: its traceback is for the log, not for the visitor."""
+        log.exception("a visitor's run failed")
+        self.wanted = None
+        self._fail("the server made an error, which is in its log. Press Reset to start again")
 
     def publish(self):
         """Send status, values, notes and errors to the browser."""
         run = self.run
         if run is None:
             return
+        self.told_place = self.place
+        waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
         own = {"values": values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
-        own |= {"preset": self.preset, "address": address_of(self.scene, self.preset)}
-        self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.cautions})
+        own |= {"preset": self.preset, "address": address_of(self.scene, self.preset), "queue": self.told_place}
+        self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.cautions + waits})

@@ -9,6 +9,7 @@ import numpy as np
 
 from app.service import tasks
 from app.service.sweep import Sweep
+from app.session.controls import INCREMENTS, increments_of
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError
@@ -95,8 +96,10 @@ class Page(Sheet):
         elif what == "cancel":
             self.sweep.cancel()
         elif what == "show":
-            self.shown = list(self.series)[int(values["series"])]
-            self._draw_runs()
+            place, series = int(values.get("series", 0)), list(self.series)
+            if 0 <= place < len(series):
+                self.shown = series[place]
+                self._draw_runs()
         self._publish()
 
     def close(self):
@@ -110,7 +113,7 @@ class Page(Sheet):
             scenes = [scene.changed(delta_bar=depth) for depth in DEPTHS]
         except SceneError:
             return
-        if scene.surface == "flat":
+        if self._why_not(scene):
             return
         if scene not in self.series:
             own = [s for s in self.series if self.marks[s] >= len(INTERFACES)]
@@ -194,16 +197,25 @@ class Page(Sheet):
             low, high = min([0.0, *known]), max([1e-3, *known])
             axis.update(start=low - 0.03 * (high - low), end=high + 0.07 * (high - low))
 
+    def _why_not(self, scene):
+        """Why a scene is no series, if it is none."""
+        if scene.surface == "flat":
+            return "The surface on screen is flat, without an edge that could peel: it has no series here."
+        if increments_of(scene) > INCREMENTS:
+            return f"A run would take more than {INCREMENTS} increments: enlarge du_x or du_z for a series here."
+        return ""
+
     def _own(self):
         """Why the scene on screen is no series, if it is none."""
-        if self.session.scene.surface == "flat":
-            return "The surface on screen is flat, without an edge that could peel: it has no series here."
-        return ""
+        try:
+            return self._why_not(series_of(self.session.scene))
+        except SceneError as error:
+            return f"No series: {error}"
 
     def _publish(self):
         try:
             own = series_of(self.session.scene)
-            addable = own not in self.series and own.surface != "flat"
+            addable = own not in self.series and not self._why_not(own)
         except SceneError:
             addable = False
         self.publish(

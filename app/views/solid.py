@@ -7,7 +7,6 @@ one is in the making, and the latest increment asked for wins. Stress is sent as
 import json
 import struct
 from concurrent.futures import CancelledError
-from concurrent.futures.process import BrokenProcessPool
 
 import holoviews as hv
 import numpy as np
@@ -17,6 +16,7 @@ from app.schema import STRESSES
 from app.service import tasks
 from app.views.pages import Sheet
 from app.views.plots import rendered
+from solver.isolated import Lost
 
 SIZE = (400, 150)  # columns, rows
 DEPTH = 1.0  # of half the width shown
@@ -48,8 +48,9 @@ class Page(Sheet):
 
     def order(self, values):
         """Show a frame: {run, frame, half (nm), quantity, per_fringe (GPa), mesh}."""
-        self.waiting = values
-        self._submit()
+        if values.keys() >= {"run", "frame", "half", "quantity", "per_fringe", "mesh"}:
+            self.waiting = values
+            self._submit()
 
     def close(self):
         """Ask for nothing any longer."""
@@ -62,18 +63,22 @@ class Page(Sheet):
         if self.task is not None or self.waiting is None:
             return
         values, self.waiting = self.waiting, None
-        run, known = self.session.run, self.session.shelf.get(self.session.run.scene)
+        run = self.session.run
+        known = run and self.session.shelf.get(run.scene)
+        if run is None or int(values.get("run", -1)) != run.number:
+            return
         found = run.tractions(int(values["frame"]), run.blocks or (known.blocks if known else ()))
-        if found is None or int(values["run"]) != run.number:
+        if found is None:
             return
         scene, (first, traction) = run.scene, found
-        half, thickness = min(abs(float(values["half"])), 0.5 * scene.width), scene.height * scene.width
+        half = float(np.clip(float(values["half"]), scene.spacing, 0.5 * scene.width))
+        thickness = scene.height * scene.width
         window = (0.5 * scene.width - half, 0.5 * scene.width + half, min(DEPTH * half, thickness))
         quantity = values["quantity"] if values["quantity"] in STRESSES else next(iter(STRESSES))
         per_fringe = float(np.clip(float(values["per_fringe"]), *PER_FRINGE))
         self.about = {"run": values["run"], "frame": values["frame"], "quantity": quantity}
         call = (tasks.stress_picture, scene, first, traction, quantity, window, SIZE, per_fringe, bool(values["mesh"]))
-        self.task = self.session.pool.submit(*call, near=self.session.last)
+        self.task = self.session.pool.submit(*call, near=self.session.last, owner=id(self.session))
         self.task.add_done_callback(lambda task: self.session.doc.add_next_tick_callback(lambda: self._take(task)))
 
     def _take(self, task):
@@ -83,7 +88,7 @@ class Page(Sheet):
         self.task = None
         try:
             head, body = task.result()
-        except (BrokenProcessPool, CancelledError):  # the next frame brings another
+        except (Lost, CancelledError):  # the next frame brings another
             return
         packed = json.dumps(head | self.about).encode()
         packed += b" " * (-len(packed) % 4)

@@ -12,6 +12,7 @@ from bokeh.models import FixedTicker
 from app.schema import FLATS
 from app.service import tasks
 from app.service.sweep import Sweep
+from app.session.controls import INCREMENTS, increments_of
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import LIMITS, SceneError
@@ -97,14 +98,19 @@ class Page(Sheet):
 
     def scene_changed(self):
         """Another scene is on screen: its own curve, and if the layer is another one, all of it."""
+        self.sweep.cancel()
+        before, self.own = self.own, None
         try:
             own = flat(self.session.scene)
+            if increments_of(own) > INCREMENTS:
+                raise SceneError(
+                    "du_x", own.du_x, f"allowed here: {INCREMENTS} increments up to {END:g} nm", "enlarge it"
+                )
+            if before is None or before.changed(E=own.E, phi_ratio=own.phi_ratio, phi_n=own.phi_n) != own:
+                self._draw_layer(own)
         except SceneError as error:
-            return self.publish(texts={"stickslip-said": f"Not drawn: {error}"})
-        before, self.own = self.own, own
-        self.sweep.cancel()
-        if before is None or before.changed(E=own.E, phi_ratio=own.phi_ratio, phi_n=own.phi_n) != own:
-            self._draw_layer()
+            return self.publish(texts={"stickslip-said": f"Not drawn: {error}"}, busy=None)
+        self.own = own
         self._draw_own()
         chosen = [(tasks.flat_curve, scene) for scene in (own, *self._chosen())]
         self.sweep.add([*chosen, *((tasks.flat_friction, scene) for scene in self._measured())])
@@ -112,12 +118,12 @@ class Page(Sheet):
 
     def order(self, values):
         """A click on the map: that scene on screen."""
-        if "E" in values:
+        if values.keys() >= {"E", "phi_t"}:
             scene = flat(self.session.scene)
             E = float(np.clip(float(values["E"]), *MODULI))
             ratio = float(np.clip(float(values["phi_t"]), *STRENGTHS)) / scene.phi_n
             self.session.show(scene.changed(E=float(f"{E:.3g}"), phi_ratio=float(f"{ratio:.3g}")), "fig4a-blue")
-        elif values.get("what") == "cancel":
+        elif values.get("what") == "cancel" and self.own is not None:
             self.sweep.cancel()
             self._describe("cancelled; ")
 
@@ -139,17 +145,24 @@ class Page(Sheet):
                 found.append(own.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=0.2))
             except SceneError:
                 continue  # beyond the solver's range
-        return found
+        return [scene for scene in found if increments_of(scene) <= INCREMENTS]
 
     # drawing
 
-    def _draw_layer(self):
+    def _draw_layer(self, own):
         """Mean friction depends on E/tau_max alone: one curve makes the map."""
-        own = self.own.changed(phi_n=2.0, phi_ratio=0.1)
+        own = own.changed(phi_n=2.0, phi_ratio=0.1)
         critical = critical_modulus(own) / tau_max(own)
         ratios = critical * np.geomspace(1e-4, 10.0, RATIOS)
         low, high = LIMITS["E"][:2]
         ratios = ratios[(ratios * tau_max(own) >= low) & (ratios * tau_max(own) <= high)]
+        if ratios.size == 0:
+            raise SceneError(
+                "delta_t",
+                own.delta_t,
+                f"allowed here: one with friction between E = {low:g} and {high:g} GPa",
+                "make it smaller, or use fewer nodes",
+            )
         mean = np.array([_mean(own, ratio) for ratio in ratios])
         self.curve = ratios, mean
         self.draw("mean", "exact", ratio=ratios, mean=mean)

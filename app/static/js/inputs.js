@@ -12,7 +12,7 @@ import { me, QUIET } from "./state.js"
 import { writeAddress } from "./status.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
-const LARGEST_FILE = 10e6 // bytes, as the server
+const LARGEST_FILE = 2e6 // bytes, as the server
 
 let last = 0 // when something was sent
 
@@ -67,7 +67,7 @@ async function readProfile(event) {
   if (!file) return
   if (file.size > LARGEST_FILE) {
     const size = (file.size / 1e6).toFixed(1)
-    say("profile-error", `profile: ${file.name} has ${size} MB, allowed: 10 MB; thin it out. The run on screen stays.`)
+    say("profile-error", `profile: ${file.name} has ${size} MB, allowed: 2 MB; thin it out. The run on screen stays.`)
   } else order("profile", { text: await file.text() })
 }
 

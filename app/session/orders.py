@@ -1,0 +1,112 @@
+"""What a browser may ask for: small JSON of known names, text and numbers, checked before anything is done with it."""
+
+import json
+import re
+from dataclasses import dataclass, field
+from math import isfinite
+
+from app.session.controls import PARAMETERS
+from app.views.pages import PAGES
+from solver.presets import presets
+
+SMALL = 8000  # characters of an order, but for one that brings a profile
+LARGEST = 2_000_000  # characters of a profile
+LONGEST = 64  # characters of a value
+PLAIN = ("hello", "pause", "go", "one", "reset", "measure", "cancel")  # orders without values
+ASKED = {  # of a page
+    **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
+    **dict.fromkeys(("what", "quantity"), str),
+}
+UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"profile"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
+
+
+class Refused(ValueError):
+    """Something that no page of ours says; the message is a sentence for whoever said it, `where` an entry."""
+
+    def __init__(self, message, where=None):
+        super().__init__(message)
+        self.where = where
+
+
+@dataclass(frozen=True)
+class Order:
+    """do: what, with values {name: str, number or bool}; n: its number; after: (run, frame) to go on from."""
+
+    do: str
+    values: dict = field(default_factory=dict)
+    n: float | None = None
+    after: tuple | None = None
+
+
+def read(text):
+    """The Order in a text; raises Refused."""
+    if len(text) > SMALL:
+        return _profile(text)
+    order = plain_json(text)
+    if not isinstance(order, dict):
+        raise Refused("An order could not be read.")
+    values, do = order.get("values") or {}, order.get("do")
+    if do == "profile" and isinstance(values, dict) and isinstance(values.get("text"), str):
+        return Order("profile", {"text": values["text"]}, _number(order.get("n")))
+    if not isinstance(values, dict) or not all(map(_is_value, values.values())):
+        raise Refused("An order may hold short texts and numbers only.")
+    checked = Order(str(do), values, _number(order.get("n")), _place(order.get("from")))
+    if do in PLAIN:
+        return Order(checked.do, {}, checked.n)
+    if do == "scene" and values and values.keys() <= PARAMETERS.keys():
+        return checked
+    if do == "ask" and all(isinstance(value, ASKED.get(name, ())) for name, value in values.items()):
+        return checked
+    if do == "preset" and values.get("preset") in presets():
+        return checked
+    if do == "page" and values.get("page") in ("", *PAGES):
+        return checked
+    raise Refused("An order was not understood.")
+
+
+def _profile(text):
+    """The Order that brings a profile; nothing of it is read but one text, however long it is."""
+    start = UPLOAD.match(text)
+    if start is None:
+        raise Refused("An order was too long.")
+    if len(text) > 1.1 * LARGEST:
+        raise Refused(f"profile: more than {LARGEST / 1e6:g} MB; thin it out.", "profile")
+    try:
+        profile, end = json.JSONDecoder().raw_decode(text, start.end())
+    except ValueError:
+        raise Refused("profile: the file could not be read.", "profile") from None
+    rest = plain_json('{"values": {"text": ""' + text[end:][:SMALL])
+    return Order("profile", {"text": profile}, _number(isinstance(rest, dict) and rest.get("n")))
+
+
+def plain_json(text):
+    """JSON of finite numbers, not too deep; raises Refused."""
+    try:
+        return json.loads(text, parse_constant=_no_number)
+    except (ValueError, RecursionError):
+        raise Refused("A message could not be read.") from None
+
+
+def _no_number(text):
+    raise ValueError(text)
+
+
+def _is_value(value):
+    if isinstance(value, str):
+        return len(value) <= LONGEST
+    return isinstance(value, int | float) and abs(value) < 1e15
+
+
+def _number(value):
+    """A number that is told back, or None."""
+    known = isinstance(value, int | float) and not isinstance(value, bool)
+    return value if known and isfinite(value) and abs(value) < 1e15 else None
+
+
+def _place(value):
+    """(run, frame) as whole numbers, or None."""
+    if not value:
+        return None
+    if isinstance(value, list) and len(value) == 2 and all(type(part) is int and 0 <= part < 1e9 for part in value):
+        return tuple(value)
+    raise Refused("An order names no increment of a run.")

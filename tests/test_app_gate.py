@@ -1,0 +1,196 @@
+"""What a browser may say: orders on the wire of its own document, of known names; all else changes nothing."""
+
+import asyncio
+import base64
+import gzip
+import json
+import logging
+from types import SimpleNamespace
+
+import pytest
+from test_app_pages import NoPool
+
+from app.service.finished import Shelf
+from app.session import gate, orders
+from app.session.session import Session
+
+pytest_plugins = ["test_app_pages"]  # its fixture: session
+HELLO = '{"do":"hello","n":0}'
+
+
+class Visit:
+    """A Gate as Tornado would make one, for a session; `passed` is what Bokeh would get to see."""
+
+    def __init__(self, session, monkeypatch):
+        self.session, self.passed = session, []
+        self.gate = gate.Gate.__new__(gate.Gate)
+        self.gate.parts, self.gate.refused = [], 0
+        server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
+        self.gate.connection = SimpleNamespace(session=server)
+        session.doc.add_root(session.wire)
+
+        async def take(gate, fragment):
+            self.passed.append(fragment)
+
+        monkeypatch.setattr(gate.WSHandler, "on_message", take)
+
+    async def _locked(self, call, *arguments):
+        return call(*arguments)
+
+    def say(self, content, kind="PATCH-DOC", header=None):
+        """Send a message; what passed of it."""
+        self.passed.clear()
+        head = header or json.dumps({"msgid": "1", "msgtype": kind})
+        text = content if isinstance(content, str) else json.dumps(content, separators=(",", ":"))
+        for fragment in (head, '{"mine": 1}', text):
+            asyncio.run(self.gate.on_message(fragment))
+        return self.passed
+
+    def patch(self, new, attr="order", **more):
+        event = {"kind": "ModelChanged", "model": {"id": self.session.wire.id}, "attr": attr, "new": new}
+        return {"events": [event | more]}
+
+    @property
+    def notes(self):
+        return json.loads(self.session.wire.status).get("notes")
+
+
+@pytest.fixture
+def visit(session, monkeypatch):
+    session.wire.order = HELLO
+    return Visit(session, monkeypatch)
+
+
+def test_an_order_passes_and_is_written_anew(visit):
+    head, metadata, content = visit.say(visit.patch(HELLO, more="x" * 100) | {"references": [1]})
+    assert json.loads(head) == {"msgid": "1", "msgtype": "PATCH-DOC"} and metadata == "{}"
+    event = {"kind": "ModelChanged", "model": {"id": visit.session.wire.id}, "attr": "order", "new": HELLO}
+    assert json.loads(content) == {"events": [event]}
+
+
+def test_a_page_may_ask_for_its_document(visit):
+    assert json.loads(visit.say({"x": 1}, "PULL-DOC-REQ")[0])["msgtype"] == "PULL-DOC-REQ"
+
+
+def test_what_bokeh_says_about_its_figures_is_dropped_without_a_word(visit):
+    before = visit.notes
+    ready = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": {"event_name": "document_ready"}}
+    assert visit.say({"events": [ready, visit.patch(400, "inner_width")["events"][0]]}) == []
+    assert visit.notes == before and visit.gate.refused == 0
+
+
+BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
+
+
+def test_no_patch_of_anything_but_the_order_passes(visit):
+    for attr in ("chunk", "status", "picture", "name", "tags"):
+        assert visit.say(visit.patch(BOMB, attr)) == []
+    for kind in ("RootAdded", "RootRemoved", "TitleChanged", "ColumnDataChanged", "ColumnsStreamed"):
+        assert visit.say(visit.patch("x", kind=kind)) == []
+
+
+@pytest.mark.parametrize("new", [BOMB, None, 3, {"do": "hello"}, ["x"]])
+def test_an_order_is_text(visit, new):
+    assert visit.say(visit.patch(new)) == [] and visit.gate.refused == 1
+    assert "stays" in visit.notes[0]
+
+
+def test_another_model_than_the_own_wire_is_refused(visit):
+    figure = next(iter(visit.session.pages.slots.values()))
+    for model in (figure.id, "p1", None, {"id": 1}):
+        event = {"kind": "ModelChanged", "model": {"id": model}, "attr": "order", "new": HELLO}
+        assert visit.say({"events": [event]}) == []
+    assert visit.gate.refused == 4
+
+
+@pytest.mark.parametrize(
+    ("content", "kind", "header"),
+    [
+        ("{}", "PUSH-DOC", None),
+        ("{}", "SERVER-INFO-REQ", None),
+        ("{", "PATCH-DOC", None),
+        ("[" * 7000, "PATCH-DOC", None),
+        ('{"events": [1e999, NaN]}', "PATCH-DOC", None),
+        ("x" * 10_000, "PATCH-DOC", None),
+        ('{"events":' + json.dumps([{}] * 200) + "}", "PATCH-DOC", None),
+        ("{}", None, "[]"),
+        ("{}", None, '{"msgid":"1","msgtype":"PATCH-DOC","num_buffers":1}'),
+        ("{}", None, '{"msgid":1,"msgtype":"PATCH-DOC"}'),
+        ("{}", None, "x" * 1000),
+    ],
+)
+def test_what_is_no_message_of_ours_is_one_line_and_one_sentence(visit, caplog, content, kind, header):
+    caplog.set_level(logging.INFO, "app")
+    assert visit.say(content, kind, header) == []
+    lines = [record.message for record in caplog.records if "refused" in record.message]
+    assert len(lines) >= 1 and all(len(line) < 120 for line in lines)
+    (note,) = visit.notes
+    assert note.endswith("The run on screen stays.") and "Error" not in note
+    visit.gate.parts.clear()
+    assert visit.say(visit.patch(HELLO))  # the next one is understood
+
+
+def test_binary_messages_and_large_ones_are_refused_unread(visit):
+    for fragment in (b"\x00" * 100, "x" * 5_000_000):
+        asyncio.run(visit.gate.on_message(fragment))
+    assert visit.gate.refused == 2 and visit.gate.parts == []
+
+
+def test_a_large_order_is_a_profile_and_nothing_else(visit):
+    profile = json.dumps({"do": "profile", "values": {"text": "x,z\n" * 100_000}, "n": 5}, separators=(",", ":"))
+    assert visit.say(visit.patch(profile))
+    assert visit.say(visit.patch(profile.replace("profile", "scene"))) == []
+    assert visit.say(visit.patch(profile.replace("x,z", "x,z" + 30 * ","))) == []
+    assert "2 MB" in json.loads(visit.session.wire.status)["errors"]["profile"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"do": "scene", "values": {"__class__": "1"}}',
+        '{"do": "scene", "values": {"E": [1]}}',
+        '{"do": "scene", "values": {"E": {"a": 1}}}',
+        '{"do": "scene", "values": {"E": "' + "1" * 100 + '"}}',
+        '{"do": "scene", "values": {"E": 80}, "from": [1, -5]}',
+        '{"do": "scene", "values": {"E": 80}, "from": "11"}',
+        '{"do": "scene", "values": {"E": 80}, "from": [1, 1e99]}',
+        '{"do": "scene", "values": {"E": ' + "9" * 5000 + "}}",
+        '{"do": "scene", "values": []}',
+        '{"do": "preset", "values": {"preset": "fig99"}}',
+        '{"do": "page", "values": {"page": ["law"]}}',
+        '{"do": "ask", "values": {"half": "wide"}}',
+        '{"do": "ask", "values": {"half": NaN}}',
+        '{"do": "close"}',
+        '{"do": ["hello"]}',
+        '{"do": {}}',
+        "[1]",
+        "[" * 5000,
+    ],
+)
+def test_orders_hold_known_names_short_texts_and_finite_numbers(text):
+    with pytest.raises(orders.Refused):
+        orders.read(text)
+
+
+def test_a_mistake_of_the_program_is_logged_and_not_shown(session, caplog, monkeypatch):
+    session.wire.order = HELLO
+    monkeypatch.setattr(Session, "change", lambda *_: 1 / 0)
+    session.wire.order = '{"do":"scene","values":{"E":"80"}}'
+    assert "ZeroDivisionError" in caplog.text and "Traceback" in caplog.text
+    why = json.loads(session.wire.status)["why"]
+    assert "its log" in why and "division" not in why and "Error" not in why
+
+
+def test_a_run_goes_on_only_from_where_one_has_been():
+    """A frame far beyond the run would keep a worker busy for ever."""
+
+    class Doc:
+        def add_next_tick_callback(self, call):
+            call()
+
+    visit = Session(Doc(), {}, NoPool(), Shelf())
+    visit.hello()
+    for after in ([1, 10**8], [7, 0], [1, 0]):
+        visit.wire.order = json.dumps({"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "from": after})
+        assert visit.run.history == ()
+    visit.close()
