@@ -1,0 +1,180 @@
+"""A browser tab without the drawing: what the tools of this folder speak with the server; loopback only."""
+
+import asyncio
+import json
+import os
+import random
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+import urllib.error
+import urllib.request
+from contextlib import suppress
+from pathlib import Path
+
+from bokeh.protocol import Protocol
+from bokeh.protocol.receiver import Receiver
+from tornado.httpclient import HTTPRequest
+from tornado.websocket import websocket_connect
+
+ROOT = Path(__file__).parent.parent.parent
+PATIENCE = 60  # s; a limit against hanging
+ENDS = ("finished", "failed")
+
+
+class Tab:
+    """One visitor's connection."""
+
+    def __init__(self, port, seed):
+        self.port, self.random = port, random.Random(seed)
+        self.receiver = Receiver(Protocol())
+        self.sent, self.orders, self.bytes = 0, 0, 0
+        self.status = {}
+
+    async def arrive(self, query=""):
+        """Load the page, connect, and find the model through which everything passes."""
+        address = f"http://127.0.0.1:{self.port}/app{query}"
+        page = await asyncio.to_thread(lambda: urllib.request.urlopen(address, timeout=PATIENCE).read().decode())
+        token = re.search(r'"token":"([^"]+)"', page)[1]
+        origin = f"http://localhost:{self.port}"
+        headers = {"Sec-WebSocket-Protocol": f"bokeh, {token}", "Origin": origin}
+        request = HTTPRequest(f"ws://127.0.0.1:{self.port}/app/ws", headers=headers)
+        self.socket = await websocket_connect(request, subprotocols=["bokeh", token], max_message_size=2**28)
+        self.socket.protocol.set_nodelay(True)  # as browsers do
+        await self.message("ACK")
+        await self.send("PULL-DOC-REQ", {})
+        reply = await self.message("PULL-DOC-REPLY")
+        self.wire = wire_of(reply.content["doc"])
+
+    async def send(self, kind, content):
+        self.sent += 1
+        for part in ({"msgid": f"{self.sent}", "msgtype": kind}, {}, content):
+            await self.socket.write_message(json.dumps(part, separators=(",", ":")))
+
+    async def message(self, kind=None):
+        """The next whole message, of that kind."""
+        while True:
+            fragment = await asyncio.wait_for(self.socket.read_message(), PATIENCE)
+            if fragment is None:
+                raise ConnectionError("the server closed the connection")
+            self.bytes += len(fragment)
+            message = await self.receiver.consume(fragment)
+            if message is not None and kind in (None, message.msgtype):
+                return message
+
+    def patch(self, order):
+        """The content of a message that gives an order (text)."""
+        event = {"kind": "ModelChanged", "model": {"id": self.wire}, "attr": "order", "new": order}
+        return {"events": [event]}
+
+    async def order(self, what, **values):
+        """Ask for something, and wait until its run has ended: seconds to the first frames and to the last, status."""
+        self.orders += 1
+        order = {"do": what, "n": self.orders} | ({"values": values} if values else {})
+        start, first = time.perf_counter(), None
+        await self.send("PATCH-DOC", self.patch(json.dumps(order, separators=(",", ":"))))
+        while True:
+            message = await self.message("PATCH-DOC")
+            for event in message.content["events"]:
+                if event.get("attr") == "chunk":
+                    first = first or time.perf_counter() - start
+                elif event.get("attr") == "status":
+                    self.status = json.loads(event["new"])
+                    if self.status["heard"] == self.orders and self.status["state"] in ENDS:
+                        whole = time.perf_counter() - start
+                        return first or whole, whole, self.status
+
+    def leave(self):
+        self.socket.close()
+
+
+def wire_of(content):
+    """The id of the Wire model in a serialized document."""
+    if isinstance(content, dict):
+        if str(content.get("name", "")).endswith("Wire") and "id" in content:
+            return content["id"]
+        content = list(content.values())
+    found = map(wire_of, content) if isinstance(content, list) else ()
+    return next(filter(None, found), None)
+
+
+class Server:
+    """`panel serve app` on a free port of this machine's own, with warm workers; `lines` is what it logs."""
+
+    def __init__(self):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
+        command += ["--address", "127.0.0.1", "--allow-websocket-origin", f"localhost:{self.port}"]
+        command += ["--websocket-max-message-size", "5000000"]
+        self.process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines, warm = [], threading.Event()
+        threading.Thread(target=self._listen, args=(warm,), daemon=True).start()
+        if not warm.wait(300):
+            raise RuntimeError("the server did not start:\n" + "".join(self.lines))
+
+    def _listen(self, warm):
+        for line in self.process.stdout:  # a full pipe would stop the server
+            self.lines.append(line)
+            if "workers are warm" in line:
+                warm.set()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(30)
+
+    def children(self):
+        """Process ids of what the server has started: its workers, and Python's own helper (Linux)."""
+        tasks = Path(f"/proc/{self.process.pid}/task").glob("*/children")
+        return [int(pid) for path in tasks for pid in path.read_text().split()]
+
+    def workers(self):
+        """Process ids of the children that compute."""
+        return [pid for pid in self.children() if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+
+    def memory(self):
+        """MB that the server itself holds (Linux)."""
+        lines = Path(f"/proc/{self.process.pid}/status").read_text().splitlines()
+        return int(next(line for line in lines if line.startswith("VmRSS")).split()[1]) / 1e3
+
+    def processor_time(self):
+        """Seconds of processor time of the server, so far (Linux)."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def tracebacks(self):
+        return sum("Traceback" in line for line in self.lines)
+
+    async def lag(self, until, every=0.1):
+        """Seconds that a small request takes, asked every `every` seconds until the event: how busy the loop is."""
+        times, address = [], f"http://127.0.0.1:{self.port}/static/js/none"
+        while not until.is_set():
+            start = time.perf_counter()
+            await asyncio.to_thread(_ask, address)
+            times.append(time.perf_counter() - start)
+            await asyncio.sleep(every)
+        return times
+
+
+def _ask(address):
+    with suppress(urllib.error.HTTPError):  # as expected: it is not there
+        urllib.request.urlopen(address, timeout=PATIENCE).read()
+
+
+def percentile(values, part):
+    """The smallest value that `part` of all do not exceed; None of none."""
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(part * len(ordered)))] if ordered else None
+
+
+def summary(values):
+    """{p50, p95, p99, max} rounded to ms."""
+    parts = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "max": 1.0}
+    return {name: round(percentile(values, part), 3) for name, part in parts.items()} if values else {}
