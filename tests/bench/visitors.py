@@ -109,7 +109,8 @@ def wire_of(content):
 
 def processor_time(process):
     """Seconds of processor time of the server and of its workers, so far (Linux)."""
-    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    threads = Path(f"/proc/{process}/task").glob("*/children")  # workers are children of the threads that started them
+    children = [pid for path in threads for pid in path.read_text().split()]
 
     def used(pid):
         fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()

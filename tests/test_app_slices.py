@@ -1,0 +1,94 @@
+"""Work in slices: nothing keeps a worker for long, and what comes out is what one go would give."""
+
+from math import inf
+
+import numpy as np
+import pytest
+from test_app import SHORT, Page, pool  # noqa: F401  a fixture
+
+from app.service import tasks, worker
+from solver import NotConverged, Scene, load_path
+from solver.analysis.friction_laws import friction_force, onset
+
+FLAT = Scene(surface="flat", phi_ratio=0.1, u_x_max=40.0, du_x=0.5, damping=inf)
+
+
+def made(task, scene):
+    """(what a task comes to, slices): called as the pages' sweeps do."""
+    kept, count = (), 0
+    while isinstance(result := task(scene, *kept), tasks.Part):
+        kept, count = (result.kept,), count + 1
+    return result, count
+
+
+@pytest.fixture
+def short(monkeypatch):
+    monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each
+
+
+def test_a_flat_s_curve_and_friction_in_slices_are_those_of_its_run(short):
+    frames = list(load_path(FLAT))
+    (U, F), count = made(tasks.flat_curve, FLAT)
+    assert count == len(frames) - 1
+    rows = []
+    for frame in frames:
+        if frame.stage == "shear":
+            rows += [*((slip.load, slip.F_bar) for slip in frame.slips), (frame.U_x, frame.F_bar)]
+    assert pytest.approx(np.array([U, F]), rel=1e-5, abs=1e-9) == np.array(rows).T
+    (F_s, F_k, increments), _ = made(tasks.flat_friction, FLAT)
+    whole = friction_force(FLAT, frames)
+    assert (F_s, F_k, increments) == (pytest.approx(whole.F_s), pytest.approx(whole.F_k), len(frames))
+
+
+def test_an_onset_in_slices_is_that_of_the_search_in_one_go(short):
+    scene = Scene(nodes=256, width=625.0, phi_ratio=0.3)
+    found, count = made(tasks.onset_of, scene)
+    whole = onset(scene)
+    assert count > 50 and found["F_s"] == pytest.approx(whole.F_s, rel=1e-6)
+
+
+def test_a_sweep_without_enough_time_for_an_increment_ends_with_its_place(short, monkeypatch):
+    monkeypatch.setattr(worker, "SLOW", 0.0)
+    assert "no equilibrium within 0 s" in made(tasks.onset_of, Scene())[0]
+    assert isinstance(made(tasks.flat_curve, FLAT)[0], NotConverged)
+
+
+def test_a_run_goes_on_from_another_in_slices_as_in_one_go():
+    history = ((SHORT, 140), (SHORT.changed(delta_bar=0.25), 20))
+    changed = SHORT.changed(delta_bar=0.3)
+    checkpoint, slices = None, 0
+    while checkpoint is None or isinstance(checkpoint, worker.Carrying):
+        piece = worker.compute(changed, checkpoint, 0.0, None, history, 60.0)
+        checkpoint, slices = piece.checkpoint, slices + 1
+    assert slices > 100 and piece.frames > 0
+    whole = worker.compute(changed, None, 60.0, None, history, 60.0)
+    rest = worker.compute(changed, checkpoint, 60.0, piece.last, history, 60.0)
+    assert whole.done and rest.done and piece.frames + rest.frames == whole.frames
+    assert whole.checkpoint.state.v == pytest.approx(rest.checkpoint.state.v, abs=1e-5)
+
+
+def test_a_run_that_cannot_go_on_from_there_says_why():
+    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, None, ((SHORT, 3),))
+    assert piece.done and "in shear only" in piece.failure
+    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 60.0, None, ((SHORT, 10_000),))
+    assert piece.done and "ended before" in piece.failure
+
+
+def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_with_what_it_has(monkeypatch):
+    piece = worker.compute(SHORT, None, 60.0, limit=0.0)
+    assert not piece.done and piece.heavy and piece.failure is None
+    monkeypatch.setattr(worker, "SLOW", 0.0)
+    last = worker.compute(SHORT, piece.checkpoint, 60.0, limit=0.0)
+    assert last.done and "Not converged at" in last.failure and "0 s of processor time" in last.failure
+
+
+def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(pool, monkeypatch):  # noqa: F811
+    monkeypatch.setattr(worker, "QUICK", 0.0)  # whatever it is, it takes longer
+    page, ranks = Page(pool), []
+    submit = pool.submit
+    monkeypatch.setattr(pool, "submit", lambda *call, **how: ranks.append(how["rank"]) or submit(*call, **how))
+    page.order("hello")
+    page.until("finished")
+    assert set(ranks) == {0, 1}
+    assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
+    page.session.close()
