@@ -126,6 +126,8 @@ def test_every_tab_stop_is_a_control(visit):
     pages = [""] * 5  # the buttons of the pages
     assert stops == [
         *pages,
+        "tour",
+        "open-theory",
         "more",
         "accuracy",
         "help",

@@ -124,7 +124,9 @@ export function connect(positions) {
   on("reset", "click", reset)
   on("help", "click", () => by("keys").showModal())
   on("accuracy", "click", openBench)
-  for (const name of ["keys", "bench"]) on(name, "click", (event) => { if (event.target === by(name)) by(name).close() }) // beside it
+  on("tour", "click", async () => (await import("./tour.js")).openTour())
+  on("open-theory", "click", async () => (await import("./theory.js")).openTheory())
+  for (const name of ["keys", "bench", "theory"]) on(name, "click", (event) => { if (event.target === by(name)) by(name).close() }) // beside it
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => {
     me.speed = Number(event.target.value)

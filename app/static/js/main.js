@@ -41,4 +41,6 @@ export function start({ wire, figures, slots, looks, nodes, positions, index }) 
   requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()
+  const stop = Number(new URLSearchParams(location.search).get("tour"))
+  if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
 }

@@ -86,7 +86,7 @@ function drawForces(view) {
   const top = box.top + BAR, line = 1.25 * size()
   const x = box.left + 0.82 * box.width, y = top + 2.6 * line
   arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
-  write(view, `${narrow ? "F" : "friction F"} = ${said(F)}`, x, y + line, { of: ink.shear })
+  write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
   if (Math.abs(L) < 1e-6 * full) return
   const at = box.left + (narrow ? 0.5 : 0.55) * box.width, deep = (Math.abs(L) / full) * long
   const from = top + 3 + (narrow ? 2 * line : 0)

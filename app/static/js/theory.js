@@ -1,0 +1,16 @@
+// The theory page: fetched and shown when it is asked for.
+
+import { by } from "./dom.js"
+
+let asked = null
+
+export async function openTheory() {
+  by("theory").showModal()
+  asked ??= fetch(new URL("../theory.html", import.meta.url)).then((answer) => (answer.ok ? answer.text() : Promise.reject(answer.status)))
+  try {
+    by("theory-text").innerHTML = await asked
+  } catch {
+    asked = null
+    by("theory-text").textContent = "The page could not be loaded; close it and try again."
+  }
+}

@@ -1,0 +1,61 @@
+"""The tour and the theory page, in a real Chromium."""
+
+import pytest
+from test_app_serving import PATIENCE, finished
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+
+
+def asked(page):
+    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+
+
+def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
+    page = visit("?tour=2")
+    asked(page)
+    assert "2 of 6: Peel" in page.locator("#tour-card").inner_text()
+    assert page.evaluate("punch.drawn === punch.run.sheared && punch.status.preset") == "fig7-case2"
+    hidden = page.locator(".future").first.bounding_box()
+    assert hidden["width"] > 0.8 * page.locator("[data-view=forces]").bounding_box()["width"] - 90
+    page.select_option("#speed", "20")
+    page.locator("button.answer", has_text="leading edge").click()
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
+    assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
+    assert 12.5 <= page.evaluate("punch.run.curves.U_x[punch.drawn]") < 14
+    assert page.locator(".future:visible").count() == 0
+    page.get_by_role("button", name="Your turn").click()
+    assert page.evaluate("document.activeElement.id") == "delta_bar"
+    page.get_by_role("button", name="Next: Slip and reattach").click()
+    asked(page)
+    assert "tour=3" in page.url
+
+
+def test_a_curve_can_be_sketched_before_the_run_draws_itself(visit):
+    page = visit("?tour=3")
+    asked(page)
+    box = page.locator("#tour-sketch").bounding_box()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"], steps=8)
+    page.mouse.up()
+    inked = (
+        "(() => { const c = document.getElementById('tour-sketch');"
+        " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v) })()"
+    )
+    page.wait_for_function(inked)
+    page.get_by_role("button", name="End tour").click()
+    page.locator("#tour-card").wait_for(state="hidden")
+    assert "tour=" not in page.url and page.locator(".future:visible").count() == 0
+
+
+def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(visit):
+    page = visit()
+    finished(page)
+    page.locator("#open-theory").click()
+    page.locator("#theory math").first.wait_for()
+    assert page.locator("#theory math").count() >= 11
+    assert "Khajeh Salehani" in page.locator("#theory").inner_text()
+    page.keyboard.press("Escape")
+    page.locator("#theory").wait_for(state="hidden")
