@@ -39,7 +39,7 @@ def open_page():
         session = Session(doc, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
         with doc.models.freeze():  # the models are counted once, not after every view
-            _page(session).servable(title="Mixed-mode contact, live")
+            _page(session).servable(title="Why does it stick, peel and slip?")
     except Exception as error:  # otherwise the visitor would see a blank page
         log.exception("the page could not be built")
         why = html.escape(f"{type(error).__name__}: {error}")
@@ -67,13 +67,21 @@ def _page(session):
     template.add_variable("meaning", meaning)
     template.add_variable("unit", lambda name: LIMITS[name].unit if name in LIMITS else "")
     template.add_variable("choices", CHOICES)
-    template.add_variable("presets", presets().values())
+    template.add_variable("presets", _grouped())
     template.add_variable("pages", {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()})
     template.add_variable("schema", schema)
     template.add_variable("speeds", SPEEDS)
     template.add_variable("plain_speed", PLAIN_SPEED)
     pn.state.curdoc.js_on_event("document_ready", _player(session, figures))
     return template
+
+
+def _grouped():
+    """{group: presets} for the menu."""
+    groups = {}
+    for preset in presets().values():
+        groups.setdefault(preset.group, []).append(preset)
+    return groups
 
 
 def _player(session, figures):

@@ -173,7 +173,7 @@ def parameter_table():
 
 def preset_table():
     """Every preset with its title, as text."""
-    lines = [f"  {name:<11} {known.title}" for name, known in presets().items()]
+    lines = [f"  {name:<11} {known.label}" for name, known in presets().items()]
     return "\n".join(["presets:", *lines])
 
 

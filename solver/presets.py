@@ -9,7 +9,8 @@ from types import MappingProxyType
 from .scene import Scene, SceneError
 
 FILE = "presets.toml"
-TEXTS = ("title", "look")
+TEXTS = ("title", "group", "look")
+WORDS = (*TEXTS, "figure")
 
 
 class PresetError(ValueError):
@@ -18,12 +19,22 @@ class PresetError(ValueError):
 
 @dataclass(frozen=True)
 class Preset:
-    """A named Scene: `title` for menus, `look` says in a sentence what to look for."""
+    """A named Scene: `title` for menus, under `group`; `look` says in a sentence what to look for.
+
+    figure: of the paper, or "".
+    """
 
     name: str
     title: str
+    group: str
+    figure: str
     look: str
     scene: Scene
+
+    @property
+    def label(self):
+        """Title and figure in a line."""
+        return self.title + (f" ({self.figure})" if self.figure else "")
 
     @property
     def differences(self):
@@ -49,7 +60,7 @@ def preset(name):
 
 
 def read(text):
-    """{name: Preset} from TOML: a table per preset, with title, look and parameters of Scene. Raises PresetError."""
+    """{name: Preset} from TOML: a table per preset, with its texts and parameters of Scene. Raises PresetError."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -64,12 +75,12 @@ def _preset(name, table):
     for key in TEXTS:
         if not (isinstance(table.get(key), str) and table[key].strip()):
             raise PresetError(f"{where}, key {key!r}: {table.get(key)!r}; give a text")
-    values = {key: value for key, value in table.items() if key not in TEXTS}
+    values = {key: value for key, value in table.items() if key not in WORDS}
     allowed = [f.name for f in fields(Scene)]
     for key in values:
         if key not in allowed:
-            raise PresetError(f"{where}, key {key!r}: allowed: {', '.join((*TEXTS, *allowed))}; use one of these")
+            raise PresetError(f"{where}, key {key!r}: allowed: {', '.join((*WORDS, *allowed))}; use one of these")
     try:
-        return Preset(name, table["title"], table["look"], Scene(**values))
+        return Preset(name, table["title"], table["group"], table.get("figure", ""), table["look"], Scene(**values))
     except SceneError as error:
         raise PresetError(f"{where}, key {error.name!r}: {error}") from None

@@ -37,7 +37,7 @@ def test_the_curves_grow_while_the_worker_computes(visit):
     assert grown == sorted(grown)
     assert any(0 < length < 401 for length in grown)  # seen in the making, not only whole
     assert drawn(page, "forces", "F") == drawn(page, "forces", "L") == drawn(page, "area", "A") == 401
-    assert "all increments converged" in page.inner_text("#status")
+    assert "all increments converged" in page.text_content("#solver")
 
 
 def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
@@ -133,6 +133,7 @@ def test_every_tab_stop_is_a_control(visit):
         "help",
         "theme",
         "preset",
+        "solver-figures",
         *entered,
         "lens-on",
         "lens",

@@ -10,7 +10,7 @@ import pytest
 import solver.cli as cli
 from solver import Scene, load_path
 from solver.analysis.friction_laws import INTERFACES
-from solver.presets import PresetError, preset, presets, read
+from solver.presets import WORDS, PresetError, preset, presets, read
 from solver.run.load_steps import load_steps_of
 
 ROOT = Path(__file__).parents[1]
@@ -27,7 +27,7 @@ def test_every_figure_has_its_presets():
 def test_preset_holds_only_what_differs_from_the_default(name):
     table = tomllib.loads((ROOT / "solver" / "presets.toml").read_text(encoding="utf-8"))[name]
     known = preset(name)
-    assert known.differences == {key: value for key, value in table.items() if key not in ("title", "look")}
+    assert known.differences == {key: value for key, value in table.items() if key not in WORDS}
     assert known.look.endswith(".") and known.look.count(". ") == 0  # one sentence
 
 
@@ -84,11 +84,11 @@ def test_interfaces_of_figure_8_are_those_of_the_presets():
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("[a]\ntitle = 'A'\nlook = 'B.'\nEbar = 3", ("'a'", "'Ebar'", "allowed", "delta_bar")),
-        ("[a]\ntitle = 'A'\nlook = 'B.'\nE = -3.0", ("'a'", "'E'", "E = -3.0", "0.01 .. 1e+06")),
-        ("[a]\ntitle = 'A'\nlook = 'B.'\nE = 'soft'", ("'a'", "'E'", "soft", "0.01 .. 1e+06")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nEbar = 3", ("'a'", "'Ebar'", "allowed", "delta_bar")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nE = -3.0", ("'a'", "'E'", "E = -3.0", "0.01 .. 1e+06")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nE = 'soft'", ("'a'", "'E'", "soft", "0.01 .. 1e+06")),
         ("[a]\nlook = 'B.'", ("'a'", "'title'", "None")),
-        ("[a]\ntitle = 'A'\nlook = 3", ("'a'", "'look'", "3")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 3", ("'a'", "'look'", "3")),
         ("a = 3", ("'a'", "3", "table")),
         ("[a", ("presets.toml", "correct the line")),
     ],

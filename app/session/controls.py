@@ -71,7 +71,7 @@ CONTROLS = (
     Control(
         "E",
         "Stiffness",
-        "Ē",
+        "E",
         "GPa",
         "Young's modulus of the punch. Soft punches stick and stretch, stiff ones hardly deform.",
         _logarithmic(10.0, 3000.0, 121, 70.0),

@@ -15,6 +15,7 @@ const PACE = 30 // ms: at most one message in this time, always the latest
 const LARGEST_FILE = 2e6 // bytes, as the server
 
 let last = 0 // when something was sent
+let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
 function enter(name, value) {
   if (me.anchor === null) {
@@ -83,7 +84,7 @@ function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)")
   if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
   const at = (what) => event.target.matches?.(what)
-  const taken = at("input[type=text], select") || (at("input") && !" rR".includes(event.key)) || (at("button") && event.key === " ")
+  const taken = at("input[type=text]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rR".includes(event.key)) || (at("button") && event.key === " ")
   if (event.ctrlKey || event.metaKey || event.altKey || taken || open) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
@@ -103,6 +104,15 @@ function connectCurve(figure) {
   onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
 }
 
+// A button that opens the numbers of a plot
+function offerTable(figure, view) {
+  const button = Object.assign(document.createElement("button"), { type: "button", className: "as-table", title: "As a table", textContent: "▦" })
+  button.dataset.view = view
+  button.setAttribute("aria-label", `${figure.getAttribute("aria-label")}, as a table`)
+  button.addEventListener("click", async () => (await import("./tables.js")).openTable(view))
+  figure.querySelector("figcaption").append(button)
+}
+
 export function connect(positions) {
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
@@ -111,7 +121,6 @@ export function connect(positions) {
   on("preset", "change", (event) => {
     if (me.anchor === null) me.anchor = me.run
     order("preset", { preset: event.target.value })
-    event.target.blur() // so that Space plays
   })
   on("profile", "change", readProfile)
   on("more", "click", () => (by("drawer").open ? by("drawer").close() : by("drawer").show()))
@@ -126,12 +135,14 @@ export function connect(positions) {
   on("accuracy", "click", openBench)
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./theory.js")).openTheory())
-  for (const name of ["keys", "bench", "theory"]) on(name, "click", (event) => { if (event.target === by(name)) by(name).close() }) // beside it
+  for (const name of ["keys", "bench", "theory", "table"]) on(name, "click", (event) => { if (event.target === by(name)) by(name).close() }) // beside it
   on("scrub", "input", (event) => goto(Number(event.target.value)))
-  on("speed", "change", (event) => {
-    me.speed = Number(event.target.value)
-    event.target.blur()
-  })
+  on("speed", "change", (event) => { me.speed = Number(event.target.value) })
+  for (const menu of ["preset", "speed"]) {
+    on(menu, "change", () => { chosen = menu })
+    on(menu, "blur", () => { chosen = "" })
+  }
+  document.querySelectorAll("main figure").forEach((figure, i) => offerTable(figure, Object.keys(figures)[i]))
   on("theme", "click", switchTheme)
   document.addEventListener("keydown", onKey)
   for (const name of ["forces", "area", "map"]) connectCurve(figures[name])

@@ -33,7 +33,12 @@ export function start({ wire, figures, slots, looks, nodes, positions, index }) 
   channel.listen("accuracy", accuracy.measured)
   channel.listen("page", pages.told)
   channel.listen("picture", pages.pictured)
-  new ResizeObserver(tellStretch).observe(document.querySelector("figure"))
+  let resized = 0 // what rests is drawn anew once a change of size has come to its end
+  new ResizeObserver(() => {
+    tellStretch()
+    clearTimeout(resized)
+    resized = setTimeout(player.show, 100)
+  }).observe(document.querySelector("figure"))
   paint()
   for (const name in positions) status.place(name, Number(by(`${name}-entry`).value))
   me.speed = Number(by("speed").value)

@@ -1,7 +1,7 @@
 // Receives frames, and plays and scrubs them without asking the server.
 
 import { order } from "./channel.js"
-import { by, fixed } from "./dom.js"
+import { by, fixed, minus } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
 import { framePage } from "./pages.js"
 import { Run, unpack } from "./run.js"
@@ -76,13 +76,14 @@ function tellFrame(run, k) {
   by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
   const slipped = v.slip ? (run.normal ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
-  const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m, ` : ""
+  const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
   const said = [
     `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
     `F̄ = ${fixed(v.F_bar * 1000, 3)}·10⁻³,`, `L̄ = ${fixed(v.L_bar * 1000, 3)}·10⁻³,`,
     `Ā = ${fixed(v.A_bar * 1000, 1)}·10⁻³${slipped}`,
-    `${work}residual ${v.residual.toExponential(0)} nm, ${v.evaluations} evaluations`,
+    work,
   ]
+  by("solver").lastElementChild.textContent = `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
   said.forEach((text, i) => { by("readout").children[i].textContent = text })
 }
 
@@ -109,6 +110,7 @@ export function play(on) {
   if (!on) {
     me.at = Math.min(me.at, (me.run?.length ?? 1) - 1)
     show()
+    summarise("Paused")
   }
   if (["running", "paused", "warming"].includes(me.status.state)) order(on ? "go" : "pause")
   namePlay()
@@ -136,6 +138,17 @@ export function goto(k) {
   me.preview = null
   me.at = Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1))
   show()
+  if (me.run?.length && me.run.values(Math.floor(me.at)).slip) summarise("Slip")
+}
+
+// A sentence for those who hear the page: at rest only, as what is said at every frame is a flood
+function summarise(what) {
+  const { run } = me, k = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1)
+  if (k < 0) return
+  const v = run.values(k), { force, middle } = run.places[k][0].head
+  const [F, L] = [v.F_bar * force, v.L_bar * force].map((value) => minus(Number(value.toPrecision(3))))
+  by("told").textContent = `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${F}, load ${L} newtons per metre, `
+    + (run.head.flat ? "all in contact." : `contact ${fixed(v.A_bar * 2 * middle, 0)} nanometres wide.`)
 }
 
 export function reset() {

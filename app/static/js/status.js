@@ -1,7 +1,7 @@
 // What the server says of the run and of what was entered, in words and in the address.
 
 import { latest } from "./channel.js"
-import { by, readdress, say } from "./dom.js"
+import { by, minus, readdress, say } from "./dom.js"
 import { me } from "./state.js"
 
 let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
@@ -23,7 +23,7 @@ export function heard(text) {
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
     if (frames > 0 && !me.dragging) writeAddress()
     say("profile-error", errors.profile)
-    by("preset").value = me.status.preset
+    namePreset()
     by("look").textContent = presetSaid()
   }
   say("notes", notes.join(" "))
@@ -45,11 +45,22 @@ export function place(name, value) {
   slider.setAttribute("aria-valuetext", `${value}`)
 }
 
+const changes = () => Object.keys(me.status.address).filter((name) => name !== "preset")
+const inWords = (name) => document.querySelector(`label[for="${name}-entry"]`)?.firstChild.textContent.trim() || name
+
+// The menu, which says so where the scene is no longer that of the preset; choosing the preset then brings it back
+function namePreset() {
+  const menu = by("preset"), { preset } = me.status
+  const title = menu.querySelector(`[value="${preset}"]`).textContent
+  menu.options[0].textContent = `${title.replace(/ \(.*/, "")} – changed`
+  menu.value = changes().length ? "" : preset
+}
+
 // What to look for, where the scene is still that of the preset
 function presetSaid() {
   const { preset, address, after } = me.status
-  const changed = Object.keys(address).filter((name) => name !== "preset")
-  const said = changed.map((name) => `${name} = ${address[name]}`).join(", ")
+  const changed = changes()
+  const said = changed.map((name) => `${inWords(name)} = ${minus(address[name])}`).join(", ")
   if (after && me.origin?.number === after[0]) {
     const where = `increment ${after[1]} (Uₓ = ${me.origin.curves.U_x[after[1]].toFixed(1)} nm)`
     return `carried on from ${where} with ${said || "the preset's values"}; the address holds the parameters only`
@@ -68,7 +79,7 @@ export function writeAddress() {
 }
 
 export function tellState() {
-  const { state, frames, total, evaluations, seconds, tolerance, why, known } = me.status
+  const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
   if (!state) return
   const shown = state === "finished" && !me.playing ? "paused" : state
   const text = {
@@ -78,12 +89,13 @@ export function tellState() {
     failed: () => why,
     finished: () => {
       const cycle = me.run?.dissipated ?? null
-      const loop = cycle === null ? "" : ` · dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
-      return `${frames} increments, ${evaluations} evaluations, ${known ? "computed before" : `${seconds} s`}`
-        + ` · all increments converged to ${tolerance.toExponential(0)} nm${loop}`
+      return cycle === null ? "" : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
     },
   }[state]()
   by("status").dataset.state = shown
   by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
-  by("status").lastElementChild.textContent = text
+  by("status").querySelector("span").textContent = text
+  by("solver").querySelector("p").textContent = `${frames} of ${total} increments, ${evaluations} force evaluations, `
+    + `${known ? "computed before" : `${seconds} s`}; largest residual ${residual.toExponential(0)} nm`
+    + (state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : ".")
 }

@@ -1,0 +1,64 @@
+// What a plot shows as a table, built from the frames that are here; opened with its button, and only then loaded.
+
+import { by, fixed, minus } from "./dom.js"
+import { me } from "./state.js"
+
+// A number in some four digits
+const short = (value) => minus(Number(value.toPrecision(4)))
+
+// title, headings and rows of a plot of a run, at frame k where it shows one
+const TABLES = {
+  punch: (run, k) => nodes(run, k, "Surface nodes", ["height (nm)", "state"],
+    ({ gap, T_n }, i) => [fixed(gap[i], 3), run.state(T_n[i], gap[i])]),
+  traction: (run, k) => nodes(run, k, "Traction", ["normal Tₙ (GPa)", "tangential Tₜ (GPa)"],
+    ({ T_n, T_t }, i) => [fixed(T_n[i], 4), fixed(T_t[i], 4)]),
+  forces: (run) => increments(run, "Forces", ["friction F (N/m)", "load L (N/m)"],
+    ({ F_bar, L_bar }, { force }) => [short(F_bar * force), short(L_bar * force)]),
+  area: (run) => increments(run, "Contact area", ["A (nm)", "A / w (10⁻³)"],
+    ({ A_bar }, { middle }) => [short(A_bar * 2 * middle), short(A_bar * 1000)]),
+  map: (run) => increments(run, "Contact map", ["acts from x (nm)", "to (nm)", "repulsive nodes", "adhering nodes"], acting),
+}
+
+function nodes(run, k, what, headings, cells) {
+  const frame = run.frame(k)
+  return {
+    title: `${what} at Uₓ = ${fixed(run.values(k).U_x, 1)} nm`, headings: ["x (nm)", ...headings],
+    rows: Array.from(frame.x, (x, i) => [fixed(x, 1), ...cells(frame, i)]),
+  }
+}
+
+function increments(run, title, headings, cells) {
+  const rows = []
+  for (let k = Math.max(0, run.sheared); k < run.length; k++) {
+    const v = run.values(k)
+    rows.push([run.stage(k), fixed(run.along[k], 2), ...cells(v, run.places[k][0].head, run, k), v.slip ? "slip" : ""])
+  }
+  return { title, headings: ["stage", run.normal ? "δ (nm)" : "Uₓ (nm)", ...headings, "slip"], rows }
+}
+
+// Where anything acts in a frame, in places of the undeformed punch
+function acting(values, { first, spacing, middle }, run, k) {
+  const { gap, T_n } = run.frame(k), count = { repulsive: 0, adhering: 0, free: 0, contact: 0 }, at = []
+  for (let i = 0; i < gap.length; i++) {
+    const state = run.state(T_n[i], gap[i])
+    count[state]++
+    if (state !== "free") at.push((first + i) * spacing - middle)
+  }
+  return [at.length ? fixed(at[0], 1) : "–", at.length ? fixed(at.at(-1), 1) : "–", count.repulsive + count.contact, count.adhering]
+}
+
+export function openTable(view) {
+  if (!me.run?.length) return
+  const { title, headings, rows } = TABLES[view](me.run, Math.max(0, Math.min(me.drawn, me.run.length - 1)))
+  const table = document.createElement("table")
+  const head = table.createTHead().insertRow()
+  for (const text of headings) head.append(Object.assign(document.createElement("th"), { scope: "col", textContent: text }))
+  const body = table.createTBody()
+  for (const cells of rows) {
+    const row = body.insertRow()
+    for (const text of cells) row.insertCell().textContent = text
+  }
+  by("table-title").textContent = title
+  by("table").querySelector(".rows").replaceChildren(table)
+  by("table").showModal()
+}
