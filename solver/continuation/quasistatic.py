@@ -54,8 +54,11 @@ class QuasiStatic:
                     f"more than {MOST_SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm"
                 )
             state = landed
-            if state.load > target:  # it did not come to rest before
-                return Increment(state, self.corrector.worst, tuple(slips))
+            hidden = self.problem.hides(state.v, state.active)
+            arrived = state.load == target and not (hidden or self.problem.crowded(state.v, state.active, target))
+            if state.load > target or arrived:  # it did not come to rest before, or rests where it was to go
+                residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
+                return Increment(state, residual, tuple(slips))
 
     def _released(self, state):
         """The State that the motion leads to from one that may not rest under the present control."""
