@@ -32,7 +32,7 @@ class Scene:
     with an impossible combination.
     """
 
-    delta_bar: float = number(0.0, -1.0, 3.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOAD_PATH)
+    delta_bar: float = number(0.0, -1.0, 100.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOAD_PATH)
     path: str = word("shear", PATHS, "stages of the load path", LOAD_PATH)
     hold: str = word("delta", HOLDS, "what is held during shear", LOAD_PATH)
     u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the top", LOAD_PATH)

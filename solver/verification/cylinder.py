@@ -5,23 +5,11 @@ sideways), a cell much wider than the contact. The punch is lowered, then raised
 Scaled: a' = a/[2 (w_a R^2/(pi E*))^(1/3)], P' = P/(pi E* w_a^2 R)^(1/3), lambda = 4 s0/(pi^2 E*^2 w_a/R)^(1/3).
 """
 
-from math import ceil
-
 import numpy as np
 
-from ..continuation.quasistatic import QuasiStatic
-from ..continuation.state import State
-from ..mechanics.contact import Contact
-from ..mechanics.equilibrium import Equilibrium, closed_stiffness
-from ..run.frame import contact_area, forces
-from ..run.loading import Loading
-from ..run.loadpath import Checkpoint, next_frame
-from ..run.shortcuts import ALL
+from ..run.loadpath import load_path
 from ..scene import Scene
 
-LIFT = 0.2  # of delta_n, one increment of the retraction
-MOST_LIFTS = 300
-LONGEST = 1.0  # delta_n, of an increment of `driven`: over longer ones too many nodes come into the window
 PULL_OFF_JKR = -3.0 / 16.0 ** (1.0 / 3.0)  # P'
 
 
@@ -62,39 +50,19 @@ def retraction(lam, nodes=1024):
     stiff, R = scene.E / (1.0 - scene.nu**2), scene.radius * scene.width
     unit_P = (np.pi * stiff * scene.phi_n**2 * R) ** (1.0 / 3.0)
     unit_a = 2.0 * (scene.phi_n * R**2 / (np.pi * stiff)) ** (1.0 / 3.0)
-    pressure, area = raised(scene, LIFT)
+    pressure, area = raised(scene)
     return pressure * scene.width / unit_P, 0.5 * area * scene.width / unit_a
 
 
-def raised(scene, step):
-    """(mean pressure GPa, A_bar) of every increment, of `step` delta_n, while the punch is raised until it is free."""
+def raised(scene):
+    """(mean pressure GPa, A_bar) of every increment, of du_z, while the punch is raised until it is free."""
     curve = []
-    for pressure, area in driven(scene, step * scene.delta_n * np.arange(1, MOST_LIFTS + 1)):
-        curve.append((pressure, area))
-        if area == 0.0 and pressure > 0.5 * min(curve)[0]:
-            break
+    for frame in load_path(scene.changed(path="unload")):
+        if frame.stage == "unload":
+            curve.append((frame.L_bar * scene.E, frame.A_bar))
+            if frame.A_bar == 0.0 and curve[-1][0] > 0.5 * min(curve)[0]:
+                break
     return np.array(curve).T
-
-
-def driven(scene, heights, leave_out=ALL):
-    """Yield (mean pressure GPa, A_bar) at every height (nm) of the top above the end of the approach, in order.
-
-    Below it (negative, falling) where the scene's own range of indentation ends; then the patch must be the whole cell.
-    """
-    checkpoint = Checkpoint()
-    while checkpoint.stage == "approach":
-        _, checkpoint = next_frame(scene, checkpoint, leave_out=leave_out)
-    upwards = float(np.sign(heights[0]))
-    path = Loading("height", (0.0, -scene.delta), (0.0, upwards))
-    contact = Contact(scene, *checkpoint.patch)
-    stepper = QuasiStatic(Equilibrium(contact, path), scene.damping, closed_stiffness(scene))
-    state = State.at_rest(0.0, checkpoint.state.v, checkpoint.state.active)
-    for height in heights:
-        steps = ceil(abs(height - upwards * state.load) / (LONGEST * scene.delta_n))
-        for load in np.linspace(state.load, upwards * height, steps + 1)[1:]:
-            state = stepper.increment(state, load).state
-        T = stepper.problem.traction(state.v, state.active)
-        yield forces(scene, T)[1] * scene.E, contact_area(scene, T, stepper.problem.contact.first)
 
 
 def cylinder():

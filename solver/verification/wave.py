@@ -8,13 +8,13 @@ psi = pi a/lambda of the half-width a, p* = pi E* A/lambda of the amplitude A an
 
 import numpy as np
 
-from ..run.shortcuts import ALL
+from ..run.loadpath import load_path
 from ..scene import Scene
-from .cylinder import driven, raised
+from .cylinder import raised
 
 E, NU = 7.0, 0.4999  # GPa
 STIFF = E / (1.0 - NU**2)
-DEEP = 1000.0  # delta_n, amplitude of the wave on which the range of the law does not show
+DEEP = 500.0  # delta_n, amplitude of the wave on which the range of the law does not show
 WEAK = 0.01  # alpha where adhesion does not show
 PSI = np.linspace(0.0, 0.5 * np.pi, 20001)[1:-1]
 
@@ -67,7 +67,7 @@ def short_ranged(lam, alpha):
 def adhesive(lam, alpha=0.3):
     """(error of the pull-off load, largest error of A_bar over load) while the wave is raised from the flat."""
     scene = short_ranged(lam, alpha)
-    pressure, area = raised(scene, 0.5)
+    pressure, area = raised(scene)
     load, least = pressure * scene.width / (np.pi * STIFF * scene.amplitude), pull_off(alpha)[1]
     firm = (area > 0.0) & (load > 0.5 * least)
     return float(abs(load.min() / least - 1.0)), float(np.abs(area[firm] / reached(alpha, load[firm]) - 1.0).max())
@@ -77,12 +77,11 @@ def hard(deep=DEEP, alpha=WEAK):
     """Largest error of A_bar over load, at 0.3 and more, of a wave of `deep` delta_n pressed on with weak adhesion."""
     width = 25.0 * deep
     phi_n = (alpha * np.pi * deep) ** 2 * STIFF / (2.0 * width)
-    scene = scene_of(width, deep, phi_n, delta_bar=0.0)
-    depths = -np.linspace(0.05, 0.8, 16) * deep
-    pressure, area = np.array(list(driven(scene, depths, ALL - {"window"}))).T
-    expected = np.arcsin(np.sqrt(pressure * width / (np.pi * STIFF * deep))) / (0.5 * np.pi)
+    scene = scene_of(width, deep, phi_n, nodes=256, delta_bar=0.08 * deep).changed(du_z=1.0)
+    pressure, area = np.array([(f.L_bar * scene.E, f.A_bar) for f in load_path(scene) if f.delta > 0.0]).T
     firm = area > 0.3
-    return float(np.abs(area[firm] / expected[firm] - 1.0).max())
+    expected = np.arcsin(np.sqrt(pressure[firm] * width / (np.pi * STIFF * deep))) / (0.5 * np.pi)
+    return float(np.abs(area[firm] / expected - 1.0).max())
 
 
 def wave():
@@ -95,5 +94,5 @@ def wave():
             (f"Johnson's adhesive wave: pull-off at lambda = {lam:g}, alpha = 0.3", load, allowed, law, "Johnson 1995"),
             (f"Johnson's adhesive wave: area over load at lambda = {lam:g}", area, allowed, law, "Johnson 1995"),
         ]
-    soft = "the surfaces overlap by 2 delta_n, their wave is 1000 high, and alpha = 0.01"
-    return [*rows, ("Westergaard's wave: area over load", hard(), 0.02, soft, "Westergaard 1939")]
+    soft = "the surfaces overlap by 2 delta_n, the amplitude is 500, and alpha = 0.01; 1.3% at 1000 with 512 nodes"
+    return [*rows, ("Westergaard's wave: area over load", hard(), 0.03, soft, "Westergaard 1939")]
