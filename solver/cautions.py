@@ -1,14 +1,17 @@
-"""When a result depends on a choice: what the visitor is told beside the curves once a run has ended."""
+"""When a result depends on a choice: a sentence for each, beside the curves and on the command line."""
 
 import numpy as np
 
 COARSE = 1.25  # a / delta_t: below, the springs of neighbouring nodes overlap so far that they feel no lattice
+FAR = 4.0  # a / delta_t: above, a node that is moved sideways without friction feels no spring that presses it back
+NEARLY_RIGID = 0.499  # nu: from here on the layer hardly moves sideways
+WEAK = 0.4  # damping: below, many equilibria flutter under the motion
 WIDE = 0.6  # of w between the outermost nodes that act: the gap to the next punch is the smaller part
 STRAIN = 0.1  # (|delta| + u_x_max) / h, a bound of the layer's mean strain
 SLOPE = 0.1  # half that width over R, the slope of the punch where the contact ends
 
 
-def cautions(scene, widest):
+def cautions(scene, widest=0.0):
     """One sentence for every choice that shows in the result; `widest`: the largest width that acted, over w."""
     found = []
     ratio = scene.spacing / scene.delta_t
@@ -16,6 +19,16 @@ def cautions(scene, widest):
         found.append(
             f"Node spacing a = {ratio:.2g} δₜ is below {COARSE:g} δₜ:"
             " the corrugation, hence the friction, is smoothed away."
+        )
+    if ratio > FAR and scene.nu < NEARLY_RIGID:
+        found.append(
+            f"Node spacing a = {ratio:.2g} δₜ is above {FAR:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes move"
+            " sideways, out of reach of their springs, and the contact grows too wide."
+        )
+    if scene.damping < WEAK:
+        found.append(
+            f"Damping {scene.damping:g} is below {WEAK:g}: many equilibria flutter under such a motion, and a slip may"
+            " never come to rest; then the run ends early."
         )
     strain = (abs(scene.delta) + scene.u_x_max) / (scene.height * scene.width)
     if strain > STRAIN:

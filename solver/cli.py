@@ -12,6 +12,7 @@ from time import perf_counter
 import numpy as np
 
 from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, scene_from_text, summarize
+from .cautions import cautions
 from .files import write_csv, write_json, write_npz
 from .presets import PresetError, preset, presets
 from .profile import ProfileError, read_profile
@@ -126,7 +127,8 @@ def add_stability(commands):
     """Adds `stability` to the subcommands."""
     text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
     parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
-    parser.add_argument("--quick", action="store_true", help="some 200 scenes, about a minute")
+    parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
+    parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="those numbers only, without closed forms")
     parser.add_argument("--json", metavar="FILE", help="write every number")
     parser.add_argument("--html", metavar="FILE", help="write the report as a page that opens offline")
     parser.set_defaults(command=stability)
@@ -135,14 +137,20 @@ def add_stability(commands):
 def stability(arguments):
     """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
     from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
+    from .verification.atlas import cases
     from .verification.robustness import atlas
 
+    asked = cases(arguments.quick)
+    if strange := set(arguments.scenes or ()) - {case.number for case in asked}:
+        raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
     for option in ("json", "html"):
         check_writable(option, getattr(arguments, option))
     try:
         with progress(100, "%") as bar:
-            results = atlas(arguments.quick, progress=lambda part: bar.update(int(100 * part) - bar.n))
-        report = results, closed_forms.closed_forms(), conditioning.conditioning()
+            asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
+            results = atlas(asked, progress=lambda part: bar.update(int(100 * part) - bar.n))
+        forms = closed_forms.closed_forms() if arguments.scenes is None else []
+        report = results, forms, conditioning.conditioning()
     except KeyboardInterrupt:
         print("Interrupted; run again to finish", file=sys.stderr)
         return INTERRUPTED
@@ -186,6 +194,8 @@ def run(arguments):
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
+    for sentence in cautions(scene):
+        print(f"Caution: {sentence}", file=sys.stderr, flush=True)
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     seconds = perf_counter() - start

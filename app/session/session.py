@@ -13,7 +13,6 @@ from app.service.finished import shelf as shared_shelf
 from app.service.pool import HEAVY, LATER, SCREEN
 from app.service.pool import pool as shared_pool
 from app.session import orders
-from app.session.cautions import cautions
 from app.session.controls import (
     DEFAULT,
     INCREMENTS,
@@ -27,6 +26,7 @@ from app.session.controls import (
 from app.session.run import Chains, Run
 from app.session.wire import Wire
 from app.views.pages import Pages
+from solver.cautions import cautions
 from solver.isolated import Lost
 from solver.presets import presets
 from solver.run.carry import GEOMETRY
