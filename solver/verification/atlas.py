@@ -55,7 +55,7 @@ REFUSED = (
     {"E": float("inf")},
     {"phi_ratio": -1.0},
     {"phi_ratio": 101.0},
-    {"delta_bar": 3.5},
+    {"delta_bar": 101.0},
     {"delta_bar": -1.5},
     {"height": 0.0},
     {"radius": 0.0},
@@ -91,6 +91,7 @@ OTHERS = (
     {"phi_n": 1e3},
     {"scale": 1e-2},
     {"scale": 1e2},
+    {"delta_bar": 30.0, "step": 10.0},
 )
 
 

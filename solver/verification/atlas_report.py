@@ -4,7 +4,7 @@ from dataclasses import asdict
 from html import escape
 
 from .. import html_page
-from .robustness import BAD, GOOD, by_region, counts
+from .robustness import BAD, GOOD, by_region, counts, unstable
 
 COLOURS = ("#0072B2", "#BBBBBB", "#E69F00", *["#D55E00"] * len(BAD))  # Okabe & Ito; what must not be is red
 
@@ -23,7 +23,11 @@ def data(results, forms, limits):
     return {
         "counts": counts(results),
         "converged_of_valid": share(results),
-        "regions": {name: found for name, found in by_region(results)},
+        "unstable_frames": dict(zip(("unstable", "judged"), unstable(results), strict=True)),
+        "regions": {
+            name: counts(some) | dict(zip(("unstable", "judged"), unstable(some), strict=True))
+            for name, some in by_region(results)
+        },
         "closed_forms": [asdict(row) | {"held": row.held} for row in forms],
         "conditioning": [asdict(limit) for limit in limits],
         "scenes": results,
@@ -47,11 +51,12 @@ def tables(results, forms, limits):
     command = "python -m solver run"
     return [
         (
-            f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones",
+            f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones; unstable frames:"
+            " {} of {} judged by the spectrum of the motion".format(*unstable(results)),
             frame(
-                ("probed", *GOOD, *BAD),
-                [("all", *counts(results).values())]
-                + [(name, *found.values()) for name, found in by_region(results)],
+                ("probed", *GOOD, *BAD, "unstable frames"),
+                [(name, *counts(some).values(), "{} of {}".format(*unstable(some)))
+                 for name, some in (("all", results), *by_region(results))],
             ),
         ),
         (
@@ -113,7 +118,7 @@ def _bars(results):
     """Scenes by what was probed, stacked by verdict."""
     from bokeh.plotting import figure
 
-    regions = by_region(results)
+    regions = [(name, counts(some)) for name, some in by_region(results)]
     names = [name for name, _ in regions][::-1]
     source = {verdict: [found[verdict] for _, found in regions][::-1] for verdict in (*GOOD, *BAD)} | {"name": names}
     shown = figure(

@@ -13,7 +13,7 @@ from ..isolated import Lost, outcomes
 from ..run.load_steps import load_steps_of
 from ..run.loadpath import load_path
 from ..scene import SceneError
-from .atlas import CENTRE, cases
+from .atlas import CENTRE
 from .long_double import DROPPED, recheck
 from .spectrum import growth
 
@@ -148,11 +148,12 @@ def _rechecked(scene, frames, found):
 
 
 def _unstable(scene, frames, found):
-    """The first frame that is no rest of the scene's motion, or None: of those that slipped, the last, and some others.
+    """A frame that is no rest of the scene's motion, or None: of those that slipped, the last, and some others.
 
     Of all modes of the whole surface, real and complex; only where their dense eigenvalues are to be had.
     """
-    found["growth"], alike = None, scene.surface == "flat"
+    found |= {"growth": None, "spectra": 0, "unstable": 0}
+    wrong, alike = None, scene.surface == "flat"
     if scene.nodes > DENSE and not alike:
         return None
     others = frames.frames[:: max(1, len(frames.frames) // RESTS)]
@@ -160,19 +161,20 @@ def _unstable(scene, frames, found):
         held = scene.hold == "load" and frame.stage in SIDEWAYS
         rate = growth(scene, frame, held)
         found["growth"] = rate if found["growth"] is None else max(rate, found["growth"])
+        found["spectra"] += 1
         if rate > UNSTABLE:
-            return f"{frame.stage} increment {frame.index}: unstable, disturbances grow as exp({rate:.3g} t)"
-    return None
+            found["unstable"] += 1
+            wrong = f"{frame.stage} increment {frame.index}: unstable, disturbances grow as exp({rate:.3g} t)"
+    return wrong
 
 
-def atlas(quick=False, workers=None, progress=lambda part: None):
-    """The outcome of every Case, in order, from processes of their own."""
-    asked = cases(quick)
+def atlas(asked, workers=None, progress=lambda part: None):
+    """The outcome of every Case asked for, in order, from processes of their own."""
     results = [None] * len(asked)
     for done, (k, found) in enumerate(outcomes(judge, asked, workers or os.cpu_count() or 1, LIMIT), start=1):
         if isinstance(found, Lost):
             case = asked[k]
-            found = {"number": k, "kind": case.kind, "probed": list(case.probed), "set": case.line} | {
+            found = {"number": case.number, "kind": case.kind, "probed": list(case.probed), "set": case.line} | {
                 "verdict": found.kind,
                 "reason": found.reason,
             }
@@ -186,7 +188,13 @@ def counts(results):
     return {verdict: sum(r["verdict"] == verdict for r in results) for verdict in (*GOOD, *BAD)}
 
 
+def unstable(results):
+    """(frames that are no rests, frames judged by the spectrum of the motion)."""
+    return sum(r.get("unstable", 0) for r in results), sum(r.get("spectra", 0) for r in results)
+
+
 def by_region(results):
-    """[(region, {verdict: scenes})] for what was probed: every axis, and whatever else scenes differ in."""
+    """[(region, its outcomes)] for what was probed: every axis, and whatever else scenes differ in."""
     names = dict.fromkeys([*CENTRE, *(name for r in results for name in r["probed"])])
-    return [(name, counts([r for r in results if name in r["probed"]])) for name in names]
+    found = [(name, [r for r in results if name in r["probed"]]) for name in names]
+    return [(name, some) for name, some in found if some]
