@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from test_loadings import same, stage
+from helpers import same, stage
 
 from solver import Checkpoint, Scene, SceneError, advance, carry_on, load_path
 from solver.mechanics.contact import Contact

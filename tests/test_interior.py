@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 from exact_interior import inside, mean_stress, principal_difference, transfer
+from helpers import tractions
 
 from solver import Scene, load_path
 from solver.analysis.raster import picture
@@ -11,10 +12,6 @@ from solver.mechanics.layer import Convolution, Modes
 
 LOAD = (3.0, -2.0)
 ORIGIN = (0.0, 0.0)
-
-
-def tractions(nodes, seed=0):
-    return np.random.default_rng(seed).normal(size=(2, nodes))
 
 
 def thickness(scene):

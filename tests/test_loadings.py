@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from helpers import same, stage
 
 from solver import NotConverged, Scene, SceneError, advance, load_path
 from solver.mechanics.cohesive_law import traction
@@ -24,17 +25,6 @@ PATHS = [
     {"surface": "flat", "phi_ratio": 0.1, "hold": "load", "delta_bar": 0.05},
     {"surface": "flat", "phi_ratio": 0.1, "path": "loop"},
 ]
-
-
-def stage(frames, name):
-    return [f for f in frames if f.stage == name]
-
-
-def same(a, b, error):
-    """Whether two frames agree on the nodes that both keep; the others carry no traction in either."""
-    first, last = max(a.first, b.first), min(a.first + a.u.shape[1], b.first + b.u.shape[1])
-    u, v = (f.u[:, first - f.first : last - f.first] for f in (a, b))
-    return bool(np.abs(u - v).max() < error)
 
 
 # LoadSteps

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from exact_interior import inside, mean_stress, principal_difference
-from test_interior import tractions
+from helpers import tractions
 
 from solver import Scene, load_path
 from solver.analysis.raster import ACCURACY, QUANTITIES, fringes, mesh, picture

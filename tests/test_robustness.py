@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 import time
@@ -11,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers import peculiar
 
 from solver import Scene, SceneError, load_path
 from solver.cli import main
@@ -132,19 +132,6 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
     assert robustness.judge(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
 
 
-def peculiar(item):
-    """Returns, raises, dies or hangs, as told."""
-    if item == "raise":
-        raise ValueError(item)
-    if item == "die":
-        os.kill(os.getpid(), signal.SIGKILL)
-    if item == "pid":
-        return os.getpid()
-    if item == "hang":
-        time.sleep(600.0)
-    return item
-
-
 def test_a_call_that_crashes_or_hangs_costs_its_process_only():
     items = ["a", "die", "raise", "b", "hang", "c"]
     found = dict(outcomes(peculiar, items, 2, limit=20.0))
@@ -156,7 +143,7 @@ def test_a_call_that_crashes_or_hangs_costs_its_process_only():
 KILLED = """
 import sys, time
 from solver.isolated import outcomes
-from test_robustness import peculiar
+from helpers import peculiar
 for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
     print(pid, flush=True)
 """
@@ -201,6 +188,7 @@ def sample():
     return found
 
 
+@pytest.mark.slow
 def test_a_sample_of_the_atlas_finds_nothing_wrong_and_writes_its_report(tmp_path, capsys):
     page, numbers = tmp_path / "a.html", tmp_path / "a.json"
     files = ["--json", str(numbers), "--html", str(page)]

@@ -174,10 +174,8 @@ def test_a_soft_layer_jumps_into_contact_within_a_budget():
 
 STABLE = [
     {},
-    {"tolerance": 1e-10},
-    {"tolerance": 1e-5},
-    {"delta_bar": -0.15},
-    {"du_x": 0.33},
+    {"tolerance": 1e-10, "delta_bar": -0.15},
+    {"tolerance": 1e-5, "du_x": 0.33},
     {"E": 10.0, "phi_ratio": 2.0},
     {"surface": "rough"},
     {"surface": "wave", "delta_bar": 0.6},
@@ -196,14 +194,14 @@ STABLE = [
 
 @pytest.mark.parametrize("values", STABLE, ids=str)
 def test_every_frame_is_a_stable_equilibrium(values):
-    """All eigenvalues of the motion of the whole surface, complex pairs included; every fourth frame, all by slips.
+    """All eigenvalues of the motion of the whole surface, complex pairs included; every eighth frame, all by slips.
 
     Anderson steps know no stability: close to the end of a branch they may converge beyond it.
     """
     scene = Scene(**{**SMALL, "u_x_max": 12.0, "tolerance": 1e-8, **values})
     frames = list(load_path(scene))
     near = {k + i for k, f in enumerate(frames) if f.slip for i in (-1, 0, 1)}
-    judged = [f for k, f in enumerate(frames) if k in near or k % 4 == 0]
+    judged = [f for k, f in enumerate(frames) if k in near or k % 8 == 0]
     assert len(judged) >= 20
     for frame in judged:
         held = scene.hold == "load" and frame.stage == "shear"

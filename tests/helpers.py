@@ -1,0 +1,35 @@
+"""What tests of the solver share."""
+
+import os
+import signal
+import time
+
+import numpy as np
+
+
+def stage(frames, name):
+    return [f for f in frames if f.stage == name]
+
+
+def same(a, b, error):
+    """Whether two frames agree on the nodes that both keep; the others carry no traction in either."""
+    first, last = max(a.first, b.first), min(a.first + a.u.shape[1], b.first + b.u.shape[1])
+    u, v = (f.u[:, first - f.first : last - f.first] for f in (a, b))
+    return bool(np.abs(u - v).max() < error)
+
+
+def tractions(nodes, seed=0):
+    return np.random.default_rng(seed).normal(size=(2, nodes))
+
+
+def peculiar(item):
+    """Returns, raises, dies or hangs, as told; at module level, for processes of their own."""
+    if item == "raise":
+        raise ValueError(item)
+    if item == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if item == "pid":
+        return os.getpid()
+    if item == "hang":
+        time.sleep(600.0)
+    return item
