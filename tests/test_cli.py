@@ -181,9 +181,9 @@ def test_beyond_a_limit_one_line_names_parameter_value_and_range(call, name):
 @pytest.mark.parametrize(
     ("setting", "named"),
     [
-        ("delta_bar=nan", ("delta_bar", "nan", "-1 .. 3")),
-        ("delta_bar=deep", ("delta_bar", "deep", "-1 .. 3")),
-        ("delta_bar=", ("delta_bar", "''", "-1 .. 3")),
+        ("delta_bar=nan", ("delta_bar", "nan", "-1 .. 100")),
+        ("delta_bar=deep", ("delta_bar", "deep", "-1 .. 100")),
+        ("delta_bar=", ("delta_bar", "''", "-1 .. 100")),
         ("nodes=1e9", ("nodes", "1000000000", "4 .. 16384")),
         ("nodes=" + "9" * 400, ("nodes", "inf", "4 .. 16384")),
         ("nodes=64.5", ("nodes", "64.5", "4 .. 16384")),
