@@ -21,6 +21,7 @@ from .shortcuts import ALL
 METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # of delta_n: a layer deformed no more than that has been let go
 BULGE = 3.0  # delta_n: gap beyond the window that the first patch includes, for surfaces drawn together
+BUSY = 1.5  # s that an increment may take beyond its limit of processor time, where others use the processor
 KEPT = 4  # runs whose buffers are kept for the next slice
 
 
@@ -125,16 +126,16 @@ class Run:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
         self._fast = method == "fast"
-        self._limit = self._end = inf  # of an increment, s of this thread's processor time; what the clock shows then
+        self._limit = self._end = self._latest = inf  # of an increment, s; what the clocks show when it must end
         self._stepper = self._place = None  # of the load step and patch that are computed at present
 
     def next_frame(self, checkpoint, limit=inf):
         """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
 
-        Raises OutOfTime where that takes more than `limit` seconds of processor time.
+        Raises OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on a busy machine.
         """
         scene = self.scene
-        self._limit, self._end = limit, thread_time() + limit
+        self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY
         load_steps = checkpoint.load_steps or load_steps_of(scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         if checkpoint.carried and not self._fast:  # it would start from the whole surface of another equilibrium
@@ -169,8 +170,9 @@ class Run:
         return frame, self._after(here, step, problem, done)
 
     def _watch(self):
-        if thread_time() > self._end:
-            raise OutOfTime(f"no equilibrium within {self._limit:g} s of processor time")
+        if thread_time() > self._end or perf_counter() > self._latest:
+            given = f"{self._limit:g} s of processor time, or {self._limit + BUSY:g} s"
+            raise OutOfTime(f"no equilibrium within {given}")
 
     def _placed(self, failure, step, load):
         """The same failure with its place and a remedy."""
