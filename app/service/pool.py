@@ -9,9 +9,11 @@ import logging
 import os
 from collections import OrderedDict, deque
 from concurrent.futures import Future
+from math import inf
 from multiprocessing import Pipe
 from multiprocessing.connection import wait
 from threading import Event, RLock, Thread
+from time import monotonic
 
 from app.service import worker
 from solver.isolated import Caller, Lost
@@ -19,7 +21,8 @@ from solver.isolated import Caller, Lost
 log = logging.getLogger("app")
 PATIENCE = 5.0  # s without a result, beyond what a task asks for, after which its process is killed
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
-STARTS = 3  # how often in a row no worker may get ready before those who wait are told
+STARTS = 3  # how often in a row no worker may get ready before those who wait are told,
+HOPE = 60.0  # s, and how long after one was
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed; s
 SCREEN, HEAVY, LATER = range(3)  # what a task is for: somebody's screen; the same, but it takes long; anything else
 
@@ -111,6 +114,7 @@ class Pool:
         self.why = ""  # no worker can be started
         self._seats, self._lines = [], (Line(), Line(), Line())
         self._lock, self._closing, self._warm = RLock(), Event(), Event()
+        self._fit = -inf  # when a worker was last known to be fit, s, monotonic
 
     @property
     def status(self):
@@ -236,7 +240,7 @@ class Pool:
         with self._lock:
             if self.status != "ready":
                 log.info("workers are warm")
-            seat.ready, seat.failures, self.why = True, 0, ""
+            seat.ready, seat.failures, self.why, self._fit = True, 0, "", monotonic()
         self._warm.set()
 
     def _serve(self, seat):
@@ -286,7 +290,10 @@ class Pool:
                 self.replaced += 1
                 seat.failures += not warm
                 log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
-            hopeless = seat.failures >= STARTS and not any(other.ready for other in self._seats)
+            if warm:
+                self._fit = monotonic()
+            hopeless = seat.failures >= STARTS and monotonic() > self._fit + HOPE
+            hopeless = hopeless and not any(other.ready for other in self._seats)
             waiting = []
             if hopeless:
                 self.why = "no worker process can be started; the server's log says why"
