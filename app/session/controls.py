@@ -5,7 +5,8 @@ from math import inf
 
 import numpy as np
 
-from solver import CHOICES, LIMITS, Scene, SceneError
+from app.session import profiles
+from solver import CHOICES, LIMITS, ProfileError, Scene, SceneError
 from solver.presets import presets
 from solver.run.load_steps import load_steps_of
 from solver.scene import PARAMETERS
@@ -164,6 +165,11 @@ def scene_from_address(arguments):
         notes.append(f"preset = “{name[:40]}” is unknown; allowed: {', '.join(known)}. The default is shown.")
         name = DEFAULT
     base = known[name].scene
+    if "profile" in entries:
+        try:
+            base = base.changed(measured=profiles.profile_from(entries["profile"]))
+        except ProfileError as error:
+            notes.append(f"profile: {error}.")
     said = []
     scene, errors = changed_scene(base, entries, said)
     if errors:
@@ -194,4 +200,6 @@ def address_of(scene, preset):
     """{name: text} of the page's address that brings this scene back: the preset, and what differs from it."""
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
+    if scene.surface == "measured":
+        values["profile"] = profiles.text_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values

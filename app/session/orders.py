@@ -12,6 +12,7 @@ from solver.presets import presets
 SMALL = 8000  # characters of an order, but for one that brings a profile
 LARGEST = 2_000_000  # characters of a profile
 LONGEST = 64  # characters of a value
+LONGER = {"profile": 2000, "link": 5000}  # of those that are longer
 PLAIN = ("hello", "pause", "go", "one", "reset", "measure", "cancel")  # orders without values
 ASKED = {  # of a page
     **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
@@ -48,7 +49,7 @@ def read(text):
     values, do = order.get("values") or {}, order.get("do")
     if do == "profile" and isinstance(values, dict) and isinstance(values.get("text"), str):
         return Order("profile", {"text": values["text"]}, _number(order.get("n")))
-    if not isinstance(values, dict) or not all(map(_is_value, values.values())):
+    if not isinstance(values, dict) or not all(map(_is_value, values, values.values())):
         raise Refused("An order may hold short texts and numbers only.")
     checked = Order(str(do), values, _number(order.get("n")), _place(order.get("from")))
     if do in PLAIN:
@@ -56,6 +57,8 @@ def read(text):
     if do == "scene" and values and values.keys() <= PARAMETERS.keys():
         return checked
     if do == "ask" and all(isinstance(value, ASKED.get(name, ())) for name, value in values.items()):
+        return checked
+    if do == "restore" and _is_scene(values):
         return checked
     if do == "preset" and values.get("preset") in presets():
         return checked
@@ -91,9 +94,15 @@ def _no_number(text):
     raise ValueError(text)
 
 
-def _is_value(value):
+def _is_scene(values):
+    """Whether these are texts of an address."""
+    names = {"preset", "profile", *PARAMETERS}
+    return values.keys() <= names and all(isinstance(value, str) for value in values.values())
+
+
+def _is_value(name, value):
     if isinstance(value, str):
-        return len(value) <= LONGEST
+        return len(value) <= LONGER.get(name, LONGEST)
     return isinstance(value, int | float) and abs(value) < 1e15
 
 

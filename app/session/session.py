@@ -103,6 +103,8 @@ class Session:
             self.read_profile(values["text"])
         elif name == "preset":
             self.choose(values["preset"])
+        elif name == "restore":
+            self.restore(values)
         elif name == "ask":
             self.pages.order(values)
         elif name == "page":
@@ -174,6 +176,12 @@ class Session:
     def choose(self, preset):
         """Everything as in a preset."""
         self.show(presets()[preset].scene, preset)
+
+    def restore(self, entries):
+        """Show the scene of an address {name: text}."""
+        scene, preset, notes = scene_from_address({name: [text.encode()] for name, text in entries.items()})
+        self.show(scene, preset)
+        self.notes += notes
 
     def show(self, scene, preset):
         """A scene that a page has made from `preset`."""

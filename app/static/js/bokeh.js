@@ -72,3 +72,14 @@ export function frameBox(figure) {
   const { left, top, width, height } = viewOf(figure)?.frame?.bbox ?? {}
   return width > 0 && height > 0 ? { left, top, width, height } : null
 }
+
+// A figure as it is drawn now, on a canvas of its own or as the text of an SVG (as bokeh.io.export does)
+export const pictureOf = (figure) => viewOf(figure).export("png").canvas
+export const svgOf = (figure) => viewOf(figure).export("svg").get_serialized_svg()
+
+// The element of the page that holds a figure: from shadow root to shadow root
+export function holderOf(figure) {
+  let element = viewOf(figure)?.el
+  while (element && !element.closest(".view")) element = element.getRootNode().host
+  return element?.closest(".view")
+}

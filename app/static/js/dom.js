@@ -15,5 +15,5 @@ export function say(id, text) {
 export function readdress(change) {
   const address = new URL(location.href)
   change(address.searchParams)
-  if (address.href !== location.href) history.replaceState(null, "", address)
+  if (address.href !== location.href) history.replaceState(history.state, "", address)
 }

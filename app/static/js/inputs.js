@@ -1,6 +1,7 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the curves.
 
 import { openBench } from "./accuracy.js"
+import { moved, redo, undo, writeAddress } from "./address.js"
 import { onEvent } from "./bokeh.js"
 import { order } from "./channel.js"
 import { theme } from "./colours.js"
@@ -9,7 +10,6 @@ import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
 import { me, QUIET } from "./state.js"
-import { writeAddress } from "./status.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
 const LARGEST_FILE = 2e6 // bytes, as the server
@@ -22,6 +22,7 @@ function enter(name, value) {
     me.anchor = me.run
     goOnFrom()
   }
+  moved(name)
   me.entered = { ...me.entered, [name]: value }
   me.quiet = performance.now() + QUIET
   const rest = PACE - (performance.now() - last)
@@ -78,6 +79,15 @@ function switchTheme() {
   paint()
   paintPage()
   shadeMap(me.run)
+}
+
+// Ctrl+Z, Ctrl+Shift+Z and Ctrl+Y, but not in an entry, which has its own
+function onUndo(event) {
+  const key = event.key.toLowerCase()
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || !"zy".includes(key) || event.target.matches?.("input[type=text]")) return
+  event.preventDefault()
+  if (key === "y" || event.shiftKey) redo()
+  else undo()
 }
 
 function onKey(event) {
@@ -145,5 +155,6 @@ export function connect(positions) {
   document.querySelectorAll("main figure").forEach((figure, i) => offerTable(figure, Object.keys(figures)[i]))
   on("theme", "click", switchTheme)
   document.addEventListener("keydown", onKey)
+  document.addEventListener("keydown", onUndo)
   for (const name of ["forces", "area", "map"]) connectCurve(figures[name])
 }

@@ -1,6 +1,7 @@
 // The browser's half of the app. The server's page imports this file alone and calls `start` with the models.
 
 import * as accuracy from "./accuracy.js"
+import * as address from "./address.js"
 import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import { by } from "./dom.js"
@@ -10,6 +11,7 @@ import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
+import * as print from "./print.js"
 import { me } from "./state.js"
 import * as status from "./status.js"
 
@@ -28,6 +30,8 @@ export function start({ wire, figures, slots, looks, nodes, positions, index }) 
   inputs.connect(positions)
   connectLens(player.show)
   connectHand(positions)
+  address.connect(player)
+  print.connect()
   channel.listen("chunk", player.receive)
   channel.listen("status", status.heard)
   channel.listen("accuracy", accuracy.measured)

@@ -66,6 +66,7 @@ function showFrame() {
   if (run.sheared >= 0 && k >= run.sheared && me.begun === run.number && me.stage !== run.stageOfMap(k)) me.mapped = false
   framePage()
   me.drawnAt = performance.now()
+  for (const draw of me.also) draw(run, k)
   if (me.preview === null) by("scrub").value = k
   tellFrame(run, k)
   tellStretch()

@@ -1,14 +1,16 @@
 // What this visitor sees now: the run on screen and the one before, the increment shown, whether it plays.
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
+export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
 export const QUIET = 150 // ms after a change in which the new run has the processor, and between two pictures of a growing one
 export const me = {
   run: null, ghost: null, anchor: null, // the run on screen, the pale one behind it, the one that a change will leave there
   origin: null, from: null, // the run, and [its number, frame], that a change carries on from
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
-  playing: !reduced, following: true, speed: 0, status: {},
+  playing: !reduced && !embedded, following: true, speed: 0, status: {},
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   fresh: false, mapped: true, begun: 0, stage: null, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map
+  also: [], // what else is drawn with every frame: functions of the run and the frame
   drawnAt: 0, freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
 }
 window.punch = me // for the console, and for tests

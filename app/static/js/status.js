@@ -1,7 +1,8 @@
 // What the server says of the run and of what was entered, in words and in the address.
 
+import { goToAsked, writeAddress } from "./address.js"
 import { latest } from "./channel.js"
-import { by, minus, readdress, say } from "./dom.js"
+import { by, minus, say } from "./dom.js"
 import { me } from "./state.js"
 
 let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
@@ -28,6 +29,7 @@ export function heard(text) {
   }
   say("notes", notes.join(" "))
   tellState()
+  goToAsked()
 }
 
 function describe(name, value, error, before) {
@@ -45,7 +47,7 @@ export function place(name, value) {
   slider.setAttribute("aria-valuetext", `${value}`)
 }
 
-const changes = () => Object.keys(me.status.address).filter((name) => name !== "preset")
+const changes = () => Object.keys(me.status.address).filter((name) => !["preset", "profile"].includes(name))
 const inWords = (name) => document.querySelector(`label[for="${name}-entry"]`)?.firstChild.textContent.trim() || name
 
 // The menu, which says so where the scene is no longer that of the preset; choosing the preset then brings it back
@@ -66,16 +68,6 @@ function presetSaid() {
     return `carried on from ${where} with ${said || "the preset's values"}; the address holds the parameters only`
   }
   return changed.length ? `changed: ${said}` : looks[preset]
-}
-
-// What brings this scene back: what differs from the preset
-export function writeAddress() {
-  const { values, address } = me.status
-  if (!values) return
-  readdress((asked) => {
-    for (const name of ["preset", ...Object.keys(values)]) asked.delete(name)
-    for (const name in address) asked.set(name, address[name])
-  })
 }
 
 export function tellState() {

@@ -1,0 +1,131 @@
+// The address of the page: it brings scene, increment and page back, and each settled change is an entry of the
+// browser's history, so that Back undoes.
+
+import { order } from "./channel.js"
+import { by, on, readdress } from "./dom.js"
+import { me } from "./state.js"
+
+const VERSION = "1" // of what the names in an address mean
+const BURST = 900 // ms: changes of one parameter by hand that are closer than this to each other are one
+const REST = 250 // ms for which an increment must be looked at before the address names it
+const LARGEST = 1e6
+
+let written = null // the scene in the address, as text; null before it is known to be that of the status
+const hand = { name: "", at: -BURST, moves: 0, written: 0 } // what it changed last, when, how often it paused; of these, in the address
+let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
+let resting = 0, goto = null
+let wanted = asked("k") // the increment to go to once the run is there
+
+function asked(name) {
+  const text = new URLSearchParams(location.search).get(name)
+  return /^\d+$/.test(text ?? "") && Number(text) < LARGEST ? Number(text) : null
+}
+
+const sceneNames = () => ["preset", "profile", ...Object.keys(me.status.values)]
+
+// Parameters of an address that make up the scene
+export function sceneOf(search) {
+  const names = new Set(sceneNames())
+  return Object.fromEntries([...new URLSearchParams(search)].filter(([name]) => names.has(name)))
+}
+
+// The names that differ between two scenes
+function difference(a, b) {
+  return [...new Set([...Object.keys(a), ...Object.keys(b)])].filter((name) => a[name] !== b[name]).toSorted().join()
+}
+
+// A parameter is being changed by hand
+export function moved(name) {
+  const now = performance.now()
+  if (name !== hand.name || now - hand.at > BURST) hand.moves++
+  Object.assign(hand, { name, at: now })
+}
+
+export function writeAddress() {
+  if (!me.status.values) return
+  const { address } = me.status, text = JSON.stringify(address)
+  if (text === written) return
+  const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.moves === hand.written
+  const url = new URL(location.href)
+  for (const name of sceneNames()) url.searchParams.delete(name)
+  for (const name in address) url.searchParams.set(name, address[name])
+  if (written === null || sameMove) history.replaceState({ entry }, "", url)
+  else {
+    top = ++entry
+    history.pushState({ entry }, "", url)
+  }
+  written = text
+  hand.written = hand.moves
+  tellHistory()
+}
+
+export const undo = () => { if (entry > 0) history.back() }
+export const redo = () => { if (entry < top) history.forward() }
+
+function tellHistory() {
+  by("undo").disabled = entry <= 0
+  by("redo").disabled = entry >= top
+}
+
+// Show the scene of parameters {name: text} as an address has them, and an increment of it
+export function restore(scene, k = null) {
+  if (me.anchor === null) me.anchor = me.run
+  me.entered = null
+  hand.name = ""
+  wanted = k
+  order("restore", scene)
+}
+
+let seen = {} // what an address says beside the scene, as it is now: going back changes the scene alone
+const VIEWED = ["page", "theme", "embed"]
+function popped(event) {
+  if (event.state?.entry === undefined) return
+  entry = event.state.entry
+  const k = asked("k")
+  readdress((now) => {
+    for (const name of VIEWED) if (seen[name]) now.set(name, seen[name]); else now.delete(name)
+  })
+  written = null
+  restore(sceneOf(location.search), k)
+  tellHistory()
+}
+
+// With every frame that is drawn: the increment at rest goes into the address
+function drawn(run, k) {
+  const url = new URLSearchParams(location.search)
+  for (const name of VIEWED) seen[name] = url.get(name)
+  clearTimeout(resting)
+  if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
+  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole) return
+  resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
+}
+
+// Once the run is whole: to the increment that was asked for
+export function goToAsked() {
+  if (wanted === null || !me.run?.length || !["finished", "failed"].includes(me.status.state)) return
+  const k = wanted
+  wanted = null
+  goto(k)
+}
+
+// The address of what is on screen now, for others; more: further parameters [[name, text], ...]
+export function linkTo(more = []) {
+  const url = new URL(location.pathname, location.origin), page = document.querySelector(".page").dataset.page
+  url.searchParams.set("v", VERSION)
+  for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
+  if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
+  if (page) url.searchParams.set("page", page)
+  for (const [name, text] of more) url.searchParams.append(name, text)
+  return url.href
+}
+
+export function connect(player) {
+  ({ goto } = player)
+  const version = new URLSearchParams(location.search).get("v")
+  if (version && version !== VERSION) console.info(`an address of version ${version}, read as version ${VERSION}`)
+  me.also.push(drawn)
+  addEventListener("popstate", popped)
+  on("undo", "click", undo)
+  on("redo", "click", redo)
+  tellHistory()
+}
