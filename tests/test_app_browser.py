@@ -133,6 +133,8 @@ def test_every_tab_stop_is_a_control(visit):
         "help",
         "theme",
         "preset",
+        "pin",
+        "compare",
         "solver-figures",
         *entered,
         "lens-on",

@@ -27,7 +27,7 @@ from solver.run.loadpath import in_time, next_frame, owned
 NICENESS = 10  # the event loop must win against the physics
 COLUMNS = (  # of a packed block: a number each per frame
     *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
-    *("residual", "evaluations", "slip", "slip_at", "work"),
+    *("residual", "evaluations", "slip", "slip_at", "slip_F", "slip_A", "work"),  # slips in it, and of the first
 )
 STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
@@ -310,6 +310,7 @@ def _span(scene):
 
 
 def _numbers(frame, work):
+    first = frame.slips[0] if frame.slips else None
     return (
         STAGES.index(frame.stage),
         frame.index,
@@ -320,7 +321,7 @@ def _numbers(frame, work):
         frame.A_bar,
         frame.residual,
         frame.evaluations,
-        frame.slip,
-        frame.U_slip if frame.slip else frame.U_x,
+        len(frame.slips),
+        *((first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)),
         work,
     )

@@ -60,6 +60,8 @@ def read(text):
         return checked
     if do == "restore" and _is_scene(values):
         return checked
+    if do == "beside" and type(values.get("beside")) is int and _is_scene(values, "beside"):
+        return checked
     if do == "preset" and values.get("preset") in presets():
         return checked
     if do == "page" and values.get("page") in ("", *PAGES):
@@ -94,10 +96,10 @@ def _no_number(text):
     raise ValueError(text)
 
 
-def _is_scene(values):
-    """Whether these are texts of an address."""
-    names = {"preset", "profile", *PARAMETERS}
-    return values.keys() <= names and all(isinstance(value, str) for value in values.values())
+def _is_scene(values, other=None):
+    """Whether these are texts of an address, but for the value called `other`."""
+    known = {"preset", "profile", *PARAMETERS}
+    return all(name == other or (name in known and isinstance(value, str)) for name, value in values.items())
 
 
 def _is_value(name, value):

@@ -13,6 +13,7 @@ from app.service.finished import shelf as shared_shelf
 from app.service.pool import HEAVY, LATER, SCREEN
 from app.service.pool import pool as shared_pool
 from app.session import orders
+from app.session.beside import Beside
 from app.session.controls import (
     DEFAULT,
     INCREMENTS,
@@ -55,6 +56,7 @@ class Session:
         self.errors, self.cautions = {}, []  # cautions: of the last finished run
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
+        self.beside = Beside(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
         self.chains = Chains()
@@ -77,6 +79,7 @@ class Session:
                 self.pool.abandon(self.reading)
             self.bench.close()
             self.pages.close()
+            self.beside.close()
             self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -105,6 +108,9 @@ class Session:
             self.choose(values["preset"])
         elif name == "restore":
             self.restore(values)
+        elif name == "beside":
+            self.beside.want(values)
+            self.publish()
         elif name == "ask":
             self.pages.order(values)
         elif name == "page":

@@ -4,6 +4,7 @@ Units: lengths in nm, tractions in GPa, F̄, L̄ and Ā in thousandths (they are
 """
 
 import numpy as np
+from bokeh.core.properties import field
 from bokeh.models import (
     BasicTicker,
     BoxAnnotation,
@@ -15,6 +16,7 @@ from bokeh.models import (
     Line,
     LinearAxis,
     LinearColorMapper,
+    MultiLine,
     Patch,
     Plot,
     Range1d,
@@ -62,7 +64,7 @@ def punch(x):
     for name, node in reversed(NODES.items()):  # the first on top
         glyph = Scatter(x="x", y="gap", marker=node.marker, size=node.size)
         parts.append(_drawn(name, glyph, node.colour, [(name, node.meaning), *said], more=("T_n", "T_t")))
-    return _figure("punch", x, Range1d(-1.2, 7), POSITION, "height (nm)", parts)
+    return _figure("punch", x, Range1d(-1.2, 7), POSITION, "height (nm)", [*parts, _pins()])
 
 
 def traction(x):
@@ -73,12 +75,12 @@ def traction(x):
 
 def forces(x):
     """Friction and load along the path, those of the run before pale behind."""
-    return _figure("forces", x, Range1d(-1, 2), TOP, "F̄, L̄ (10⁻³)", [_zero(), *_curves("F", "L")])
+    return _figure("forces", x, Range1d(-1, 2), TOP, "F̄, L̄ (10⁻³)", [_zero(), _pins(), *_curves("F", "L")])
 
 
 def area(x):
     """Contact area along the path."""
-    return _figure("area", x, Range1d(0, 100), TOP, "Ā (10⁻³)", _curves("A"))
+    return _figure("area", x, Range1d(0, 100), TOP, "Ā (10⁻³)", [_pins(), *_curves("A")])
 
 
 def contact_map(x):
@@ -87,7 +89,7 @@ def contact_map(x):
     image = Image(color_mapper=LinearColorMapper(palette=["#888888"], low=0, high=1, nan_color="#00000000"))
     said = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
     slips = Scatter(x="U_x", y="x", marker="diamond", size=8)
-    parts = [_drawn("map", image, "", said, data=blank), _drawn("slips_map", slips, "--slip"), _cursor()]
+    parts = [_drawn("map", image, "", said, data=blank), _pins(), _drawn("slips_map", slips, "--slip"), _cursor()]
     return _figure("map", x, Range1d(-250, 250), TOP, UNDEFORMED, parts)
 
 
@@ -106,6 +108,13 @@ def _curve(name, x, y, along, unit):
     curve = CURVES[name]
     said = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
     return _drawn(name, Line(x=x, y=y, line_width=2, line_dash=curve.dash), curve.colour, said, "vline")
+
+
+def _pins():
+    """Lines of pinned runs, each with colour, dash and width of its own."""
+    looks = {"line_color": field("colour"), "line_dash": field("dash"), "line_width": field("width")}
+    lines = MultiLine(xs="xs", ys="ys", **looks)
+    return _drawn("pins", lines, "", data={name: [] for name in ("xs", "ys", "colour", "dash", "width")})
 
 
 def _zero():

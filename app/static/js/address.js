@@ -76,14 +76,16 @@ export function restore(scene, k = null) {
   order("restore", scene)
 }
 
-let seen = {} // what an address says beside the scene, as it is now: going back changes the scene alone
-const VIEWED = ["page", "theme", "embed"]
+let seen = [] // what an address says beside the scene, as it is now: going back changes the scene alone
+const VIEWED = ["page", "theme", "embed", "pin"]
+let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
   entry = event.state.entry
   const k = asked("k")
   readdress((now) => {
-    for (const name of VIEWED) if (seen[name]) now.set(name, seen[name]); else now.delete(name)
+    for (const name of VIEWED) now.delete(name)
+    for (const [name, text] of seen) now.append(name, text)
   })
   written = null
   restore(sceneOf(location.search), k)
@@ -93,19 +95,21 @@ function popped(event) {
 // With every frame that is drawn: the increment at rest goes into the address
 function drawn(run, k) {
   const url = new URLSearchParams(location.search)
-  for (const name of VIEWED) seen[name] = url.get(name)
+  seen = [...url].filter(([name]) => VIEWED.includes(name))
   clearTimeout(resting)
   if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
   if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole) return
   resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
 }
 
-// Once the run is whole: to the increment that was asked for
+// Once the run is whole: to the increment that was asked for, and then what else there was beside the run
 export function goToAsked() {
-  if (wanted === null || !me.run?.length || !["finished", "failed"].includes(me.status.state)) return
-  const k = wanted
+  if (!me.run?.length || !["finished", "failed"].includes(me.status.state)) return
+  const k = wanted, texts = pinned
   wanted = null
-  goto(k)
+  pinned = []
+  if (k !== null) goto(k)
+  if (texts.length) import("./pins.js").then(({ fromLink }) => fromLink(texts))
 }
 
 // The address of what is on screen now, for others; more: further parameters [[name, text], ...]

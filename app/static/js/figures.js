@@ -50,6 +50,8 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
   return [a, b]
 }, [0, 0])
 
+// Curves of other runs: their values, for the ranges, and what draws them
+export const overlays = { curves: () => [], drawn: () => {} }
 let drawnGhost = null
 const curve = (of, name) => ({ U_x: of?.shear(of.head.abscissa) ?? [], value: of?.shear(name, THOUSAND) ?? [] })
 export function drawCurves(run, ghost) {
@@ -66,9 +68,10 @@ export function drawCurves(run, ghost) {
   const [start, end] = run.extent
   set(figures.forces.x_range, { start, end })
   nameAxis(run)
-  const shown = (name) => [run, ghost].map((of) => of?.shear(name, THOUSAND) ?? [])
+  const shown = (name) => [...[run, ghost].map((of) => of?.shear(name, THOUSAND) ?? []), ...overlays.curves(run, name)]
   fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown("F_bar"), ...shown("L_bar")))
   const areas = shown("A_bar").flatMap((list) => [...list]), least = Math.min(...areas), most = Math.max(...areas, 5)
+  overlays.drawn(run)
   fit(figures.area.y_range, least > NARROW * most ? least : 0, most) // a few per cent of peeling must be seen
 }
 

@@ -141,11 +141,13 @@ export function connect(positions) {
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
+  on("pin", "click", async () => (await import("./pins.js")).pin())
+  on("compare", "click", async () => (await import("./compare.js")).open())
   on("help", "click", () => by("keys").showModal())
   on("accuracy", "click", openBench)
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./theory.js")).openTheory())
-  for (const name of ["keys", "bench", "theory", "table"]) on(name, "click", (event) => { if (event.target === by(name)) by(name).close() }) // beside it
+  for (const dialog of document.querySelectorAll("dialog:not(#drawer)")) dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() }) // beside it
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

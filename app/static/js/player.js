@@ -4,7 +4,7 @@ import { order } from "./channel.js"
 import { by, fixed, minus } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
 import { framePage } from "./pages.js"
-import { Run, unpack } from "./run.js"
+import { BESIDE, Run, unpack } from "./run.js"
 import { me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
@@ -13,6 +13,7 @@ const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves 
 
 export function receive(buffer) {
   const chunk = unpack(buffer)
+  if (chunk.run > BESIDE) return me.beside?.(chunk)
   if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head), me.status.run === chunk.run ? me.status.after : null)
   me.run.add(chunk)
   if (me.following) me.at = me.run.length - 1

@@ -2,6 +2,7 @@
 
 import { opened } from "./channel.js"
 
+export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/beside.py
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 
@@ -112,6 +113,12 @@ export class Run {
   u(k) {
     const [{ head, fields }, row] = this.places[k]
     return fields.u_x[row * head.nodes] * head.scales.u_x
+  }
+
+  // Least displacement u_x of all nodes of frame k, nm
+  least(k) {
+    const [{ head: { nodes, scales }, fields: { u_x } }, row] = this.places[k]
+    return u_x.subarray(row * nodes, (row + 1) * nodes).reduce((a, b) => Math.min(a, b)) * scales.u_x
   }
 
   // Outermost places of repulsion in frame k, as numbers of nodes with fractions; null where nothing is repelled

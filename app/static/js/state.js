@@ -10,6 +10,7 @@ export const me = {
   playing: !reduced && !embedded, following: true, speed: 0, status: {},
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   fresh: false, mapped: true, begun: 0, stage: null, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map
+  beside: null, // takes the frames of runs that are not on screen
   also: [], // what else is drawn with every frame: functions of the run and the frame
   drawnAt: 0, freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
 }

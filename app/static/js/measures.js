@@ -1,0 +1,74 @@
+// A run in numbers, from its frames: {measure: {text, why, k}} with the increment k that it is taken from.
+
+import { fixed } from "./dom.js"
+
+const NONE = "–"
+export const MEASURES = { // measure: [heading, unit, what it is]
+  regime: ["regime", "", "what the contact does while sheared"],
+  slips: ["slips", "", "ends of branches after the approach"],
+  U_s: ["Uₛ", "nm", "displacement of the top at the first slip"],
+  F_s: ["Fₛ", "N/m", "friction just before the first slip"],
+  A_s: ["Aₛ", "nm", "repulsive width just before the first slip"],
+  tau_c: ["Fₛ/Aₛ", "GPa", "mean shear stress just before the first slip; the slope of Fₛ over Aₛ takes several loads: page Area laws"],
+  mean: ["mean F", "N/m", "mean of largest and least friction while sliding, Eq. 7"],
+  peeling: ["peeling", "sites", "inward, of the trailing | leading edge, and how one-sided"],
+  dissipated: ["dissipated", "nJ/m", "work of the top over a closed cycle"],
+}
+const number = (value, digits = 4) => fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-9)))))
+const none = (why, k) => ({ text: NONE, why, k })
+
+// surface: what it is called in the scene
+export function measured(run, surface) {
+  const { curves, head, sheared } = run
+  if (sheared < 0) return Object.fromEntries(Object.keys(MEASURES).map((name) => [name, none("not yet sheared", 0)]))
+  const found = {}, shear = head.stages.indexOf("shear"), width = 2 * head.middle
+  const inShear = curves.stage.flatMap((stage, k) => (stage === shear ? [k] : [])), end = inShear.at(-1) ?? run.length - 1
+  const first = inShear.find((k) => curves.slip[k] > 0)
+  const before = first === undefined ? end : Math.max(first - 1, sheared)
+  const slid = inShear.find((k) => run.least(k) >= head.spacing)
+  const slips = curves.slip.reduce((sum, count, k) => (k < sheared ? sum : sum + count), 0)
+  found.slips = { text: `${slips}`, why: "", k: curves.slip.findIndex((count, k) => k >= sheared && count) }
+  if (found.slips.k < 0) found.slips.k = end
+  if (first === undefined) for (const name of ["U_s", "F_s", "A_s", "tau_c"]) found[name] = none("no slip in shear", end)
+  else {
+    const F = curves.slip_F[first] * head.force, A = curves.slip_A[first] * width
+    found.U_s = { text: number(curves.slip_at[first]), why: "", k: before }
+    found.F_s = { text: number(F), why: `F̄ = ${(curves.slip_F[first] * 1000).toPrecision(5)}·10⁻³`, k: before }
+    found.A_s = { text: number(A), why: `Ā = ${(curves.slip_A[first] * 1000).toPrecision(5)}·10⁻³`, k: before }
+    found.tau_c = A > 0 ? { text: number(F / A, 3), why: "", k: before } : none("no repulsive contact at the slip", before)
+  }
+  found.mean = friction(run, inShear, first ?? slid)
+  found.peeling = peeled(run, before, surface)
+  found.dissipated = run.dissipated === null ? none("no closed cycle: path loop has one", end) : { text: number(run.dissipated), why: "", k: run.length - 1 }
+  found.regime = { text: regime(run, inShear, first, slid), why: "", k: first ?? slid ?? sheared }
+  return found
+}
+
+// Largest and least friction from the first slip on, or from where every node has moved by a period, over a period at least
+function friction({ curves, head }, inShear, start) {
+  const end = inShear.at(-1)
+  if (start === undefined) return none("it has not slid", end ?? 0)
+  const begun = curves.slip[start] ? curves.slip_at[start] : curves.U_x[start]
+  if (curves.U_x[end] - begun < head.spacing * (1 - 1e-6)) return none("it slid by less than a lattice period: enlarge u_x_max", end)
+  const forces = inShear.filter((k) => k >= start).flatMap((k) => (curves.slip[k] ? [[curves.slip_F[k], k - 1], [curves.F_bar[k], k]] : [[curves.F_bar[k], k]]))
+  const most = forces.reduce((a, b) => (b[0] > a[0] ? b : a)), least = forces.reduce((a, b) => (b[0] < a[0] ? b : a))
+  return { text: number(0.5 * (most[0] + least[0]) * head.force), why: `largest ${number(most[0] * head.force)}, least ${number(least[0] * head.force)} N/m`, k: most[1] }
+}
+
+function peeled(run, before, surface) {
+  if (surface !== "circular") return none("for a single patch of contact: surface circular", before)
+  const then = run.edges(run.sheared)
+  let k = before
+  while (k > run.sheared && !run.edges(k)) k-- // the last increment in contact
+  const now = run.edges(k)
+  if (!then || !now || k === run.sheared) return none("no repulsive contact", run.sheared)
+  const trailing = now[0] - then[0], leading = then[1] - now[1], sum = trailing + leading
+  const one = Math.abs(sum) < 0.05 ? NONE : fixed((trailing - leading) / sum, 2)
+  return { text: `${fixed(trailing, 1)} | ${fixed(leading, 1)}, ${one}`, why: "1: the trailing edge alone; 0: both alike", k }
+}
+
+function regime(run, inShear, first, slid) {
+  if (!inShear.length) return "pressed and retracted"
+  if (inShear.every((k) => Math.abs(run.curves.F_bar[k]) + Math.abs(run.curves.L_bar[k]) < 1e-12)) return "no contact"
+  return first !== undefined ? "stick-slip" : slid !== undefined ? "continuous sliding" : "sticks"
+}

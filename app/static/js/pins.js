@@ -1,0 +1,212 @@
+// Pinned runs: kept in this browser, drawn behind the run on screen, shown as chips. Loaded with the first pin.
+
+import { linkTo, restore, sceneOf } from "./address.js"
+import { order } from "./channel.js"
+import { colour } from "./colours.js"
+import { by, readdress } from "./dom.js"
+import { drawCurves, fill, overlays, painted } from "./figures.js"
+import { BESIDE, Run } from "./run.js"
+import { me } from "./state.js"
+import { value } from "./words.js"
+
+const MOST = 4
+const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
+const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
+export const pins = [] // {run, scene, values, name, slot, shown}: scene {name: text} as in an address, slot 1 .. MOST
+
+const style = (slot) => ({ ink: colour(`--pin-${slot}`), dash: colour(`--pin-${slot}-dash`) })
+const drawable = (run) => pins.filter((pin) => pin.shown && pin.run?.sheared >= 0 && pin.run.head.abscissa === run.head.abscissa)
+
+// What the lines of some runs have in common: colours and dashes in columns
+function columns(lines) {
+  const looks = lines.map(({ pin }) => style(pin.slot))
+  return {
+    xs: lines.map(({ x }) => x), ys: lines.map(({ y }) => y), width: lines.map(({ width }) => width ?? WIDE),
+    colour: looks.map(({ ink }) => ink), dash: looks.map(({ dash }) => dash),
+  }
+}
+
+// Forces of a run in the units of another: F_bar is over w E of its own
+const scaled = (of, run, name) => of.shear(name, 1000 * (name === "A_bar" ? 1 : of.head.force / run.head.force))
+
+function drawBeside(run) {
+  const shown = drawable(run), along = run.head.abscissa
+  const line = (pin, name, width) => ({ pin, width, x: pin.run.shear(along), y: scaled(pin.run, run, name) })
+  fill("forces", "pins", columns(shown.flatMap((pin) => [line(pin, "F_bar"), line(pin, "L_bar", THIN)])))
+  fill("area", "pins", columns(shown.map((pin) => line(pin, "A_bar"))))
+  fill("map", "pins", columns(shown.flatMap((pin) => outline(pin))))
+}
+
+// Both edges of contact over the path, until a leg turns; gaps where nothing is repelled
+function outline(pin) {
+  const { run } = pin, { spacing, middle } = run.head, x = [], ends = [[], []]
+  const stage = run.curves.stage[run.sheared]
+  for (let k = run.sheared; k < run.length && run.curves.stage[k] === stage; k++) {
+    const found = run.edges(k)
+    x.push(run.along[k])
+    ends.forEach((list, i) => list.push(found ? found[i] * spacing - middle : NaN))
+  }
+  return run.head.flat ? [] : ends.map((y) => ({ pin, x, y, width: 2 }))
+}
+
+// The surfaces of pinned runs where the top has been pulled, or pressed, as far as that of the run on screen
+function drawSurfaces(run, k) {
+  const lines = drawable(run).filter(({ run: of }) => !of.head.flat).map((pin) => {
+    const at = k < run.sheared ? Math.min(k, pin.run.sheared) : pin.run.nearest(run.along[k], k)
+    const { x, gap } = pin.run.frame(at)
+    return { pin, x, y: gap, width: 2 }
+  })
+  if (lines.length || drawnSurfaces) fill("punch", "pins", columns(lines))
+  drawnSurfaces = lines.length
+}
+let drawnSurfaces = 0
+
+function redraw() {
+  const { run } = me
+  tell()
+  if (!(run?.sheared >= 0)) return
+  painted(() => {
+    drawCurves(run, me.ghost)
+    if (me.drawn >= 0) drawSurfaces(run, Math.min(me.drawn, run.length - 1))
+  })
+}
+
+export function pin() {
+  const { run, status } = me
+  if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
+  if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
+  if (pins.some((one) => one.run === run)) return say("this run is pinned already")
+  add(run, { ...status.address }, { ...status.values })
+  redraw()
+  say(`pinned: ${pins.at(-1).name}`)
+}
+
+function add(run, scene, values, name = null) {
+  const slot = [1, 2, 3, 4].find((free) => pins.every((one) => one.slot !== free))
+  pins.push({ run, scene, values, name: name ?? named(scene), slot, shown: true })
+}
+
+// What differs from the preset, or the title of that
+function named(scene) {
+  const title = document.querySelector(`#preset option[value="${scene.preset ?? ""}"]`)?.textContent
+  const said = Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
+  return said.join(", ") || title || document.querySelector("#preset option").textContent
+}
+
+function remove(one) {
+  pins.splice(pins.indexOf(one), 1)
+  redraw()
+  by("pin").focus()
+}
+
+// Back on the screen, at an increment of it
+export function load(one, k = null) {
+  restore(one.scene, k)
+}
+
+function button(text, label, call) {
+  const made = Object.assign(document.createElement("button"), { type: "button", textContent: text, title: label })
+  made.setAttribute("aria-label", label)
+  made.addEventListener("click", call)
+  return made
+}
+
+export function swatch(slot) {
+  const { ink, dash } = style(slot)
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "svg")
+  line.setAttribute("class", "swatch")
+  line.setAttribute("aria-hidden", "true")
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path")
+  for (const [name, text] of Object.entries({ d: "M1 5 H33", stroke: ink, "stroke-width": 3, "stroke-dasharray": DASHES[dash] ?? "" })) path.setAttribute(name, text)
+  line.append(path)
+  return line
+}
+
+function chip(one) {
+  const made = Object.assign(document.createElement("span"), { className: "chip" })
+  const show = button("", `Show ${one.name}`, () => {
+    one.shown = !one.shown
+    redraw()
+    chipOf(one)?.querySelector("button").focus()
+  })
+  show.setAttribute("aria-pressed", one.shown)
+  show.append(swatch(one.slot), ` ${one.name}${one.run ? "" : " …"}`)
+  const goTo = button("load", `Load ${one.name}`, () => load(one))
+  const rename = button("rename", `Rename ${one.name}`, () => edit(one, show))
+  made.append(show, goTo, rename, button("×", `Remove ${one.name}`, () => remove(one)))
+  made.dataset.slot = one.slot
+  return made
+}
+
+const chipOf = (one) => document.querySelector(`.chip[data-slot="${one.slot}"]`)
+
+function edit(one, show) {
+  const entry = Object.assign(document.createElement("input"), { type: "text", value: one.name, maxLength: 40 })
+  entry.setAttribute("aria-label", "Name of the pinned run")
+  const end = (kept) => {
+    if (!entry.isConnected) return
+    if (kept && entry.value.trim()) one.name = entry.value.trim()
+    tell()
+    chipOf(one).querySelector("button").focus()
+  }
+  entry.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" || event.key === "Escape") end(event.key === "Enter")
+    event.stopPropagation()
+  })
+  entry.addEventListener("blur", () => end(true))
+  show.replaceWith(entry)
+  entry.select()
+}
+
+function say(text) {
+  by("pins").hidden = false
+  by("pins-said").textContent = text
+}
+
+const listeners = []
+export const onPins = (call) => listeners.push(call)
+
+function tell() {
+  by("pins").hidden = !pins.length
+  by("pins-said").textContent = ""
+  by("chips").replaceChildren(...pins.map(chip))
+  readdress((now) => {
+    now.delete("pin")
+    for (const [name, text] of inLink()) now.append(name, text)
+  })
+  for (const call of listeners) call()
+}
+
+// In a link: the name, then names and values of the scene, with stars in between
+const escaped = (text) => `${text}`.replaceAll("%", "%25").replaceAll("*", "%2A")
+export const inLink = () => pins.map(({ name, scene }) => ["pin", [name, ...Object.entries(scene).flat()].map(escaped).join("*")])
+export const link = () => linkTo(inLink())
+
+// The pins of an address: the server computes them, beside the run on screen
+export function fromLink(texts) {
+  for (const text of texts.slice(0, MOST - pins.length)) {
+    const [name, ...pairs] = text.split("*").map((part) => part.replaceAll("%2A", "*").replaceAll("%25", "%"))
+    const entries = Array.from({ length: Math.floor(pairs.length / 2) }, (_, i) => pairs.slice(2 * i, 2 * i + 2))
+    const scene = sceneOf(new URLSearchParams(entries))
+    add(null, scene, null, name.slice(0, 40) || null)
+    order("beside", { ...scene, beside: BESIDE + pins.at(-1).slot })
+  }
+  tell()
+}
+
+function receive(chunk) {
+  const one = pins.find(({ slot }) => BESIDE + slot === chunk.run)
+  if (!one) return
+  const run = one.coming ?? new Run(chunk.run, chunk.head)
+  one.coming = run
+  run.add(chunk)
+  if (!run.whole) return
+  one.run = run
+  redraw()
+}
+
+me.beside = receive
+overlays.curves = (run, name) => drawable(run).map((one) => scaled(one.run, run, name))
+overlays.drawn = drawBeside
+me.also.push(drawSurfaces)
+new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme"] })

@@ -1,0 +1,106 @@
+"""Pinned runs: kept in the browser, overlaid, in numbers, in a link; in a real Chromium."""
+
+import pytest
+from peeling import peel_asymmetry
+from test_app_history_browser import values_are
+from test_app_serving import PATIENCE, finished
+from test_app_views_browser import MODEL
+
+from solver import Scene, load_path, summarize
+from solver.analysis.friction_laws import friction_force
+from solver.presets import preset
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+
+
+def lines(page, view):
+    """How many lines of pinned runs a figure has."""
+    return page.evaluate(f"{MODEL.format(f'{view}.pins')}.data_source.data.xs.length")
+
+
+def test_a_run_is_pinned_shown_hidden_renamed_loaded_and_removed_by_keyboard(visit):
+    page = visit()
+    finished(page)
+    page.locator("body").press("End")
+    page.get_by_role("button", name="Pin", exact=True).press("Enter")
+    chip = page.locator(".chip")
+    chip.wait_for()
+    page.focus("#E")
+    page.keyboard.press("ArrowRight")
+    finished(page, run=2)
+    assert [lines(page, view) for view in ("forces", "area", "map", "punch")] == [2, 1, 2, 1]
+    # the force of the pinned run in the units of the run on screen, whose stiffness is another
+    pinned = page.evaluate(f"{MODEL.format('forces.pins')}.data_source.data.ys[0][50]")
+    stiff = page.evaluate("punch.status.values.E")
+    first = next(frame for frame in load_path(Scene()) if frame.stage == "shear" and frame.index == 50)
+    assert pinned == pytest.approx(1000 * first.F_bar * 70 / stiff, rel=1e-4)
+    style = page.evaluate(
+        f"(({{ colour, dash }}) => [colour[0], dash[0]])({MODEL.format('forces.pins')}.data_source.data)"
+    )
+    assert style == page.evaluate(
+        "['--pin-1', '--pin-1-dash'].map((name) => getComputedStyle(document.documentElement).getPropertyValue(name))"
+    )
+    show = chip.get_by_role("button", name="Show")
+    show.press("Enter")
+    page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
+    assert show.get_attribute("aria-pressed") == "false"
+    show.press("Space")
+    chip.get_by_role("button", name="Rename").press("Enter")
+    page.keyboard.type("Paper's punch")
+    page.keyboard.press("Enter")
+    chip.get_by_role("button", name="Load Paper's punch").press("Enter")
+    values_are(page, E=70)
+    chip.get_by_role("button", name="Remove Paper's punch").press("Enter")
+    page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
+    assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "pin"
+    page.get_by_role("button", name="Undo").press("Enter")  # loading was a change like any other
+    page.wait_for_function(f"punch.status.values.E === {stiff}", timeout=PATIENCE)
+
+
+def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit):
+    page = visit("?preset=fig7-case2")
+    finished(page)
+    page.get_by_role("button", name="Pin", exact=True).click()
+    page.locator(".chip").wait_for()
+    page.select_option("#preset", "fig6")
+    values_are(page, delta_bar=0)
+    page.get_by_role("button", name="Numbers").press("Enter")
+    rows = page.locator("#numbers-table tbody tr")
+    for row, scene in zip((0, 1), (Scene(), preset("fig7-case2").scene), strict=True):
+
+        def cell(measure, row=row):
+            return rows.nth(row).locator(f"[data-measure={measure}]")
+
+        def number(measure, cell=cell):
+            return float(cell(measure).inner_text().replace("−", "-"))
+
+        frames = list(load_path(scene))
+        known, force = summarize(scene, frames), scene.E * scene.width
+        assert cell("regime").inner_text() == "stick-slip"
+        assert number("slips") == known["slips"]
+        assert number("U_s") == pytest.approx(known["U_s"], rel=1e-3)
+        assert number("F_s") == pytest.approx(known["F_s"] * force, rel=1e-3)
+        assert number("A_s") == pytest.approx(known["A_s"] * scene.width, rel=1e-3)
+        assert number("tau_c") == pytest.approx(known["F_s"] * scene.E / known["A_s"], rel=1e-2)
+        assert number("mean") == pytest.approx(friction_force(scene, frames).mean * force, rel=1e-3)
+        shear = [frame for frame in frames if frame.stage == "shear"]
+        before = shear[next(k for k, frame in enumerate(shear) if frame.slip) - 1]
+        asymmetry = float(cell("peeling").inner_text().split(", ")[1])
+        assert asymmetry == pytest.approx(peel_asymmetry(scene, shear[0], before), abs=0.02)
+        assert cell("dissipated").inner_text() == "–"
+    place = frames.index(before)  # of the pinned run
+    cell("F_s").press("Enter")
+    values_are(page, delta_bar=0.4)
+    page.wait_for_function(f"punch.drawn === {place} && !punch.playing")
+    assert not page.locator("#numbers").is_visible()
+
+
+def test_pins_travel_in_the_address(visit):
+    page = visit("?E=100&pin=Soft*E*20&pin=*preset*fig7-case2")
+    finished(page)
+    page.wait_for_function(f"() => {MODEL.format('area.pins')}.data_source.data.xs.length === 2", timeout=PATIENCE)
+    assert page.locator(".chip").all_inner_texts()[0].startswith("Soft") or "Soft" in page.inner_text("#chips")
+    assert page.evaluate("punch.status.values.E") == 100 and page.evaluate("punch.run.number") == 1
+    page.get_by_role("button", name="Remove Soft").click()
+    assert "Soft" not in page.url and "fig7-case2" in page.url
