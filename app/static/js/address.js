@@ -109,7 +109,7 @@ export function goToAsked() {
   wanted = null
   pinned = []
   if (k !== null) goto(k)
-  if (texts.length) import("./pins.js").then(({ fromLink }) => fromLink(texts))
+  if (texts.length) import("./later/pins.js").then(({ fromLink }) => fromLink(texts))
 }
 
 // The address of what is on screen now, for others; more: further parameters [[name, text], ...]

@@ -1,13 +1,13 @@
 // Pinned runs: kept in this browser, drawn behind the run on screen, shown as chips. Loaded with the first pin.
 
-import { linkTo, restore, sceneOf } from "./address.js"
-import { order } from "./channel.js"
-import { colour } from "./colours.js"
-import { by, readdress } from "./dom.js"
-import { drawCurves, fill, overlays, painted } from "./figures.js"
-import { BESIDE, Run } from "./run.js"
-import { me } from "./state.js"
-import { value } from "./words.js"
+import { linkTo, restore, sceneOf } from "../address.js"
+import { order } from "../channel.js"
+import { colour } from "../colours.js"
+import { by, readdress } from "../dom.js"
+import { drawCurves, fill, overlays, painted } from "../figures.js"
+import { BESIDE, Run } from "../run.js"
+import { me } from "../state.js"
+import { value } from "../words.js"
 
 const MOST = 4
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load

@@ -1,6 +1,6 @@
 // A run in numbers, from its frames: {measure: {text, why, k}} with the increment k that it is taken from.
 
-import { fixed } from "./dom.js"
+import { fixed } from "../dom.js"
 
 const NONE = "–"
 export const MEASURES = { // measure: [heading, unit, what it is]

@@ -1,10 +1,10 @@
 // The dialog of numbers: the run on screen and each pinned one, every number a way to its increment.
 
-import { by } from "./dom.js"
+import { by } from "../dom.js"
 import { MEASURES, measured } from "./measures.js"
 import { load, onPins, pins, swatch } from "./pins.js"
-import { goto } from "./player.js"
-import { me } from "./state.js"
+import { goto } from "../player.js"
+import { me } from "../state.js"
 
 const element = (name, ...parts) => {
   const made = document.createElement(name)
