@@ -199,9 +199,7 @@ def run(arguments):
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     seconds = perf_counter() - start
-    report = {"version": __version__, "method": arguments.method, "scene": asdict(scene)}
-    left_out = account(scene, frames) if arguments.method == "fast" else {}
-    report |= summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
+    report = report_of(scene, frames, arguments.method, seconds, failure)
     after = [frame for frame in frames if frame.stage != "approach"]
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
@@ -218,6 +216,13 @@ def run(arguments):
     if failure is not None:
         print(failure, file=sys.stderr)
     return code
+
+
+def report_of(scene, frames, method, seconds, failure):
+    """What --json writes: scene, version, method and summary."""
+    report = {"version": __version__, "method": method, "scene": asdict(scene)}
+    left_out = account(scene, frames) if method == "fast" else {}
+    return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
 
 
 def scene_of(texts):

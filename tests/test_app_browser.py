@@ -135,6 +135,7 @@ def test_every_tab_stop_is_a_control(visit):
         "preset",
         "pin",
         "compare",
+        "take",
         "solver-figures",
         *entered,
         "lens-on",

@@ -1,14 +1,19 @@
 """What the pages ask of a worker: each a pure function of picklable arguments that returns small arrays or numbers."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from app.service import worker
-from solver import NotConverged, ProfileError, SceneError, advance, read_profile
+from solver import NotConverged, ProfileError, SceneError, advance, load_path, read_profile
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.raster import fringes, mesh, picture
+from solver.cli import report_of
+from solver.files import write_json, write_npz
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
 DRAWN = 400  # points of a curve, about one per pixel
@@ -133,3 +138,20 @@ def measured(scene, text):
         return scene.changed(surface="measured", measured=profile, width=profile.length), None
     except (ProfileError, SceneError) as error:
         return None, str(error)
+
+
+def file_of_run(scene, kind):
+    """What `python -m solver run` writes of a scene, kind npz or json, as bytes; up to where it did not converge."""
+    frames, failure, begun = [], None, perf_counter()
+    try:
+        for frame in load_path(scene):
+            frames.append(frame)
+    except NotConverged as error:
+        failure = str(error)
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "run")
+        if kind == "npz":
+            write_npz(file, scene, [frame for frame in frames if frame.stage != "approach"])
+        else:
+            write_json(file, report_of(scene, frames, "fast", perf_counter() - begun, failure))
+        return file.read_bytes()

@@ -62,6 +62,10 @@ def read(text):
         return checked
     if do == "beside" and type(values.get("beside")) is int and _is_scene(values, "beside"):
         return checked
+    if do == "share" and isinstance(values.get("link"), str):
+        return checked
+    if do == "take" and values.get("kind") in ("npz", "json"):
+        return checked
     if do == "preset" and values.get("preset") in presets():
         return checked
     if do == "page" and values.get("page") in ("", *PAGES):

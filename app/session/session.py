@@ -25,6 +25,7 @@ from app.session.controls import (
     values_of,
 )
 from app.session.run import Chains, Run
+from app.session.share import Share
 from app.session.wire import Wire
 from app.views.pages import Pages
 from solver.cautions import cautions
@@ -56,7 +57,7 @@ class Session:
         self.errors, self.cautions = {}, []  # cautions: of the last finished run
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
-        self.beside = Beside(self)
+        self.beside, self.share = Beside(self), Share(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
         self.chains = Chains()
@@ -80,6 +81,7 @@ class Session:
             self.bench.close()
             self.pages.close()
             self.beside.close()
+            self.share.close()
             self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -108,8 +110,9 @@ class Session:
             self.choose(values["preset"])
         elif name == "restore":
             self.restore(values)
-        elif name == "beside":
-            self.beside.want(values)
+        elif name in ("beside", "share", "take"):
+            todo = {"beside": self.beside.want, "share": self.share.sheet, "take": self.share.take}
+            todo[name](values)
             self.publish()
         elif name == "ask":
             self.pages.order(values)

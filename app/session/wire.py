@@ -12,4 +12,5 @@ class Wire(DataModel):
     accuracy = String(default="")  # JSON, only when a measurement was asked for
     page = String(default="{}")  # JSON, about the page beside the experiment that is open
     picture = Nullable(Bytes)
+    taken = Nullable(Bytes)  # JSON header and a file, when something is taken away
     order = String(default="")

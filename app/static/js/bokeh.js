@@ -75,7 +75,7 @@ export function frameBox(figure) {
 
 // A figure as it is drawn now, on a canvas of its own or as the text of an SVG (as bokeh.io.export does)
 export const pictureOf = (figure) => viewOf(figure).export("png").canvas
-export const svgOf = (figure) => viewOf(figure).export("svg").get_serialized_svg()
+export const svgOf = (figure) => viewOf(figure).export("svg").ctx.get_serialized_svg(true)
 
 // The element of the page that holds a figure: from shadow root to shadow root
 export function holderOf(figure) {

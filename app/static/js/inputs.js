@@ -142,6 +142,7 @@ export function connect(positions) {
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
   on("pin", "click", async () => (await import("./later/pins.js")).pin())
+  on("take", "click", async () => (await import("./later/share.js")).open())
   on("compare", "click", async () => (await import("./later/compare.js")).open())
   on("help", "click", () => by("keys").showModal())
   on("accuracy", "click", openBench)

@@ -1,0 +1,70 @@
+"""What a visitor takes away: a link as a QR code, Python lines of a scene, and files as the command line writes."""
+
+import json
+import struct
+from math import inf
+
+import segno
+
+from app.service import tasks
+from app.service.pool import LATER
+from solver import Scene
+from solver.scene import PARAMETERS
+
+SCANNED = 1200  # characters of a link beyond which a QR code is too fine for a phone at the back of a room
+LONG = 60.0  # s that a file may take
+SLOW = "it takes too long here: use python -m solver run"
+
+
+class Share:
+    """What one visitor takes away; every method runs under the lock of the document."""
+
+    def __init__(self, session):
+        self.session, self.task, self.sent = session, None, 0
+
+    def sheet(self, values):
+        """Tell the browser what belongs to a link, values["link"], and to the scene on screen."""
+        scene, link = self.session.scene, values["link"]
+        code = segno.make(link, error="l").svg_data_uri(scale=4, border=2) if len(link) <= SCANNED else ""
+        self._send({"what": "sheet", "link": link, "qr": code, "python": python_lines(scene)})
+
+    def take(self, values):
+        """Have a worker make the file of the run: values["kind"] is npz or json."""
+        self.close()
+        session, kind = self.session, values["kind"]
+        call = (tasks.file_of_run, session.scene, kind)
+        task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=LONG)
+        task.add_done_callback(
+            lambda task: session.closed or session.doc.add_next_tick_callback(lambda: self._made(task, kind))
+        )
+
+    def close(self):
+        """Wait for nothing any longer."""
+        if self.task is not None:
+            self.session.pool.abandon(self.task)
+            self.task = None
+
+    def _made(self, task, kind):
+        if task is self.task:
+            self.task = None
+            lost = task.cancelled() or task.exception()
+            self._send({"what": "file", "kind": kind, "why": SLOW if lost else ""}, b"" if lost else task.result())
+
+    def _send(self, head, body=b""):
+        self.sent += 1  # what is the same as before would not travel
+        text = json.dumps(head | {"sent": self.sent}).encode()
+        self.session.wire.taken = struct.pack("<I", len(text)) + text + body
+
+
+def python_lines(scene):
+    """The lines of Python that compute a scene; those of a measured surface read its profile from the run's JSON."""
+    usual = Scene()
+    known = {name: getattr(scene, name) for name in PARAMETERS if getattr(scene, name) != getattr(usual, name)}
+    values = [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in known.items()]
+    first = ["from solver import Scene, load_path"]
+    if scene.surface == "measured":
+        values.append('measured=Profile(known["length"], known["heights"])')
+        first = ["import json; from solver import Profile, Scene, load_path"]
+        first += ['known = json.load(open("mixed-mode-contact.json"))["scene"]["measured"]']
+    last = 'print(len(frames), "increments, largest F_bar", max(frame.F_bar for frame in frames))'
+    return "\n".join([*first, f"frames = list(load_path(Scene({', '.join(values)})))", last])

@@ -1,0 +1,187 @@
+// The sheet of what can be taken away. Loaded when it is opened.
+
+import { linkTo } from "../address.js"
+import { holderOf, svgOf } from "../bokeh.js"
+import { listen, opened, order } from "../channel.js"
+import { colour } from "../colours.js"
+import { by } from "../dom.js"
+import { figures } from "../figures.js"
+import { canvasOf } from "../print.js"
+import { me } from "../state.js"
+import { described } from "../words.js"
+
+const NAME = "mixed-mode-contact"
+const COLUMNS = ["U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip"] // as solver/files.py
+const LINE = 20, MARGIN = 12 // px of a caption
+const FONT = "14px system-ui, 'Segoe UI', Roboto, sans-serif"
+let connected = false
+
+// Views that are on screen: [name, title]
+const views = () => Object.keys(figures).flatMap((name) => {
+  const holder = holderOf(figures[name])
+  return holder?.clientWidth && holder.clientHeight ? [[name, titleOf(holder)]] : []
+})
+const captionOf = (holder) => holder.closest("figure")?.querySelector("figcaption")
+const titleOf = (holder) => (captionOf(holder)?.querySelector("b") ?? captionOf(holder))?.textContent.trim() ?? "view"
+
+// What the marks above a view mean: [colour, text]
+function keyOf(holder) {
+  const spans = [...captionOf(holder)?.querySelectorAll(".key span") ?? []].filter((span) => span.checkVisibility() && span.querySelector(":scope > i"))
+  const pinned = [...document.querySelectorAll(".chip button[aria-pressed=true]")].map((one) => [one.querySelector("path").getAttribute("stroke"), one.textContent.trim()])
+  return [...spans.map((span) => {
+    const look = getComputedStyle(span.querySelector("i")), clear = "rgba(0, 0, 0, 0)"
+    const ink = [look.backgroundColor, look.borderTopColor].find((one, i) => one !== clear && (i === 0 || look.borderTopWidth !== "0px"))
+    return [ink ?? colour("--soft"), span.textContent.trim()]
+  }), ...(holder.closest("main") && !holder.closest("figure").getAttribute("aria-label").startsWith("Traction") ? pinned : [])]
+}
+
+function wrapped(pen, text, width) {
+  const lines = [""]
+  for (const word of text.split(" ")) {
+    const longer = `${lines.at(-1)} ${word}`.trim()
+    if (pen.measureText(longer).width > width && lines.at(-1)) lines.push(word)
+    else lines[lines.length - 1] = longer
+  }
+  return lines
+}
+
+// Where title, key and caption go around a view of that size, px
+function layout(holder, width, height) {
+  const pen = document.createElement("canvas").getContext("2d")
+  pen.font = FONT
+  const key = [], lines = wrapped(pen, described(me.run, me.drawn), width - 2 * MARGIN)
+  let x = MARGIN, row = 0
+  for (const [ink, text] of keyOf(holder)) {
+    const wide = 24 + pen.measureText(text).width
+    if (x + wide > width - MARGIN && x > MARGIN) [x, row] = [MARGIN, row + 1]
+    key.push({ ink, text, x, row })
+    x += wide + 16
+  }
+  const top = MARGIN + LINE * (key.length ? row + 2 : 1)
+  return { key, lines, top, whole: top + height + LINE * lines.length + MARGIN, title: titleOf(holder) }
+}
+
+function download(blob, name) {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name })
+  link.click()
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000)
+  say(`saved ${name}`)
+}
+
+export function png(name) {
+  const holder = holderOf(figures[name]), view = canvasOf(name), ratio = window.devicePixelRatio || 1
+  const width = view.width / ratio, height = view.height / ratio, place = layout(holder, width, height)
+  const canvas = Object.assign(document.createElement("canvas"), { width: view.width, height: Math.round(place.whole * ratio) })
+  const pen = canvas.getContext("2d")
+  pen.scale(ratio, ratio)
+  pen.fillStyle = colour("--page")
+  pen.fillRect(0, 0, width, place.whole)
+  pen.fillStyle = colour("--text")
+  pen.textBaseline = "middle"
+  pen.font = `600 ${FONT}`
+  pen.fillText(place.title, MARGIN, MARGIN + LINE / 2)
+  pen.font = FONT
+  for (const { ink, text, x, row } of place.key) {
+    const y = MARGIN + LINE * (row + 1.5)
+    pen.fillStyle = ink
+    pen.fillRect(x, y - 2, 18, 4)
+    pen.fillStyle = colour("--text")
+    pen.fillText(text, x + 24, y)
+  }
+  pen.drawImage(view, 0, place.top, width, height)
+  place.lines.forEach((line, i) => pen.fillText(line, MARGIN, place.top + height + LINE * (i + 0.5)))
+  return new Promise((done) => canvas.toBlob(done, "image/png"))
+}
+
+const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
+export function svg(name) {
+  const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect(), place = layout(holder, width, height)
+  const text = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
+  const over = [...holder.querySelectorAll(":scope > canvas:not(.printed)")].filter((canvas) => canvas.width)
+  const parts = [
+    `<rect width="100%" height="100%" fill="${colour("--page")}"/>`,
+    text(MARGIN, MARGIN + LINE / 2, place.title, 'font-weight="600"'),
+    ...place.key.flatMap(({ ink, text: said, x, row }) => {
+      const y = MARGIN + LINE * (row + 1.5)
+      return [`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, text(x + 24, y, said)]
+    }),
+    `<g transform="translate(0 ${place.top})">${svgOf(figures[name])}`,
+    ...over.map((canvas) => `<image width="${width}" height="${height}" href="${canvas.toDataURL()}"/>`), "</g>",
+    ...place.lines.map((line, i) => text(MARGIN, place.top + height + LINE * (i + 0.5), line)),
+  ]
+  const size = `width="${width}" height="${place.whole}" viewBox="0 0 ${width} ${place.whole}"`
+  const font = `font-family="system-ui, 'Segoe UI', Roboto, sans-serif" font-size="14" fill="${colour("--text")}"`
+  return `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" ${size} ${font}>${parts.join("")}</svg>`
+}
+
+// A row per increment after the approach, as `python -m solver run --csv` writes it, in single precision
+export function csv(run) {
+  const number = (value) => `${Number(value.toPrecision(8))}`
+  const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
+    : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))), run.stage(k)].join(",")]))
+  return [[...COLUMNS, "stage"].join(","), ...rows, ""].join("\n")
+}
+
+function say(text) {
+  by("share-said").textContent = text
+}
+
+// Browsers lend the clipboard to secure pages only: elsewhere the old way
+async function copy(field, what) {
+  field.select()
+  try {
+    await navigator.clipboard.writeText(field.value)
+  } catch {
+    document.execCommand("copy")
+  }
+  say(`${what} copied`)
+}
+
+function taken(buffer) {
+  if (!buffer) return
+  const { head, start } = opened(buffer)
+  if (head.what === "file") {
+    if (head.why) say(head.why)
+    else download(new Blob([buffer.slice(start)]), `${NAME}.${head.kind}`)
+    for (const button of document.querySelectorAll("[data-file]")) button.disabled = false
+  } else if (head.link === by("share-link").value) {
+    by("share-qr").src = head.qr
+    by("share-qr").hidden = !head.qr
+    by("share-python").value = head.python
+    by("share-python").rows = head.python.split("\n").length
+  }
+}
+
+function connect() {
+  connected = true
+  listen("taken", taken)
+  by("copy-link").addEventListener("click", () => copy(by("share-link"), "link"))
+  by("copy-python").addEventListener("click", () => copy(by("share-python"), "Python lines"))
+  by("save-png").addEventListener("click", async () => download(await png(by("share-view").value), `${NAME}-${by("share-view").value}.png`))
+  by("save-svg").addEventListener("click", () => {
+    download(new Blob([svg(by("share-view").value)], { type: "image/svg+xml" }), `${NAME}-${by("share-view").value}.svg`)
+  })
+  by("save-csv").addEventListener("click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), `${NAME}.csv`))
+  for (const button of document.querySelectorAll("[data-file]")) {
+    button.addEventListener("click", () => {
+      say("computing the run once more, in full precision …")
+      button.disabled = true
+      order("take", { kind: button.dataset.file })
+    })
+  }
+}
+
+export function open() {
+  if (!connected) connect()
+  const link = linkTo(new URLSearchParams(location.search).getAll("pin").map((text) => ["pin", text]))
+  by("share-link").value = link
+  by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
+  const { address, after } = me.status
+  const said = []
+  if (address.profile?.startsWith("known-")) said.push("The measured profile is too large for a link, which holds only while this server runs; the JSON has it.")
+  if (after) said.push("This run was carried on from another: link, NPZ, JSON and Python begin anew with its parameters.")
+  if (!me.run?.whole) said.push("The run is still being computed: CSV and pictures hold what there is.")
+  say(said.join(" "))
+  order("share", { link })
+  by("share").showModal()
+}

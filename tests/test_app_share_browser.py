@@ -1,0 +1,110 @@
+"""What is taken away from a run: link, QR code, pictures, data and Python lines; in a real Chromium."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from test_app_serving import PATIENCE, finished
+
+from solver.cli import main as command_line
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+
+
+@pytest.fixture
+def sheet(visit):
+    """The sheet of a run at rest, opened by keyboard."""
+    page = visit("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
+    finished(page)
+    page.wait_for_function("punch.drawn === 209 && !punch.playing")
+    page.get_by_role("button", name="Share").press("Enter")
+    page.wait_for_function("document.getElementById('share-python').value")
+    return page
+
+
+def saved(page, button):
+    """The bytes of the file that a button saves."""
+    with page.expect_download(timeout=PATIENCE) as download:
+        page.locator(button).press("Enter")
+    return download.value.path().read_bytes()
+
+
+def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, visit):
+    link = sheet.input_value("#share-link")
+    assert "v=1" in link and "k=209" in link
+    sheet.wait_for_function("document.getElementById('share-qr').naturalWidth > 100")
+    again = visit(link[link.index("?") :])
+    finished(again)
+    again.wait_for_function("punch.drawn === 209 && !punch.playing")
+    assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
+
+
+def test_link_and_lines_are_copied_by_keyboard(sheet):
+    sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
+        sheet.locator("#share-said").evaluate("(said) => { said.textContent = '' }")
+        sheet.locator(button).press("Enter")
+        sheet.wait_for_function("document.getElementById('share-said').textContent.includes('copied')")
+        assert sheet.evaluate("navigator.clipboard.readText()") == sheet.input_value(field)
+
+
+def test_the_python_lines_run_and_give_as_many_increments(sheet):
+    lines = sheet.input_value("#share-python")
+    assert len(lines.split("\n")) == 3
+    ran = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True)
+    assert int(ran.stdout.split()[0]) == sheet.evaluate("punch.run.length")
+
+
+def test_data_are_those_of_the_command_line(sheet, tmp_path):
+    files = {kind: tmp_path / f"run.{kind}" for kind in ("csv", "npz", "json")}
+    options = [text for kind, file in files.items() for text in (f"--{kind}", str(file))]
+    assert command_line(["run", "--set", "delta_bar=0.4", "phi_ratio=0.1", *options]) == 0
+    own = list(csv.DictReader(io.StringIO(saved(sheet, "#save-csv").decode())))
+    rows = list(csv.DictReader(files["csv"].open()))
+    assert len(own) == len(rows) and own[0].keys() == rows[0].keys()
+    for name in ("U_x", "F_bar", "A_bar", "slip"):
+        assert [float(row[name]) for row in own] == pytest.approx(
+            [float(row[name]) for row in rows], rel=1e-6, abs=1e-9
+        )
+    arrays, expected = np.load(io.BytesIO(saved(sheet, "[data-file=npz]"))), np.load(files["npz"])
+    assert arrays.files == expected.files
+    for name in expected.files:
+        np.testing.assert_array_equal(arrays[name], expected[name])
+    report, written = json.loads(saved(sheet, "[data-file=json]")), json.loads(files["json"].read_text())
+    assert report.keys() == written.keys()
+    assert all(report[name] == written[name] for name in written if name != "seconds")
+
+
+def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
+    names = sheet.evaluate("[...document.getElementById('share-view').options].map((one) => one.value)")
+    assert names == ["punch", "traction", "forces", "area", "map"]
+    for name in names:
+        sheet.select_option("#share-view", name)
+        png = saved(sheet, "#save-png")
+        assert png.startswith(b"\x89PNG") and len(png) > 5000
+        root = ET.fromstring(saved(sheet, "#save-svg"))
+        text = " ".join("".join(node.itertext()) for node in root.iter() if node.tag.endswith("}text"))
+        assert "δ/δ₀ = 0.4" in text and "φₜ/φₙ = 0.1" in text
+        assert len(list(root.iter())) > 20  # axes and curves
+
+
+def test_lines_of_a_measured_surface_read_its_profile_from_the_json(visit, tmp_path):
+    page = visit()
+    finished(page)
+    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    page.get_by_role("button", name="Parameters").click()
+    page.set_input_files("#profile", tmp_path / "wave.csv")
+    finished(page, run=2)
+    page.locator("#drawer").get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="Share").click()
+    page.wait_for_function("document.getElementById('share-python').value")
+    (tmp_path / "mixed-mode-contact.json").write_bytes(saved(page, "[data-file=json]"))
+    lines = page.input_value("#share-python")
+    ran = subprocess.run([sys.executable, "-c", lines], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert int(ran.stdout.split()[0]) == page.evaluate("punch.run.length")
