@@ -77,7 +77,7 @@ export function restore(scene, k = null) {
 }
 
 let seen = [] // what an address says beside the scene, as it is now: going back changes the scene alone
-const VIEWED = ["page", "theme", "embed", "pin"]
+const VIEWED = ["page", "theme", "embed", "tour", "view", "pin"]
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
