@@ -167,7 +167,7 @@ def scene_from_address(arguments):
     base = known[name].scene
     if "profile" in entries:
         try:
-            base = base.changed(measured=profiles.profile_from(entries["profile"]))
+            base = base.changed(measured=profiles.known.profile_of(entries["profile"]))
         except ProfileError as error:
             notes.append(f"profile: {error}.")
     said = []
@@ -201,5 +201,5 @@ def address_of(scene, preset):
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     if scene.surface == "measured":
-        values["profile"] = profiles.text_of(scene.measured)
+        values["profile"] = profiles.known.text_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values

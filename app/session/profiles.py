@@ -15,38 +15,49 @@ LONGEST = 1500  # characters: what an address takes, and mail and chat pass on
 LEVELS = 32767  # of the heights on either side of zero
 MOST = int(LIMITS["nodes"].high)  # heights
 KEPT = 32  # profiles
-_known, _texts, _lock = OrderedDict(), {}, Lock()  # {text: Profile}, {Profile: text}
 
 
-def text_of(profile):
-    """What brings a Profile back: length (nm), height per level (nm) and its heights, packed; a name if that is long.
+class Profiles:
+    """Profiles by the text that stands for them, those used last."""
 
-    Heights are given to 1/65534 of their range. This server gives them back exactly, as long as it knows the profile.
-    """
-    with _lock:
-        if profile not in _texts:
-            text = _packed(profile)
-            if len(text) > LONGEST:
-                text = "known-" + hashlib.sha256(profile.heights).hexdigest()[:12]
-            _texts[profile], _known[text] = text, profile
-            if len(_known) > KEPT:
-                _texts.pop(_known.popitem(last=False)[1], None)
-        return _texts[profile]
+    def __init__(self):
+        self._known, self._texts, self._lock = OrderedDict(), {}, Lock()
+
+    def text_of(self, profile):
+        """What brings a Profile back: length (nm), height per level (nm), its heights packed; a name if that is long.
+
+        Heights are given to 1/65534 of the largest. Here they come back exactly, as long as the profile is known.
+        """
+        with self._lock:
+            if profile not in self._texts:
+                text = _packed(profile)
+                if len(text) > LONGEST:
+                    text = "known-" + hashlib.sha256(profile.heights).hexdigest()[:12]
+                self._texts[profile], self._known[text] = text, profile
+                if len(self._known) > KEPT:
+                    self._texts.pop(self._known.popitem(last=False)[1], None)
+            return self._texts[profile]
+
+    def profile_of(self, text):
+        """The Profile of such a text; raises ProfileError."""
+        with self._lock:
+            if text in self._known:
+                self._known.move_to_end(text)
+                return self._known[text]
+        if text.startswith("known-"):
+            raise ProfileError("this server no longer has it; choose the file again")
+        return _unpacked(text)
 
 
-def profile_from(text):
-    """The Profile of such a text; raises ProfileError."""
-    with _lock:
-        if text in _known:
-            _known.move_to_end(text)
-            return _known[text]
-    if text.startswith("known-"):
-        raise ProfileError("this server no longer has it; choose the file again")
+known = Profiles()
+
+
+def _unpacked(text):
     try:
         length, level, packed = text.split("*")
         body = zlib.decompressobj().decompress(base64.urlsafe_b64decode(packed), 2 * MOST)
         heights = float(level) * np.cumsum(np.frombuffer(body, "<i2"), dtype="<i2")
-        return Profile(float(length), heights, ("read from an address, heights to 1/65534 of their range.",))
+        return Profile(float(length), heights, ("read from an address, heights to 1/65534 of the largest.",))
     except (ValueError, TypeError, zlib.error) as error:  # ProfileError among them
         reason = error if isinstance(error, ProfileError) else "it cannot be read"
         raise ProfileError(f"{reason}; choose the file again") from None

@@ -1,0 +1,125 @@
+"""What brings a scene back, without a browser: addresses with profiles, orders to restore and take, Python."""
+
+import base64
+import json
+import queue
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from test_app import PATIENCE, Page, pool  # noqa: F401
+
+from app.session import orders
+from app.session.controls import address_of, scene_from_address
+from app.session.profiles import LONGEST, Profiles
+from app.session.share import SCANNED, python_lines
+from solver import LIMITS, Profile, ProfileError, Scene
+from solver.presets import presets
+
+X = np.arange(128) / 128
+WAVY = Profile(600.0, 3.0 * (1.0 - np.cos(2.0 * np.pi * X)))
+ROUGH = Profile(2500.0, presets()["rough"].scene.profile)
+MEASURED = Scene(surface="measured", measured=WAVY, width=600.0, nodes=256, u_x_max=2.0)
+
+
+def asked(address):
+    return {name: [text.encode()] for name, text in address.items()}
+
+
+@pytest.fixture
+def page(pool):  # noqa: F811
+    visit = Page(pool)
+    yield visit
+    visit.session.close()
+
+
+def test_a_measured_scene_comes_back_from_its_address_exactly_while_the_server_knows_it():
+    address = address_of(MEASURED, "fig6")
+    assert scene_from_address(asked(address)) == (MEASURED, "fig6", [])
+
+
+def test_a_small_profile_comes_back_on_another_server_to_a_65534th_of_its_height():
+    text = Profiles().text_of(WAVY)
+    assert len(text) <= LONGEST
+    other = Profiles()
+    again = other.profile_of(text)
+    assert again.length == WAVY.length
+    np.testing.assert_allclose(again.z, WAVY.z, rtol=0, atol=1.001 * np.abs(WAVY.z).max() / 65534)
+    assert other.text_of(again) == text  # and its address stays as it is
+
+
+def test_a_large_profile_has_a_name_that_only_one_server_knows():
+    one = Profiles()
+    text = one.text_of(ROUGH)
+    assert len(text) < 40 and one.profile_of(text) == ROUGH
+    _, _, notes = scene_from_address({"surface": [b"measured"], "profile": [text.encode()]})
+    assert "choose the file again" in notes[0]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1*2", "600*1*!!", "nan*1*eJwDAAAAAAE=", "600*inf*eJwDAAAAAAE=", "*" * 9, "600*1*ÄÖ"]
+)
+def test_a_profile_that_cannot_be_read_is_said_to_be_so(text):
+    with pytest.raises(ProfileError, match="choose the file again"):
+        Profiles().profile_of(text)
+
+
+def test_a_packed_profile_cannot_unpack_to_more_than_the_solver_takes():
+    bomb = base64.urlsafe_b64encode(zlib.compress(bytes(10_000_000), 9)).decode()
+    assert Profiles().profile_of(f"600*1*{bomb}").z.size == LIMITS["nodes"].high
+
+
+def test_a_scene_is_restored_with_its_preset_and_a_run_known_before_is_not_computed_again(page):
+    page.order("hello")
+    page.until("finished")
+    page.order("preset", preset="fig7-case2")
+    page.order("restore", delta_bar="0", u_x_max="6")
+    page.until("finished")
+    assert page.session.preset == "fig6" and page.status()["known"]
+    assert page.status()["address"] == {"u_x_max": "6"}
+
+
+def test_pinned_runs_come_beside_the_run_on_screen(page):
+    page.order("hello")
+    page.until("finished")
+    page.order("beside", beside=1_000_002, u_x_max="4", E="100")
+    while page.chunks[-1][0] != 1_000_002 or not page.chunks[-1][1]["last"]:
+        page.calls.get(timeout=PATIENCE)()
+    assert page.curve("U_x")[-1] == pytest.approx(4.0)
+    assert page.status()["run"] == 1 and page.session.scene.u_x_max == 6.0
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        {"do": "restore", "values": {"E": 80}},
+        {"do": "restore", "values": {"name": "x"}},
+        {"do": "restore", "values": {"profile": "1" * 3000}},
+        {"do": "beside", "values": {"E": "80"}},
+        {"do": "beside", "values": {"beside": "1"}},
+        {"do": "take", "values": {"kind": "py"}},
+        {"do": "share", "values": {"link": 5}},
+        {"do": "share", "values": {"link": "x" * 6000}},
+    ],
+)
+def test_orders_to_keep_and_take_hold_known_names_and_texts(order):
+    with pytest.raises(orders.Refused):
+        orders.read(json.dumps(order))
+
+
+def test_the_sheet_has_a_code_to_scan_unless_the_link_is_too_long_for_one(page):
+    told = queue.Queue()
+    page.session.wire.on_change("taken", lambda attribute, old, new: told.put(new))
+    for length, drawn in ((SCANNED, True), (SCANNED + 1, False)):
+        page.order("share", link="h" * length)
+        message = told.get(timeout=PATIENCE)
+        head = json.loads(message[4 : 4 + struct.unpack_from("<I", message)[0]])
+        assert head["qr"].startswith("data:image/svg+xml") == drawn and len(head["link"]) == length
+
+
+@pytest.mark.parametrize("name", presets())
+def test_the_python_lines_of_a_preset_make_its_scene(name):
+    scene = presets()[name].scene
+    call = python_lines(scene).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
+    assert eval(call, {"Scene": Scene}) == scene
