@@ -76,21 +76,20 @@ export function pin() {
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((one) => one.run === run)) return say("this run is pinned already")
-  add(run, { ...status.address }, { ...status.values })
+  add(run, { ...status.address }, { ...status.values }, named(status.address, status.preset))
   redraw()
   say(`pinned: ${pins.at(-1).name}`)
 }
 
-function add(run, scene, values, name = null) {
+function add(run, scene, values, name) {
   const slot = [1, 2, 3, 4].find((free) => pins.every((one) => one.slot !== free))
-  pins.push({ run, scene, values, name: name ?? named(scene), slot, shown: true })
+  pins.push({ run, scene, values, name, slot, shown: true })
 }
 
 // What differs from the preset, or the title of that
-function named(scene) {
-  const title = document.querySelector(`#preset option[value="${scene.preset ?? ""}"]`)?.textContent
+function named(scene, preset) {
   const said = Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
-  return said.join(", ") || title || document.querySelector("#preset option").textContent
+  return said.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
 
 function remove(one) {
@@ -188,7 +187,7 @@ export function fromLink(texts) {
     const [name, ...pairs] = text.split("*").map((part) => part.replaceAll("%2A", "*").replaceAll("%25", "%"))
     const entries = Array.from({ length: Math.floor(pairs.length / 2) }, (_, i) => pairs.slice(2 * i, 2 * i + 2))
     const scene = sceneOf(new URLSearchParams(entries))
-    add(null, scene, null, name.slice(0, 40) || null)
+    add(null, scene, null, name.slice(0, 40) || "pinned run")
     order("beside", { ...scene, beside: BESIDE + pins.at(-1).slot })
   }
   tell()
