@@ -79,7 +79,7 @@ def _by_load(corrector, watch, state, target):
         return None
     if len(past) > 1 and np.abs(v - guess).max() > LIMITS.surprise * corrector.problem.unit:
         return None  # a short slip may lie in between
-    stability = watch.look(corrector.problem, v, active, target, state, corrector.steps)
+    stability = watch.look(corrector.problem, v, active, target, state, corrector.inverse)
     return on_branch(corrector, state, target, v, active, stability.modes) if stability.rests else None
 
 
@@ -166,7 +166,7 @@ class _Arc:
             points = [points[0], found, *points[1:3]] if found[0] < target else [found, *points[1:3]]
         else:
             return self._lost()
-        stability = self.watch.sure(self.problem, v, active, target, state.modes)
+        stability = self.watch.sure(self.problem, v, active, target, state.modes, None, self.corrector.inverse)
         if not stability.rests:
             ahead = self._just_beyond(points) if again and stability.kind != "flutter" else None
             if ahead is not None and ahead[0] < points[0][0]:
@@ -179,7 +179,7 @@ class _Arc:
         """The LimitPoint between the last two points if the newest does not rest, else None."""
         load, v = points[0]
         modes = replace(self.state, modes=self.modes)
-        stability = self.watch.look(self.problem, v, self.state.active, load, modes, 0)
+        stability = self.watch.look(self.problem, v, self.state.active, load, modes, self.corrector.inverse)
         self.modes = stability.modes
         if stability.rests:
             return None
@@ -203,7 +203,8 @@ class _Arc:
         state, watch = self.state, self.watch
         modes, secants = stability.modes, state.secants
         load, v = before
-        low = (load, v, watch.sure(self.problem, v, state.active, load, modes, secants).growth)
+        inverse = self.corrector.inverse
+        low = (load, v, watch.sure(self.problem, v, state.active, load, modes, secants, inverse).growth)
         if not low[2] < 0.0:
             return replace(self._lost(), load=after[0])
         high, rise, fall, last = (*after, stability), stability.growth, low[2], 0
@@ -214,7 +215,7 @@ class _Arc:
             load, v = low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1])
             if not self.corrector.solve(v, state.active, load, secants, LIMITS.first_steps):
                 break
-            found = watch.sure(self.problem, v, state.active, load, modes, secants)
+            found = watch.sure(self.problem, v, state.active, load, modes, secants, inverse)
             modes = found.modes
             side = -1 if found.growth < 0.0 else 1
             if side < 0:

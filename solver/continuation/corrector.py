@@ -46,6 +46,11 @@ class Corrector:
         """Room for secant pairs of this problem."""
         return Secants(LIMITS.memory, self.problem.size)
 
+    @property
+    def inverse(self):
+        """The inverse of a tangent that solves start with, or None."""
+        return self.smooth if self.sharp else None
+
     def residual(self, v, active, s):
         """Largest magnitude of R."""
         return self.problem.residual(v, active, s, self._r)

@@ -147,7 +147,7 @@ def _landed(problem, watch, v, active, load):
     active = corrector.settle(rest, active, load, secants, LIMITS.landing_steps)
     if active is None or np.abs(rest - v).max() > LIMITS.drawn * problem.unit:
         return None
-    stability = watch.sure(problem, rest, active, load)
+    stability = watch.sure(problem, rest, active, load, smooth=corrector.inverse)
     if not stability.rests:
         return None
     state = State.at_rest(load, rest, active)

@@ -11,7 +11,7 @@ that grows by (K - J)^-1 r, r the residual of the candidate (Davidson 1975 with 
 tangent of the equilibrium. Spaces are carried from state to state, so that most of them need but the products V -> M V.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -31,9 +31,10 @@ class Limits:
     fine, coarse: error of a growth, of `sure` and of `look`, and 3 times the latter of a wave. clear: a growth below
     minus that need not be known better. sure: growths are told from zero by so many errors. most, some: vectors added
     to the space by `sure` and `look`. room: for all, with those of `flutter`.
-    A state is not looked at while the one looked at last was calm (growth below minus that), at most `patience` points
-    and `far` units of the problem away, and the state moves no more than `speed` times as fast with the load as there:
-    towards a fold at distance d that is d^-1/2, so that looks become the denser the nearer it is.
+    A state is not looked at while the one looked at last is at most `patience` points and `far` units of the problem
+    away, less where growths were above minus `calm`, in proportion to their square; while growths that rise as between
+    the last two looks, times `steeper`, stay below zero; and while the state moves no more than `speed` times as fast
+    with the load as there: towards a fold at distance d that is d^-1/2, so that looks get the denser the nearer it is.
     """
 
     unstable: float = 1e-6
@@ -54,6 +55,7 @@ class Limits:
     patience: int = 20
     far: float = 1.5
     speed: float = 1.15
+    steeper: float = 4.0
 
 
 LIMITS = Limits()
@@ -80,6 +82,7 @@ class Modes:
     growth: float
     v: np.ndarray
     speed: float = 0.0  # |dv| per load there
+    rise: float = 0.0  # of the growth, per nm of way, since the look before
     since: int = 0
     space: np.ndarray | None = None  # (k, N), orthonormal
     wave: Wave | None = None
@@ -91,29 +94,33 @@ class Watch:
     def __init__(self, damping):
         self.damping, self._scratch = damping, None
 
-    def look(self, problem, v, active, s, state, steps=None):
-        """The Stability of a new state on the branch of `state`, reached in so many Anderson steps."""
+    def look(self, problem, v, active, s, state, smooth=None):
+        """The Stability of a new state on the branch of `state`; smooth: as `sure`."""
         modes = state.modes
         if state.unsure or not isinstance(modes, Modes) or modes.v.size != v.size:
-            return self.sure(problem, v, active, s)
+            return self.sure(problem, v, active, s, smooth=smooth)
         speed = np.abs(v - state.v).max() / max(abs(s - state.load), 1e-300)
-        calm = modes.growth < -LIMITS.calm * self._scale(problem) and speed < LIMITS.speed * modes.speed
-        calm = calm and problem.size > LIMITS.dense  # below, all mu are to be had at no cost
-        if calm and modes.since < LIMITS.patience and np.abs(v - modes.v).max() < LIMITS.far * problem.unit:
-            skipped = Modes(modes.growth, modes.v, modes.speed, modes.since + 1, modes.space, modes.wave)
-            return Stability(modes.growth, modes=skipped)
-        return self._judged(problem, v, active, modes, state.secants, speed, False)
+        dense = problem.size <= LIMITS.dense  # all mu are to be had at no cost
+        if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
+            way, depth = np.abs(v - modes.v).max(), max(0.0, -modes.growth)
+            far = LIMITS.far * problem.unit * min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
+            if way < far and LIMITS.steeper * modes.rise * way < depth:
+                return Stability(modes.growth, modes=replace(modes, since=modes.since + 1))
+        return self._judged(problem, v, active, modes, state.secants, speed, False, smooth)
 
-    def sure(self, problem, v, active, s, modes=None, secants=None):
-        """The Stability of an equilibrium, to `fine`; modes, secants: of one nearby, if known."""
-        return self._judged(problem, v, active, modes, secants, 0.0, True)
+    def sure(self, problem, v, active, s, modes=None, secants=None, smooth=None):
+        """The Stability of an equilibrium, to `fine`; modes, secants: of one nearby, if known.
+
+        smooth: a function close to the inverse of -dR/dv, if one is at hand.
+        """
+        return self._judged(problem, v, active, modes, secants, 0.0, True, smooth)
 
     def _scale(self, problem):
         """gamma, or, where that is infinite, k_min: what growths are measured by."""
         critical = problem.motion().critical
         return self.damping * critical if np.isfinite(self.damping) else 0.25 * critical**2
 
-    def _judged(self, problem, v, active, modes, secants, speed, fine):
+    def _judged(self, problem, v, active, modes, secants, speed, fine, smooth):
         motion = problem.motion()
         maps, friction = motion.disturbance(v, active), self.damping * motion.critical
         space = wave = None
@@ -124,7 +131,7 @@ class Watch:
             waves = self.damping < maps.flutter(motion.critical)
             k_min = 0.25 * motion.critical**2
             radius = (LIMITS.wide if waves else LIMITS.radius) * k_min
-            start = self._start(problem, maps, v, active, known.space, secants)
+            start = self._start(problem, maps, v, active, known.space, secants, smooth)
             _, room, inverse = self._scratch
             scale = self._scale(problem)
             (growth, mu, x), space = near_zero(maps, inverse, friction, radius, scale, start, fine, room.emptied(maps))
@@ -136,15 +143,17 @@ class Watch:
                 if found[0] - 2.0 * found[1] > growth:
                     growth, mu, x = found[0] - 2.0 * found[1], *found[2:]
         kind = "flutter" if abs(mu.imag) > 1e-9 * abs(mu) else "bifurcation"
-        return Stability(growth, kind, maps.seen(x.real), Modes(growth, v, speed, 0, space, wave))
+        way = np.abs(v - modes.v).max() if modes else 0.0
+        rise = max(0.0, growth - modes.growth) / way if way > 0.0 else 0.0
+        return Stability(growth, kind, maps.seen(x.real), Modes(growth, v, speed, rise, 0, space, wave))
 
-    def _start(self, problem, maps, v, active, space, secants):
+    def _start(self, problem, maps, v, active, space, secants, smooth):
         """The vectors to begin with; readies the memory for this equilibrium."""
         sizes = maps.size, problem.size
         if self._scratch is None or self._scratch[0] != sizes:
             self._scratch = sizes, Space(maps.size, LIMITS.room), Inverse(problem.size)
         inverse = self._scratch[2]
-        inverse.of_tangent(problem.tangent(v, active), problem.smoother(v, active), secants)
+        inverse.of_tangent(problem.tangent(v, active), smooth or problem.smoother(v, active), secants)
         return space if space is not None else np.array([maps.spread(w) for w in leading(inverse)])
 
 
