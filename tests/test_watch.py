@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.continuation.stability import Watch, rate
+from solver.continuation.stability import Modes, Watch, rate
 from solver.continuation.state import State
 from solver.mechanics.disturbance import uniform_growth
 from solver.run.loadpath import Checkpoint, Run, load_path
@@ -116,9 +116,31 @@ def test_a_look_goes_on_from_the_one_before():
     before = problem.evaluations
     known = State.at_rest(state.load, state.v, state.active)
     known.modes, known.secants = first.modes, state.secants
-    again = watch.look(problem, state.v, state.active, state.load, known, 3)
+    again = watch.look(problem, state.v, state.active, state.load, known)
     assert again.rests
     assert problem.evaluations - before < 20
+
+
+@pytest.mark.parametrize(
+    ("growth", "rise", "way", "looked"),
+    [
+        (-0.5, 0.0, 1.0, False),
+        (-0.35, 0.0, 1.0, False),
+        (-0.35, 0.05, 1.0, False),
+        (-0.35, 0.1, 1.0, True),
+        (-0.2, 0.0, 1.0, True),
+        (-0.2, 0.0, 0.3, False),
+        (-0.05, 0.0, 0.1, True),
+        (1e-9, 0.0, 1e-3, True),
+    ],
+)
+def test_looks_get_the_denser_the_nearer_to_zero_growths_are_and_the_faster_they_rise(growth, rise, way, looked):
+    """Growths in units of gamma, the way in nm from the state looked at last; a rise is one per nm."""
+    *_, (_, problem, state) = states(Scene(u_x_max=9.0), 10)
+    watch, scale, before = Watch(1.0), problem.motion().critical, problem.evaluations
+    state.modes = Modes(growth * scale, state.v + 0.1 - way, speed=2.0, rise=rise * scale)
+    watch.look(problem, state.v + 0.1, state.active, state.load + 0.1, state)
+    assert (problem.evaluations > before) == looked
 
 
 def test_a_flat_surface_is_judged_by_the_blocks_of_all_waves():
