@@ -130,7 +130,8 @@ def run(scene, fraction=0.5, tolerance=None, increment=Plain.rest, restless=Fals
     plain, p0 = Plain(scene, fraction, tolerance, restless=restless), None
     n, area, U_z = scene.shear_increments, 1.0 / (scene.nodes * scene.E), scene.delta_0
     far = [scene.shear_at(k) for k in range(-n, n + 1)]
-    approach = [scene.approach_at(k) for k in range(scene.approach_increments + 1)]
+    steps = range(scene.approach_increments + 1)
+    approach = [min(scene.delta, k * scene.du_z * scene.delta_n - scene.delta_0) for k in steps]
     legs = [("approach", approach), ("shear", far[n:]), ("back", far[::-1]), ("forth", far)]
     u = np.array([[0.0], [U_z]]) * np.ones(plain.n)
     for stage, loads in legs if scene.path == "loop" else legs[:2]:
