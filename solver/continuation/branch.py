@@ -21,10 +21,10 @@ from .state import LimitPoint, State
 class Limits:
     """Of the continuation; lengths in units of the problem's `unit`, measured in the largest change of an unknown.
 
-    order: of the extrapolation in the load. steps: Anderson steps of one point, `first_steps` where there is but one
-    state to go on from. farthest, surprise: a change, and a distance from the extrapolation, from which on an increment
-    is followed by arc length. short, long, shortest: first, longest and least step along the arc. growth: of one step
-    over the one before; farther, the extrapolation means nothing.
+    order: of the extrapolation in the load. steps: Anderson steps of one increment, `first_steps` where there is but
+    one state to go on from, `arc_steps` of one point by arc length. farthest, surprise: a change, and a distance from
+    the extrapolation, from which on an increment is followed by arc length. short, long, shortest: first, longest and
+    least step along the arc. growth: of one step over the one before; farther, the extrapolation means nothing.
     astray: a point so many steps off lies on another branch. beyond: part of a step, to see on which side of a fold a
     point lies. sharpness: of the load at a fold, or that at which another mode starts to grow. approaches: of the arc
     towards the load asked for. start: of the motion, from the end of the branch; from farther off, soft layers reach
@@ -32,8 +32,9 @@ class Limits:
     """
 
     order: int = 3
-    steps: int = 40
-    first_steps: int = 100
+    steps: int = 60
+    first_steps: int = 150
+    arc_steps: int = 40
     farthest: float = 0.5
     surprise: float = 0.1
     short: float = 0.1
@@ -127,7 +128,7 @@ class _Arc:
         weights = lagrange(arcs, arc)
         load = sum(weight * point[1] for weight, point in zip(weights, here, strict=True))
         v = combine(weights, [point[2] for point in here])
-        load = self.corrector.solve_on_arc(v, self.state.active, load, self.state.secants, LIMITS.steps, chord, arc)
+        load = self.corrector.solve_on_arc(v, self.state.active, load, self.state.secants, LIMITS.arc_steps, chord, arc)
         return None if load is None else (load, v)
 
     def _two_points(self):
@@ -154,7 +155,7 @@ class _Arc:
             (load1, v1), (load0, v0) = points[:2]
             part = (target - load0) / (load1 - load0)
             v = v0 + part * (v1 - v0)
-            active = self.corrector.settle(v, state.active, target, state.secants, LIMITS.steps)
+            active = self.corrector.settle(v, state.active, target, state.secants, LIMITS.arc_steps)
             if active is not None:
                 break
             chord = _chord(v1 - v0)
