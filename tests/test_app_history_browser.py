@@ -117,16 +117,17 @@ def test_a_print_is_one_page_of_views_that_do_not_overlap(visit):
     page.wait_for_function("punch.drawn === 209")
     pdf = page.pdf(prefer_css_page_size=True)
     assert len(re.findall(rb"/Type\s*/Page\b", pdf)) == 1
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print")
     page.set_viewport_size({"width": 718, "height": 1045})  # A4 without its margins, at 96 px per inch
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
     assert not page.locator(".player").is_visible() and not page.locator(".controls").is_visible()
     boxes = [view.bounding_box() for view in page.locator(".printed:visible").all()]
-    assert len(boxes) == 5 and all(box["height"] > 80 for box in boxes)
+    assert len(boxes) == 5 and all(box["width"] > 300 and box["height"] > 80 for box in boxes)
     for i, a in enumerate(boxes):
         for b in boxes[:i]:
             apart = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
             assert apart or a["y"] + a["height"] <= b["y"] or b["y"] + b["height"] <= a["y"]
-    assert "δ/δ₀ = 0" in page.inner_text("#caption")
+    assert page.locator("#caption").is_visible() and "δ/δ₀ = 0" in page.inner_text("#caption")
+    assert not page.locator(".view > :not(.printed)").filter(visible=True).count()
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator(".printed").count() == 0

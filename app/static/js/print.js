@@ -17,6 +17,7 @@ export function canvasOf(name) {
 }
 
 function before() {
+  if (document.querySelector(".printed")) return // on paper already
   by("caption").textContent = described(me.run, me.drawn)
   for (const name in figures) {
     const holder = holderOf(figures[name])

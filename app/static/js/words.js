@@ -13,7 +13,8 @@ export const value = (name, given) => `${SYMBOLS[name] ?? name} = ${`${given}`.r
 export function parameters({ values, address, preset } = me.status) {
   const others = Object.keys(address).filter((name) => !["preset", "profile", ...MAIN].includes(name))
   const title = document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
-  return [...MAIN, ...others].map((name) => value(name, values[name])).join(", ") + ` (${others.length || MAIN.some((n) => n in address) ? "from " : ""}${title})`
+  const changed = others.length || MAIN.some((name) => name in address)
+  return `${title}${changed ? ", changed" : ""}: ${[...MAIN, ...others].map((name) => value(name, values[name])).join(", ")}`
 }
 
 export function described(run, k) {
