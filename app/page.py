@@ -73,6 +73,8 @@ def _page(session):
     template.add_variable("speeds", SPEEDS)
     template.add_variable("plain_speed", PLAIN_SPEED)
     pn.state.curdoc.js_on_event("document_ready", _player(session, figures))
+    lost = CustomJS(code="document.dispatchEvent(new Event('connection-lost'))")
+    pn.state.curdoc.js_on_event("connection_lost", lost)
     return template
 
 

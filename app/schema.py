@@ -60,9 +60,9 @@ RIDERS = {  # on the interface law, as pages/law.js tells them apart; another co
 CURVES = {
     "T_n": Curve("normal Tₙ, repulsion > 0", "--normal", symbol="Tₙ"),
     "T_t": Curve("tangential Tₜ, against +x", "--shear", "dashed", "Tₜ"),
-    "F": Curve("friction F̄ = F/(wE)", "--shear", symbol="F̄"),
-    "L": Curve("load L̄ = L/(wE)", "--normal", "dashed", "L̄"),
-    "A": Curve("Ā = A/w under repulsion", "--area", symbol="Ā"),
+    "F": Curve("friction F", "--shear", symbol="F"),
+    "L": Curve("load L", "--normal", "dashed", "L"),
+    "A": Curve("A, width under repulsion", "--area", symbol="A"),
     "ghost": Curve("before", "--ghost"),
 }
 FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t in N/m

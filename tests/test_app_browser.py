@@ -64,7 +64,7 @@ def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
     page.wait_for_function("punch.status.values.delta_bar === 0.12", timeout=PATIENCE)
     finished(page, run=2)
     assert page.evaluate("punch.run.values(punch.run.length - 1).delta") == pytest.approx(1.2)
-    assert page.evaluate("punch.status.run") <= 13
+    assert page.evaluate("punch.status.run") <= 25  # a coarse and an exact one for each move at most
 
 
 def test_play_pause_step_and_reset(visit):
@@ -138,10 +138,8 @@ def test_every_tab_stop_is_a_control(visit):
         "take",
         "solver-figures",
         *entered,
-        "lens-on",
-        "as-table",
-        "lens",
-        *["as-table"] * 4,
+        *("lens-on", "as-table", "lens"),
+        *("as-table", "bar", "as-table", "as-table", "as-table"),
         "reset",
         "back",
         "play",

@@ -21,12 +21,14 @@ FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && p
 
 
 class Server:
-    """`panel serve app` on a free port, with what it logs."""
+    """`panel serve app` on a free port, or a given one, with what it logs."""
 
-    def __init__(self, prefix=""):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+    def __init__(self, prefix="", port=None):
+        self.port = port
+        if port is None:
+            with socket.socket() as probe:
+                probe.bind(("127.0.0.1", 0))
+                self.port = probe.getsockname()[1]
         command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
         quick = [
             "--unused-session-lifetime",

@@ -109,7 +109,7 @@ def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
     tiny = page.evaluate("punch.run.curves.F_bar.findIndex((F) => F < 0 && F > -4e-7)")
     assert tiny >= 0
     paused_at(page, tiny)
-    assert "F̄ = 0.000" in page.inner_text("#readout")
+    assert "F = 0.000 N/m" in page.inner_text("#readout")
 
 
 def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):

@@ -29,6 +29,9 @@ class Shelf:
         self.capacity, self.size = capacity, 0
         self._runs, self._lock = OrderedDict(), Lock()
 
+    def __contains__(self, scene):
+        return scene in self._runs
+
     def __len__(self):
         return len(self._runs)
 

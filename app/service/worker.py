@@ -262,6 +262,7 @@ def pack(scene, rows, last):
         "abscissa": "delta" if normal else "U_x",
         "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
         "span": _span(scene),
+        "approach": [-scene.delta_0, scene.delta, scene.du_z * scene.delta_n],  # from, to and step of delta
         "adhesion": scene.phi_n / (e * scene.delta_n),
         "free": FREE,
         "delta_n": scene.delta_n,

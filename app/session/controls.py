@@ -58,7 +58,9 @@ CONTROLS = (
         "Indentation",
         "δ̄",
         "× 10 nm",
-        "How far the punch is pressed down, over δ₀ = 10 δₙ = 10 nm. Below about 0.2 the load pulls, above it pushes.",
+        "How far the punch is pressed down, over δ₀ = 10 δₙ = 10 nm. Marks beside the slider"
+        " show where the surfaces jump into contact, where the load turns from pulling to pushing (L = 0), and where a"
+        " punch that is lifted again lets go.",
         _even(-1.0, 1.0, 0.01),
     ),
     Control(
@@ -74,7 +76,8 @@ CONTROLS = (
         "Stiffness",
         "E",
         "GPa",
-        "Young's modulus of the punch. Soft punches stick and stretch, stiff ones hardly deform.",
+        "Young's modulus of the punch. Soft punches stick and stretch, stiff ones hardly deform."
+        " A mark shows beyond what stiffness sliding is smooth, without slips.",
         _logarithmic(10.0, 3000.0, 121, 70.0),
     ),
 )

@@ -13,7 +13,7 @@ SMALL = 8000  # characters of an order, but for one that brings a profile
 LARGEST = 2_000_000  # characters of a profile
 LONGEST = 64  # characters of a value
 LONGER = {"profile": 2000, "link": 5000}  # of those that are longer
-PLAIN = ("hello", "pause", "go", "one", "reset", "measure", "cancel")  # orders without values
+PLAIN = ("hello", "pause", "go", "one", "skip", "reset", "measure", "cancel")  # orders without values
 ASKED = {  # of a page
     **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
     **dict.fromkeys(("what", "quantity"), str),
@@ -31,12 +31,16 @@ class Refused(ValueError):
 
 @dataclass(frozen=True)
 class Order:
-    """do: what, with values {name: str, number or bool}; n: its number; after: (run, frame) to go on from."""
+    """do: what, with values {name: str, number or bool}; n: its number; after: (run, frame) to go on from.
+
+    held: whether a hand is on the slider.
+    """
 
     do: str
     values: dict = field(default_factory=dict)
     n: float | None = None
     after: tuple | None = None
+    held: bool = False
 
 
 def read(text):
@@ -51,7 +55,7 @@ def read(text):
         return Order("profile", {"text": values["text"]}, _number(order.get("n")))
     if not isinstance(values, dict) or not all(map(_is_value, values, values.values())):
         raise Refused("An order may hold short texts and numbers only.")
-    checked = Order(str(do), values, _number(order.get("n")), _place(order.get("from")))
+    checked = Order(str(do), values, _number(order.get("n")), _place(order.get("from")), order.get("held") is True)
     if do in PLAIN:
         return Order(checked.do, {}, checked.n)
     if do == "scene" and values and values.keys() <= PARAMETERS.keys():

@@ -25,9 +25,22 @@ class Run:
     seconds: float = 0.0
     widest: float = 0.0  # part of w over which anything acted, at most
     heavy: bool = False  # whether an increment takes so long that the run must not be in the way of others
+    wish: Scene = None  # what was asked for: `scene`, but with its own increments
+    refines: bool = False  # whether it takes the place of a coarser one: shown when it is done
+    seen: bool = False  # whether the browser has some of it beyond the approach
     lost: int = 0
     why: str = ""
     blocks: list = field(default_factory=list)  # packed frames so far
+
+    @property
+    def coarse(self):
+        """Whether finer increments are asked for than these."""
+        return self.scene != self.wish
+
+    @property
+    def coming(self):
+        """Whether the run that was asked for is still to come, and one with coarser increments on screen."""
+        return (self.refines and self.state == "running") or (self.coarse and self.state == "finished")
 
     def tractions(self, k, blocks):
         """(first node, T (2, m) GPa) of frame k as the browser numbers them, from packed blocks; None if it is gone."""
@@ -42,7 +55,7 @@ class Run:
     def status(self):
         """The numbers for the browser, as plain data."""
         return {
-            "state": self.state,
+            "state": "refining" if self.coming else self.state,
             "run": self.number,
             "after": self.after or None,
             "frames": self.frames,

@@ -24,6 +24,7 @@ from app.session.controls import (
     scene_from_address,
     values_of,
 )
+from app.session.marks import Marks
 from app.session.run import Chains, Run
 from app.session.share import Share
 from app.session.wire import Wire
@@ -36,11 +37,24 @@ from solver.run.carry import GEOMETRY
 log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
-SPARE = 0.09  # s for which a superseded run may go on if that is enough to finish it: whole curves in a drag
+SPARE = 0.2  # s that a superseded run may still need: it is finished, for whole curves in a drag
+PATIENCE = 0.25  # s for which a slice in flight may keep a newer scene waiting
+PATIENTLY = 4  # times that if nothing of its run was seen
+STEP = 0.5  # delta_t, delta_n: of the increments while a slider is held; slips are located all the same
+SHORTEST = 40  # such increments at least
+REST = 0.12  # s for which a slider rests before its scene is computed with its own increments
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
 WAITS = 1.0  # s in the queue, after which a visitor is told its place
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
+
+
+def coarse(scene):
+    """The scene with larger increments, for a curve while a slider is held; a flat's are too near to its period."""
+    if scene.surface == "flat":
+        return scene
+    step = max(scene.du_x, min(STEP, scene.u_x_max / (SHORTEST * scene.delta_t)))
+    return scene.changed(du_x=step, du_z=max(scene.du_z, STEP))
 
 
 class Session:
@@ -58,6 +72,7 @@ class Session:
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
         self.beside, self.share = Beside(self), Share(self)
+        self.marks = Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.run = None
         self.chains = Chains()
@@ -82,6 +97,7 @@ class Session:
             self.pages.close()
             self.beside.close()
             self.share.close()
+            self.marks.close()
             self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -103,7 +119,7 @@ class Session:
     def _obey(self, order):
         name, values = order.do, order.values
         if name == "scene":
-            self.change(values, order.after)
+            self.change(values, order.after, order.held)
         elif name == "profile":
             self.read_profile(values["text"])
         elif name == "preset":
@@ -138,10 +154,11 @@ class Session:
         """The page is drawn and listens."""
         self._want(self.scene)
 
-    def change(self, entries, after=None):
+    def change(self, entries, after=None, held=False):
         """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
 
         after: (number of a run, frame) whose state the new run goes on from, rather than starting anew.
+        held: the hand is still on the slider: coarse increments first.
         """
         self.notes = []
         scene, self.errors = changed_scene(self.scene, entries, self.notes)
@@ -150,7 +167,7 @@ class Session:
         else:
             after = self._usable(scene, after)
             self.scene = scene
-            self._want(scene, after)
+            self._want(scene, after, held)
 
     def _usable(self, scene, after):
         """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
@@ -203,7 +220,7 @@ class Session:
 
     def pause(self):
         """Submit no further slice until `go`."""
-        if self.run and self.run.state in ("running", "warming"):
+        if self.run and self.run.state in ("running", "warming") and not self.run.refines:
             self.run.state = "paused"
             self.publish()
 
@@ -219,24 +236,36 @@ class Session:
         if self.run and self.run.state == "paused":
             self._submit(0.0)
 
+    def skip(self):
+        """Go on with what was computed."""
+        if self.run and self.run.state == "running":
+            self._abandon()
+            self.run.state = "skipped"
+            self.publish()
+
     # the run
 
-    def _want(self, scene, after=None):
-        """The latest wish wins: at once, or after a run that seems to end soon, whether it does or not."""
+    def _want(self, scene, after=None, held=False):
+        """The latest wish wins, once the visitor has seen something of the run before; a refinement ends at once."""
         self.bench.cancel("the scene has changed")
         self.pages.scene_changed()
-        if self.flight is None or self.flight.cancel() or self._far_from_done():
-            self._begin(scene, after)
+        if self.flight is None or self.flight.cancel() or self.run.refines:
+            self._begin(scene, after, held)
             return
         if self.wanted is None:
-            number = self.run.number
-            self.doc.add_timeout_callback(lambda: self._lose_patience(number), round(1000 * SPARE))
-        self.wanted = scene, after
+            self._wait(self.run.number, PATIENTLY)
+        self.wanted = scene, after, held
 
-    def _lose_patience(self, number):
-        """The run had its time and is still not done: its slice may end unseen."""
+    def _wait(self, number, times):
+        self.doc.add_timeout_callback(lambda: self._lose_patience(number, times - 1), round(1000 * PATIENCE))
+
+    def _lose_patience(self, number, times):
+        """The run had its time: its slice may end unseen, rather sooner if something of it is on screen."""
         if not self.closed and self.wanted is not None and self.run.number == number:
-            self._begin(*self.wanted)
+            if self.run.seen or times == 0:
+                self._begin(*self.wanted)
+            else:
+                self._wait(number, times)
 
     def _far_from_done(self):
         """Whether at its pace until now the run would need much longer than SPARE; False before its first slice."""
@@ -245,7 +274,8 @@ class Session:
 
     def _gives_way(self):
         """Whether the run ends here for a newer scene."""
-        return self.wanted is not None and (self.run.state != "running" or self._far_from_done())
+        run = self.run
+        return self.wanted is not None and (run.state != "running" or (run.seen and self._far_from_done()))
 
     def _abandon(self):
         """Wait no longer for the slice in flight: another worker takes what comes next."""
@@ -253,11 +283,12 @@ class Session:
             self.pool.abandon(self.flight)
             self.flight = None
 
-    def _begin(self, scene, after=None):
+    def _begin(self, wish, after=None, held=False, refines=False):
         self._abandon()
         number = self.run.number + 1 if self.run else 1
         state = "warming" if self.pool.status != "ready" else "running"
-        self.run = Run(number, scene, increments_of(scene), state, time.monotonic())
+        scene = coarse(wish) if held and wish not in self.shelf else wish
+        self.run = Run(number, scene, increments_of(scene), state, time.monotonic(), wish=wish, refines=refines)
         self.wanted = None
         if after:
             self.run.after, self.run.history = after, self.chains.history(*after)
@@ -267,8 +298,21 @@ class Session:
         if known is not None:
             self._show_known(known)
         else:
-            self._submit(FIRST)
+            self._submit(BUDGET if self.run.coarse or refines else FIRST)
+        self._follow_up()
         self.publish()
+
+    def _follow_up(self):
+        """After a run with coarse increments one with its own follows, when the hand rests; then the sliders' marks."""
+        run = self.run
+        if run.state == "finished" and run.coarse:
+            self.doc.add_timeout_callback(lambda: self._refine(run), round(1000 * REST))
+        elif run.state == "finished":
+            self.marks.seek(run.scene)
+
+    def _refine(self, run):
+        if not self.closed and self.run is run and self.flight is None:
+            self._begin(run.wish, run.after or None, refines=True)
 
     def _submit(self, budget):
         if self.flight is None:
@@ -317,6 +361,7 @@ class Session:
             self._submit(BUDGET)
         elif self.run.state == "paused" and self.budget == 0.0 and self.run.frames == before:
             self._submit(0.0)  # the one increment asked for was left out, as it takes longer: once more, with more time
+        self._follow_up()
         self.publish()
 
     def _show(self, piece):
@@ -331,6 +376,7 @@ class Session:
         run.residual = max(run.residual, piece.residual)
         run.widest = max(run.widest, piece.widest)
         run.blocks += piece.blocks
+        run.seen = run.seen or piece.done or (piece.frames > 0 and piece.checkpoint.stage != "approach")
         run.seconds = time.monotonic() - run.started
         if run.state == "warming":
             run.state, run.started = "running", time.monotonic()
@@ -338,8 +384,10 @@ class Session:
             run.state, run.why = ("failed", piece.failure) if piece.failure else ("finished", "")
             run.total = run.frames if run.state == "finished" else run.total
             run.checkpoint = run.last = None
+            if run.refines:
+                self._send(run.blocks)
             self._keep()
-        if piece.done or not self._gives_way():
+        if not run.refines:
             self._send(piece.blocks)
 
     def _keep(self):
@@ -405,4 +453,5 @@ class Session:
         waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
         own = {"values": values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": address_of(self.scene, self.preset), "queue": self.told_place}
+        own |= {"scene": values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
         self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.cautions + waits})

@@ -1,6 +1,6 @@
 """The five views of the experiment, as Bokeh models; from then on only their sources change, in the browser.
 
-Units: lengths in nm, tractions in GPa, F̄, L̄ and Ā in thousandths (they are dimensionless: over w E, w E and w).
+Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the browser names others when it uses them.
 """
 
 import numpy as np
@@ -23,13 +23,14 @@ from bokeh.models import (
     Scatter,
     Span,
     Toolbar,
+    VBar,
 )
 
 from app.schema import CURVES, NODES
 
 FRAME = {
     # px beside the frame, the same in every view so that shared axes line up
-    **{"min_border_left": 72, "min_border_right": 14, "min_border_top": 6, "min_border_bottom": 4},
+    **{"min_border_left": 76, "min_border_right": 14, "min_border_top": 6, "min_border_bottom": 4},
     "output_backend": "canvas",  # a lecture hall's laptops may lack WebGL
     **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 80},
 }
@@ -75,12 +76,14 @@ def traction(x):
 
 def forces(x):
     """Friction and load along the path, those of the run before pale behind."""
-    return _figure("forces", x, Range1d(-1, 2), TOP, "F̄, L̄ (10⁻³)", [_zero(), _pins(), *_curves("F", "L")])
+    ways = Scatter(x="U_x", y="value", angle="angle", marker="triangle", size=11)
+    heads = _drawn("ways", ways, "--text", data={"U_x": [], "value": [], "angle": []})  # of arrows
+    return _figure("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)", [_zero(), _pins(), *_curves("N/m", "F", "L"), heads])
 
 
 def area(x):
     """Contact area along the path."""
-    return _figure("area", x, Range1d(0, 100), TOP, "Ā (10⁻³)", [_pins(), *_curves("A")])
+    return _figure("area", x, Range1d(0, 100), TOP, "A (nm)", [_pins(), *_curves("nm", "A")])
 
 
 def contact_map(x):
@@ -89,16 +92,20 @@ def contact_map(x):
     image = Image(color_mapper=LinearColorMapper(palette=["#888888"], low=0, high=1, nan_color="#00000000"))
     said = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
     slips = Scatter(x="U_x", y="x", marker="diamond", size=8)
-    parts = [_drawn("map", image, "", said, data=blank), _pins(), _drawn("slips_map", slips, "--slip"), _cursor()]
+    stripes = VBar(x="x", width="width", bottom="bottom", top="top", fill_alpha=0.15, line_alpha=0)
+    stripes.update(hatch_pattern="right_diagonal_line", hatch_color="#808080", hatch_weight=2, hatch_scale=8)
+    unrested = _drawn("unrested", stripes, "--free", data={name: [] for name in ("x", "width", "bottom", "top")})
+    parts = [_drawn("map", image, "", said, data=blank), unrested, _pins()]
+    parts += [_drawn("slips_map", slips, "--slip"), _cursor()]
     return _figure("map", x, Range1d(-250, 250), TOP, UNDEFORMED, parts)
 
 
-def _curves(*names):
+def _curves(unit, *names):
     """Curves along the path, on top of those of the run before, with the slips of the first."""
     ghosts = [(name, Line(x="U_x", y="value", line_width=3, line_dash=CURVES[name].dash)) for name in names]
     return [
         *(_drawn(f"ghost_{name}", line, CURVES["ghost"].colour) for name, line in ghosts),
-        *(_curve(name, "U_x", "value", "Uₓ", "·10⁻³") for name in names),
+        *(_curve(name, "U_x", "value", "Uₓ", unit) for name in names),
         _drawn(f"slips_{names[0]}", Scatter(x="U_x", y="value", marker="diamond", size=8), "--slip"),
         _cursor(),
     ]
@@ -139,6 +146,13 @@ def _part(label, model, colour, hover=None):
     return model, hover
 
 
+def _beside_each_other(tools):
+    """Boxes of two curves on either side of the mouse, so that none hides the other."""
+    if len(tools) == 2 and all(tool.mode == "vline" for tool in tools):
+        tools[0].attachment, tools[1].attachment = "right", "left"
+    return tools
+
+
 def _figure(name, x, y, x_label, y_label, parts):
     """Axes, grid and parts; no tools that catch the wheel or a finger."""
     across = LinearAxis(axis_label=x_label, **AXIS)
@@ -149,6 +163,6 @@ def _figure(name, x, y, x_label, y_label, parts):
         **{"name": name, "title": None, "toolbar_location": None, "x_range": x, "y_range": y},
         **{"below": [across], "left": [up], "center": [Grid(axis=across, dimension=0), Grid(axis=up, dimension=1)]},
         renderers=[part for part, _ in parts],
-        toolbar=Toolbar(tools=[hover for _, hover in parts if hover]),
+        toolbar=Toolbar(tools=_beside_each_other([hover for _, hover in parts if hover])),
         **FRAME,
     )

@@ -17,9 +17,17 @@ WATCH = """
 () => {
   const slider = document.getElementById("delta_bar")
   window.marks = []
-  slider.addEventListener("input", () => marks.push({ at: performance.now(), run: punch.run.number }), true)
+  const entry = document.getElementById("delta_bar-entry")
+  window.curves = []  // whole new ones: when painted, and how long after their value was chosen
+  slider.addEventListener("input", () => {
+    const mark = { at: performance.now(), run: punch.run.number }
+    marks.push(mark)
+    setTimeout(() => { mark.value = Number(entry.value) })
+  }, true)
   const watch = () => {
-    const now = performance.now(), run = punch.run
+    const now = performance.now(), run = punch.run, shown = marks.find(({ value }) => value === run.scene?.delta_bar)
+    const painted = run.whole && !punch.fresh && shown && curves.at(-1)?.run !== run.number
+    if (painted) curves.push({ run: run.number, at: now, age: now - shown.at })
     for (const mark of marks) {
       if (run.number <= mark.run || punch.fresh) continue
       if (!mark.first && run.sheared >= 0) mark.first = now - mark.at
@@ -52,7 +60,7 @@ def measure(page, moves, drag):
         else:
             page.wait_for_function(SETTLED, timeout=60_000)
     page.wait_for_function(SETTLED, timeout=60_000)
-    return page.evaluate("marks")
+    return page.evaluate("[marks, curves]")
 
 
 def main():
@@ -68,7 +76,7 @@ def main():
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         stiffness = 70.0 if options.known else 70.0 + time.time() % 1.0
         page.goto(f"{options.url}?delta_bar=-0.3&E={stiffness:.6f}")
-        marks = measure(page, options.moves, options.drag)
+        marks, curves = measure(page, options.moves, options.drag)
         runs = page.evaluate("punch.run.number") - 1
         browser.close()
     load = " ".join(f"{part:.1f}" for part in os.getloadavg())
@@ -76,6 +84,12 @@ def main():
     for what, name in (("first", "first changed frame"), ("whole", "whole new curve")):
         times = [mark[what] for mark in marks]
         print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")
+    if options.drag:
+        held = [curve for curve in curves if curve["at"] <= marks[-1]["at"] + 250]
+        seconds = (marks[-1]["at"] - marks[0]["at"]) / 1000
+        ages = [curve["age"] for curve in held] or [float("inf")]
+        print(f"{len(held) / seconds:.1f} new curves a second while dragging; age of each when painted", end=" ")
+        print(f"p50 {percentile(ages, 0.5):.0f} ms   p95 {percentile(ages, 0.95):.0f} ms")
 
 
 if __name__ == "__main__":

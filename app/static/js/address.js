@@ -98,7 +98,7 @@ function drawn(run, k) {
   seen = [...url].filter(([name]) => VIEWED.includes(name))
   clearTimeout(resting)
   if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
-  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole) return
+  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || me.status.state === "refining") return
   resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
 }
 

@@ -1,21 +1,32 @@
 // Messages between this page and the server: `order` to it, everything else from it (app/session/wire.py).
 
 import { onChange } from "./bokeh.js"
+import { me } from "./state.js"
 
+const ANSWERED = ["scene", "preset", "restore", "reset"] // orders that change the scene: the server always says that it has heard
 let wire = null
 let orders = 0, asks = 0
+let unheard = [] // {n, what, values, at} of those not yet answered
 
 export const connect = (given) => { wire = given }
 export const listen = (what, call) => onChange(wire, what, () => call(wire[what]))
 export const latest = () => orders - 1 // number of the last order: the server says which one it has heard
+export const waiting = () => unheard
+export const silence = () => (unheard.length ? performance.now() - unheard[0].at : 0) // ms
 
 export function order(what, values, more) {
-  wire.order = JSON.stringify({ do: what, values, n: orders++, ...more })
+  const n = orders++
+  if (ANSWERED.includes(what)) unheard.push({ n, what, values, at: performance.now() })
+  if (!me.lost) wire.order = JSON.stringify({ do: what, values, n, ...more })
+}
+
+export function heard(n) {
+  unheard = unheard.filter((sent) => sent.n > n)
 }
 
 // Ask the page that is open for something
 export function ask(values) {
-  wire.order = JSON.stringify({ do: "ask", values, ask: asks++ })
+  if (!me.lost) wire.order = JSON.stringify({ do: "ask", values, ask: asks++ })
 }
 
 // A message of bytes: uint32 length of a JSON header, the header, the rest from `start` on

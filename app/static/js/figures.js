@@ -2,12 +2,12 @@
 
 import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
-import { by, minus } from "./dom.js"
+import { by, minus, say } from "./dom.js"
+import { forceUnit, tellStart } from "./units.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
 let states = {} // state of a node: {mark, said} (app/schema.py)
-const THOUSAND = 1000
 const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
@@ -52,34 +52,71 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 
 // Curves of other runs: their values, for the ranges, and what draws them
 export const overlays = { curves: () => [], drawn: () => {} }
-let drawnGhost = null
-const curve = (of, name) => ({ U_x: of?.shear(of.head.abscissa) ?? [], value: of?.shear(name, THOUSAND) ?? [] })
-export function drawCurves(run, ghost) {
+let drawnGhost = null, drawnUnit = "N/m", drawnApproach = false
+const NOTHING = { along: [], value: [] }
+export function drawCurves(run, ghost, approach) {
+  const part = (of, name, factor) => of?.drawn(name, approach, factor) ?? NOTHING
+  const curve = (...asked) => { const { along, value } = part(...asked); return { U_x: along, value } }
   if (ghost?.head.abscissa !== run.head.abscissa) ghost = null // drawn along something else
-  for (const [view, label, name] of [["forces", "F", "F_bar"], ["forces", "L", "L_bar"], ["area", "A", "A_bar"]]) {
-    if (ghost !== drawnGhost) fill(view, `ghost_${label}`, curve(ghost, name))
-    fill(view, label, curve(run, name))
+  const unit = forceUnit([run, ghost]), { F, L } = unit.names
+  const same = ghost === drawnGhost && unit.text === drawnUnit && approach === drawnApproach
+  for (const [view, label, name, factor] of [["forces", "F", F, unit.factor], ["forces", "L", L, unit.factor], ["area", "A", "A", 1]]) {
+    if (!same) fill(view, `ghost_${label}`, curve(ghost, name, factor))
+    fill(view, label, curve(run, name, factor))
   }
+  if (unit.text !== drawnUnit) nameForces(unit)
   drawnGhost = ghost
-  for (const [view, label, name] of [["forces", "slips_F", run.normal ? "L_bar" : "F_bar"], ["area", "slips_A", "A_bar"]]) {
-    const [U_x, value] = run.slips(name, THOUSAND)
+  drawnUnit = unit.text
+  drawnApproach = approach
+  for (const [view, label, name, factor] of [["forces", "slips_F", run.normal || approach ? L : F, unit.factor], ["area", "slips_A", "A", 1]]) {
+    const [U_x, value] = run.slips(name, factor, null, approach)
     fill(view, label, { U_x, value })
   }
-  const [start, end] = run.extent
-  set(figures.forces.x_range, { start, end })
-  nameAxis(run)
-  const shown = (name) => [...[run, ghost].map((of) => of?.shear(name, THOUSAND) ?? []), ...overlays.curves(run, name)]
-  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown("F_bar"), ...shown("L_bar")))
-  const areas = shown("A_bar").flatMap((list) => [...list]), least = Math.min(...areas), most = Math.max(...areas, 5)
-  overlays.drawn(run)
-  fit(figures.area.y_range, least > NARROW * most ? least : 0, most) // a few per cent of peeling must be seen
+  const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
+  set(figures.forces.x_range, { start: start - room, end: end + room })
+  nameAxis(run.normal || approach)
+  pointAlong(run, unit)
+  say("apart", run.apart ? "The surfaces do not reach each other: no force, no contact. Press the punch farther down." : "")
+  const shown = (name, factor) => [...[run, ghost].map((of) => part(of, name, factor).value), ...overlays.curves(run, part, name, factor)]
+  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F, unit.factor), ...shown(L, unit.factor)))
+  const areas = shown("A", 1).flatMap((list) => [...list]), least = Math.min(...areas), most = Math.max(...areas, run.head.spacing)
+  const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
+  overlays.drawn(run, part, unit, approach)
+  fit(figures.area.y_range, from, most)
+  tellStart(from && figures.area.y_range.start)
+}
+
+// Which way each part of a loop is walked: heads of arrows at its thirds
+function pointAlong(run, { names, factor }) {
+  const heads = { U_x: [], value: [], angle: [] }, along = run.along, value = run.curves[run.normal ? names.L : names.F]
+  const stages = run.normal || run.head.span[0] < 0 ? [...new Set(run.curves.stage)].filter((stage) => stage > 0) : []
+  for (const stage of stages) {
+    const first = run.curves.stage.indexOf(stage), last = run.curves.stage.lastIndexOf(stage)
+    for (const part of [1 / 3, 2 / 3]) {
+      const k = Math.round(first + part * (last - first))
+      if (along[last] === along[first]) continue
+      heads.U_x.push(along[k])
+      heads.value.push(value[k] * factor)
+      heads.angle.push(along[last] > along[first] ? -Math.PI / 2 : Math.PI / 2)
+    }
+  }
+  fill("forces", "ways", heads)
+}
+
+// The unit of forces, on the axis and beside the mouse
+function nameForces({ symbols, text }) {
+  set(figures.forces.left[0], { axis_label: `${symbols.F}, ${symbols.L} (${text})` })
+  for (const tool of figures.forces.toolbar.tools) {
+    const [where, [symbol]] = tool.tooltips, name = symbol.startsWith("F") ? "F" : "L"
+    set(tool, { tooltips: [where, [symbols[name], `@value{0.000} ${text}`]] })
+  }
 }
 
 // Curves are drawn along U_x, or along delta
-let named = "U_x"
-function nameAxis({ head: { abscissa }, normal }) {
-  if (abscissa === named) return
-  named = abscissa
+let named = false
+function nameAxis(normal) {
+  if (normal === named) return
+  named = normal
   for (const said of document.querySelectorAll(".slips")) said.textContent = normal ? "jump" : "slip"
   const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
   for (const view of ["forces", "area", "map"]) {
@@ -98,12 +135,14 @@ export function tellLimits(view, low, high) {
 
 export function drawMap(run, shown) {
   if (run.sheared < 0) return
-  const { image, rows, columns, start, low } = run.map(shown)
-  const { spacing, step } = run.head
+  const { image, rows, columns, start, low, step, unrested } = run.map(shown), { spacing } = run.head
   fillImage("map", "map", image, [rows, columns],
     { x: [start - step / 2], y: [low], dw: [columns * step], dh: [rows * spacing] })
   shadeMap(run)
-  const [U_x] = run.slips("F_bar", 1, run.stageOfMap(shown))
+  const bottom = unrested.map(() => low), top = unrested.map(() => low + rows * spacing)
+  fill("map", "unrested", { x: unrested.map(([x]) => x), width: unrested.map(([, width]) => width), bottom, top })
+  by("unrested").hidden = !unrested.length
+  const [U_x] = run.slips("F_bar", 1, run.stageOfMap(shown), run.approaching(shown))
   fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figures.map.y_range.start) })
 }
 
@@ -144,7 +183,7 @@ export function drawFrame(run, k) {
   }
   fill("traction", "T_n", { x, T: T_n })
   fill("traction", "T_t", { x, T: T_t })
-  for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.along[k] })
+  for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.curves[run.part(run.approaching(k)).abscissa][k] })
 }
 
 // The key of the nodes of a flat surface, which are all alike

@@ -37,7 +37,7 @@ export function connectHand(positions) {
   // the top follows the hand: a nanometre of the path for one on the screen
   function pull(along, dx) {
     const { start, end } = figures.punch.x_range
-    goto(me.run.nearest(along + (dx * (end - start)) / view.clientWidth, me.at))
+    goto(me.run.nearest(along + (dx * (end - start)) / view.clientWidth, Math.max(me.at, me.run.sheared)))
   }
 
   // as if the slider were moved

@@ -10,6 +10,7 @@ import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
 import { me, QUIET } from "./state.js"
+import { checkTruth } from "./truth.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
 const LARGEST_FILE = 2e6 // bytes, as the server
@@ -25,6 +26,7 @@ function enter(name, value) {
   moved(name)
   me.entered = { ...me.entered, [name]: value }
   me.quiet = performance.now() + QUIET
+  checkTruth()
   const rest = PACE - (performance.now() - last)
   if (rest > 0) setTimeout(send, rest)
   else send()
@@ -33,7 +35,7 @@ function enter(name, value) {
 function send() {
   if (!me.entered) return
   last = performance.now()
-  order("scene", me.entered, me.from && { from: me.from })
+  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(me.dragging && { held: true }) })
   me.entered = null
 }
 
@@ -131,6 +133,7 @@ export function connect(positions) {
   on("preset", "change", (event) => {
     if (me.anchor === null) me.anchor = me.run
     order("preset", { preset: event.target.value })
+    checkTruth()
   })
   on("profile", "change", readProfile)
   on("more", "click", () => (by("drawer").open ? by("drawer").close() : by("drawer").show()))

@@ -4,6 +4,7 @@ import * as accuracy from "./accuracy.js"
 import * as address from "./address.js"
 import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
+import * as connection from "./connection.js"
 import { by } from "./dom.js"
 import { adopt, paint, tellStretch, useNodes } from "./figures.js"
 import { connectHand } from "./hand.js"
@@ -14,6 +15,7 @@ import * as player from "./player.js"
 import * as print from "./print.js"
 import { me } from "./state.js"
 import * as status from "./status.js"
+import * as units from "./units.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
 // looks: {preset: text}; nodes: {state: how it is drawn}; positions: {slider: values}; index: Bokeh's index of views
@@ -45,8 +47,11 @@ export function start({ wire, figures, slots, looks, nodes, positions, index }) 
   }).observe(document.querySelector("figure"))
   paint()
   for (const name in positions) status.place(name, Number(by(`${name}-entry`).value))
+  connection.restore()
   me.speed = Number(by("speed").value)
   player.play(me.playing)
+  units.connect(player.redraw)
+  connection.connect()
   requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()

@@ -8,6 +8,8 @@ import { BESIDE, Run, unpack } from "./run.js"
 import { me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
+import { checkTruth } from "./truth.js"
+import { areaSaid, forceSaid, forceUnit } from "./units.js"
 
 const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
 
@@ -17,6 +19,7 @@ export function receive(buffer) {
   if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head), me.status.run === chunk.run ? me.status.after : null)
   me.run.add(chunk)
   if (me.following) me.at = me.run.length - 1
+  else if (me.place) toPlace()
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
   const now = performance.now()
   if (me.run.sheared >= 0 && me.begun !== me.run.number && now - me.freshAt > QUIET) painted(() => drawFresh(now))
@@ -27,9 +30,28 @@ function begin(run, after) {
   if (after && me.origin?.number === after[0]) run.takeOver(me.origin, after[1])
   if (me.anchor !== null) me.ghost = me.anchor.sheared >= 0 ? me.anchor : me.ghost
   me.anchor = me.dragging ? me.anchor : null
+  if (me.run?.length && !me.following && me.run.head.step !== run.head.step) { // its increments are of another size
+    me.place ??= me.run.place(Math.min(Math.floor(me.at), me.run.length - 1))
+  }
   me.run = run
+  if (me.status.run === run.number) me.run.scene = me.status.scene
+  checkTruth()
   me.bornAt = performance.now()
   me.preview = null
+}
+
+// The curves of the part of the path that the increment shown belongs to
+function drawPart(run) {
+  me.approach = run.approaching(Math.min(Math.floor(me.preview ?? me.at), run.length - 1))
+  drawCurves(run, me.ghost, me.approach)
+}
+
+// The increment of this run where that shown before would be
+function toPlace() {
+  const there = me.run.atPlace(me.place)
+  if (there === null) return
+  me.at = there
+  me.place = null
 }
 
 function drawFresh(now) {
@@ -37,8 +59,9 @@ function drawFresh(now) {
   me.freshAt = now
   if (me.run.sheared >= 0) {
     fitFrames(me.run)
-    drawCurves(me.run, me.ghost)
+    drawPart(me.run)
     me.begun = me.run.number
+    checkTruth()
     me.mapped = false
   }
   by("scrub").max = Math.max(me.run.length - 1, Number(by("scrub").max) || 0)
@@ -57,6 +80,11 @@ export function show() {
   painted(showFrame)
 }
 
+// Everything anew: the units have changed
+export function redraw() {
+  if (me.run) me.fresh = true
+}
+
 function showFrame() {
   const { run } = me
   if (!run?.length) return
@@ -64,7 +92,10 @@ function showFrame() {
   drawFrame(run, k)
   drawStory(run, k)
   me.drawn = k
-  if (run.sheared >= 0 && k >= run.sheared && me.begun === run.number && me.stage !== run.stageOfMap(k)) me.mapped = false
+  if (run.sheared >= 0 && me.begun === run.number) {
+    if (me.approach !== run.approaching(k)) drawPart(run)
+    if (me.stage !== run.stageOfMap(k)) me.mapped = false
+  }
   framePage()
   me.drawnAt = performance.now()
   for (const draw of me.also) draw(run, k)
@@ -79,10 +110,10 @@ function tellFrame(run, k) {
   const slipped = v.slip ? (run.normal ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
   const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
+  const unit = forceUnit([run])
   const said = [
     `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
-    `F̄ = ${fixed(v.F_bar * 1000, 3)}·10⁻³,`, `L̄ = ${fixed(v.L_bar * 1000, 3)}·10⁻³,`,
-    `Ā = ${fixed(v.A_bar * 1000, 1)}·10⁻³${slipped}`,
+    `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
     work,
   ]
   by("solver").lastElementChild.textContent = `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
@@ -95,7 +126,7 @@ export function tick(now) {
   before = now
   if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) painted(() => drawFresh(now))
   else if (!me.mapped && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
-  if (me.playing && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, now)
+  if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, now)
   requestAnimationFrame(tick)
 }
 
@@ -103,7 +134,7 @@ function advance(passed, now) {
   const { step } = me.run.head, last = me.run.length - 1
   me.clock += passed
   me.at += (passed * me.speed) / step
-  if (me.at > last + me.speed / step && me.status.state === "finished") me.at = me.run.sheared // after a second at the end
+  if (me.at > last + me.speed / step && ["finished", "skipped"].includes(me.status.state)) me.at = me.run.sheared // after a second at the end
   if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && now - me.drawnAt > PICTURE && now > me.quiet) show()
 }
 

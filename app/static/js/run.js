@@ -5,6 +5,9 @@ import { opened } from "./channel.js"
 export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/beside.py
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
+const NORMAL = ["approach", "unload", "reload", "press"] // stages in which delta changes
+// Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
+const REAL = { F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle] } // N/m, nm
 
 // One packed chunk (ArrayBuffer) as {run, head, columns: {name: Float32Array}, fields: {name: Int16Array (n, m)}};
 // nothing is copied
@@ -25,13 +28,14 @@ export class Run {
     this.number = number
     this.head = head
     this.places = [] // frame k -> [block, row]
-    this.curves = Object.fromEntries(head.columns.map((name) => [name, []]))
+    this.curves = Object.fromEntries([...head.columns, ...Object.keys(REAL)].map((name) => [name, []]))
     this.whole = false
     this.sheared = -1 // the frame at which shear begins, once it is there
     this.T_high = 0 // GPa, strongest repulsion of the shear frames
     this.T_low = 0
     this.T_most = 0 // GPa, strongest traction of either kind, and the most negative
     this.T_least = 0
+    this.strongestForce = 0 // N/m, of F and L
     this.lowest = 0 // nm, the smallest gap
     this.reach = 0 // nm from the middle within which anything acts while sheared
   }
@@ -45,7 +49,12 @@ export class Run {
     const { frames, last } = chunk.head
     this.whole = last
     const start = this.length
-    for (const name in this.curves) this.curves[name].push(...chunk.columns[name])
+    for (const name of this.head.columns) this.curves[name].push(...chunk.columns[name])
+    for (const name in REAL) {
+      const [bar, unit] = REAL[name], by = unit(chunk.head)
+      for (const value of chunk.columns[bar]) this.curves[name].push(value * by)
+      if (name !== "A") this.strongestForce = this.curves[name].slice(start).reduce((a, b) => Math.max(a, Math.abs(b)), this.strongestForce)
+    }
     for (let k = 0; k < frames; k++) {
       this.places.push([chunk, k])
       this.dip(chunk, k)
@@ -145,6 +154,29 @@ export class Run {
     return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]]))
   }
 
+  // Whether frame k is shown among the approach, along delta, rather than what follows; all of a run that ends there
+  approaching(k) {
+    return !this.normal && (this.sheared < 0 || k < this.sheared || this.head.span[0] === this.head.span[1])
+  }
+
+  // The frames [from, to) that are drawn together, and what along: the approach or what follows, both where delta changes
+  part(approach) {
+    const whole = this.normal || this.head.span[0] === this.head.span[1]
+    const [from, to] = approach ? [0, this.sheared < 0 || whole ? this.length : this.sheared] : [whole ? 0 : Math.max(0, this.sheared), this.length]
+    return { from, to, abscissa: approach ? "delta" : this.head.abscissa }
+  }
+
+  // {along, value} of a curve over a part, times `factor`
+  drawn(name, approach, factor = 1) {
+    const { from, to, abscissa } = this.part(approach)
+    return { along: Float32Array.from(this.curves[abscissa].slice(from, to)), value: Float32Array.from(this.curves[name].slice(from, to), (v) => v * factor) }
+  }
+
+  // Nothing acts anywhere after the approach
+  get apart() {
+    return this.whole && this.sheared >= 0 && this.reach === 0
+  }
+
   // A curve of the frames after the approach, times `factor`
   shear(name, factor = 1) {
     return this.sheared < 0 ? [] : Float32Array.from(this.curves[name].slice(this.sheared), (value) => value * factor)
@@ -159,6 +191,21 @@ export class Run {
     return this.head.abscissa === "delta"
   }
 
+  // Where frame k lies on its path, whatever the size of the increments
+  place(k) {
+    const stage = this.stage(k)
+    return { stage, at: this.curves[NORMAL.includes(stage) ? "delta" : "U_x"][k] }
+  }
+
+  // The frame closest to a place; null while it may still come
+  atPlace({ stage, at }) {
+    let best = null
+    for (let k = 0; k < this.length; k++) {
+      if (this.stage(k) === stage && (best === null || Math.abs(this.place(k).at - at) < Math.abs(this.place(best).at - at))) best = k
+    }
+    return this.whole ? best ?? this.length - 1 : best < this.length - 1 ? best : null
+  }
+
   stage(k) {
     return this.head.stages[this.curves.stage[k]]
   }
@@ -167,7 +214,7 @@ export class Run {
   takeOver(other, k) {
     this.places = other.places.slice(0, k + 1)
     for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
-    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "lowest", "reach"]) this[name] = other[name]
+    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "strongestForce", "lowest", "reach"]) this[name] = other[name]
   }
 
   // Work of the top over the closed cycle of a loop, nJ/m, once it is closed
@@ -177,22 +224,22 @@ export class Run {
     return this.whole && end("forth") > 0 ? work[end("forth")] - work[end("shear")] : null
   }
 
-  // [place along the path, value] at every slip (of one stage), times `factor`
-  slips(name, factor = 1, stage = null) {
-    const at = [[], []]
+  // [place along the path, value] at every slip (of one stage) of a part, times `factor`
+  slips(name, factor = 1, stage = null, approach = false) {
+    const at = [[], []], { from, to } = this.part(approach)
     this.curves.slip.forEach((slipped, k) => {
-      if (!slipped || k < this.sheared || (stage !== null && this.curves.stage[k] !== stage)) return
+      if (!slipped || k < from || k >= to || (stage !== null && this.curves.stage[k] !== stage)) return
       at[0].push(this.stage(k) === "press" ? this.curves.U_x[k] : this.curves.slip_at[k])
-      at[1].push(this.curves[name][Math.max(k - 1, this.sheared)] * factor)
+      at[1].push(this.curves[name][Math.max(k - 1, from)] * factor)
     })
     return at
   }
 
-  // The frame nearest to a place along the path, nm; of several the one closest to frame `now`
+  // The frame nearest to a place along the path, nm, in the part of frame `now`; of several the one closest to it
   nearest(place, now) {
-    const { along } = this, close = this.head.step / 2
-    let best = this.sheared
-    for (let k = this.sheared; k < this.length; k++) {
+    const { from, to, abscissa } = this.part(this.approaching(now)), along = this.curves[abscissa], close = this.head.step / 2
+    let best = from
+    for (let k = from; k < to; k++) {
       const nearer = Math.abs(along[k] - place) - Math.abs(along[best] - place)
       if (nearer < -close || (nearer < close && Math.abs(k - now) < Math.abs(best - now))) best = k
     }
@@ -207,29 +254,42 @@ export class Run {
     const blocks = [...new Set(frames.map((k) => this.places[k][0].head))]
     const from = Math.min(...blocks.map((head) => head.first))
     const to = Math.max(...blocks.map((head) => head.first + head.nodes))
-    const [start, end] = this.extent, { step } = this.head
+    const approach = this.approaching(shown), [start, end] = this.extent(approach)
+    const step = approach ? this.head.approach[2] : this.head.step, along = this.curves[this.part(approach).abscissa]
     const columns = Math.round((end - start) / step) + 1
     const rows = to - from
     const image = new Float32Array(rows * columns).fill(NaN)
     for (const k of frames) {
       const [{ head, fields }, row] = this.places[k]
-      const c = Math.round((this.along[k] - start) / step)
+      const c = Math.round((along[k] - start) / step)
       for (let i = 0; i < head.nodes; i++) {
         const j = row * head.nodes + i, value = fields.T_z[j] * head.scales.T_z
         if (this.acts(value, fields.gap[j] * head.scales.gap)) image[(head.first - from + i) * columns + c] = value
       }
     }
-    return { image, rows, columns, start, low: (from - 0.5) * this.head.spacing - this.head.middle }
+    return { image, rows, columns, start, step, unrested: this.unrested(frames, along, step), low: (from - 0.5) * this.head.spacing - this.head.middle }
+  }
+
+  // [middle, width] of every stretch of the path without a frame, for the surface never came to rest there
+  unrested(frames, along, step) {
+    const found = []
+    frames.slice(1).forEach((k, i) => {
+      const [a, b] = [along[frames[i]], along[k]], missed = Math.abs(b - a) - step
+      if (missed > 0.6 * step && this.curves.slip[k]) found.push([(a + b) / 2, missed])
+    })
+    return found
   }
 
   stageOfMap(shown) {
+    if (this.approaching(shown)) return 0
     const now = this.curves.stage[Math.max(shown, this.sheared)]
     return this.head.stages[now] === "press" ? this.head.stages.indexOf("shear") : now
   }
 
   // What the curves extend over: what was planned, and farther where a punch that still adheres is retracted on
-  get extent() {
+  extent(approach) {
     const { span, step } = this.head
+    if (approach) return this.head.approach.slice(0, 2)
     const low = this.along.reduce((a, b) => Math.min(a, b), span[0])
     return [this.sheared >= 0 && low < span[0] - 0.5 * step ? low : span[0], span[1]]
   }

@@ -1,19 +1,26 @@
 // What the server says of the run and of what was entered, in words and in the address.
 
 import { goToAsked, writeAddress } from "./address.js"
-import { latest } from "./channel.js"
-import { by, minus, say } from "./dom.js"
+import { heard as acknowledged, latest, order } from "./channel.js"
+import { by, fixed, minus, on, say } from "./dom.js"
+import { drawMarks } from "./marks.js"
 import { me } from "./state.js"
+import { checkTruth } from "./truth.js"
 
 let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
 
 export function connect(given) {
   ({ looks, positions } = given)
+  on("skip", "click", () => order("skip"))
+  setInterval(() => { if (me.status.state === "running") tellState() }, 1000)
 }
 
 export function heard(text) {
   const old = me.status
   me.status = JSON.parse(text)
+  acknowledged(me.status.heard)
+  if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
+  if (me.run?.number === me.status.run) me.run.scene = me.status.scene
   const { state, values, errors, notes, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
@@ -27,6 +34,8 @@ export function heard(text) {
     namePreset()
     by("look").textContent = presetSaid()
   }
+  checkTruth()
+  drawMarks(me.status.marks, positions)
   say("notes", notes.join(" "))
   tellState()
   goToAsked()
@@ -70,13 +79,32 @@ function presetSaid() {
   return changed.length ? `changed: ${said}` : looks[preset]
 }
 
+const LONG = 3 // s of computing after which a run says what it does, and may be skipped
+const SLIP = 1.5 // s without news: it is at a slip, all else is quick
+
+let newsAt = 0 // ms
+const waited = () => (performance.now() - newsAt) / 1000
+
+// What a slow run is at, and how long it will take at its pace until now
+function doing() {
+  const { frames, total, seconds } = me.status, run = me.run
+  if (!run?.length || seconds + waited() < LONG || me.lost) return ""
+  const k = run.length - 1, normal = run.normal || run.sheared < 0
+  const slip = normal ? `a jump near δ = ${fixed(run.curves.delta[k], 1)} nm` : `a slip near ${fixed(run.curves.U_x[k], 1)} nm`
+  const left = (seconds / frames) * (total - frames) - waited()
+  const time = left > 1 ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left` : ""
+  return `${waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""}${time}`
+}
+
 export function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
   if (!state) return
   const shown = state === "finished" && !me.playing ? "paused" : state
   const text = {
     warming: () => "the solver gets ready; the first time takes up to a minute",
-    running: () => `${frames} of ${total} increments`,
+    running: () => `${frames} of ${total} increments${doing()}`,
+    refining: () => `${frames} of ${total} increments`,
+    skipped: () => `the last ${total - frames} of ${total} increments; what was computed stays`,
     paused: () => `after ${frames} of ${total} increments`,
     failed: () => why,
     finished: () => {
@@ -84,6 +112,7 @@ export function tellState() {
       return cycle === null ? "" : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
     },
   }[state]()
+  by("skip").hidden = !(state === "running" && seconds + waited() > LONG && me.run?.sheared >= 0)
   by("status").dataset.state = shown
   by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
   by("status").querySelector("span").textContent = text

@@ -26,15 +26,16 @@ function columns(lines) {
   }
 }
 
-// Forces of a run in the units of another: F_bar is over w E of its own
-const scaled = (of, run, name) => of.shear(name, 1000 * (name === "A_bar" ? 1 : of.head.force / run.head.force))
-
-function drawBeside(run) {
-  const shown = drawable(run), along = run.head.abscissa
-  const line = (pin, name, width) => ({ pin, width, x: pin.run.shear(along), y: scaled(pin.run, run, name) })
-  fill("forces", "pins", columns(shown.flatMap((pin) => [line(pin, "F_bar"), line(pin, "L_bar", THIN)])))
-  fill("area", "pins", columns(shown.map((pin) => line(pin, "A_bar"))))
-  fill("map", "pins", columns(shown.flatMap((pin) => outline(pin))))
+// part(run, name, factor): what is drawn of a curve, in one unit for all runs
+function drawBeside(run, part, { names, factor }, approach) {
+  const shown = drawable(run)
+  const line = (pin, name, times, width) => {
+    const { along, value: y } = part(pin.run, name, times)
+    return { pin, width, x: along, y }
+  }
+  fill("forces", "pins", columns(shown.flatMap((pin) => [line(pin, names.F, factor), line(pin, names.L, factor, THIN)])))
+  fill("area", "pins", columns(shown.map((pin) => line(pin, "A", 1))))
+  fill("map", "pins", columns(approach ? [] : shown.flatMap((pin) => outline(pin))))
 }
 
 // Both edges of contact over the path, until a leg turns; gaps where nothing is repelled
@@ -52,7 +53,7 @@ function outline(pin) {
 // The surfaces of pinned runs where the top has been pulled, or pressed, as far as that of the run on screen
 function drawSurfaces(run, k) {
   const lines = drawable(run).filter(({ run: of }) => !of.head.flat).map((pin) => {
-    const at = k < run.sheared ? Math.min(k, pin.run.sheared) : pin.run.nearest(run.along[k], k)
+    const at = k < run.sheared ? Math.min(k, pin.run.sheared) : pin.run.nearest(run.along[k], Math.max(k, pin.run.sheared))
     const { x, gap } = pin.run.frame(at)
     return { pin, x, y: gap, width: 2 }
   })
@@ -66,7 +67,7 @@ function redraw() {
   tell()
   if (!(run?.sheared >= 0)) return
   painted(() => {
-    drawCurves(run, me.ghost)
+    drawCurves(run, me.ghost, me.approach)
     if (me.drawn >= 0) drawSurfaces(run, Math.min(me.drawn, run.length - 1))
   })
 }
@@ -205,7 +206,7 @@ function receive(chunk) {
 }
 
 me.beside = receive
-overlays.curves = (run, name) => drawable(run).map((one) => scaled(one.run, run, name))
+overlays.curves = (run, part, name, factor) => drawable(run).map((one) => part(one.run, name, factor).value)
 overlays.drawn = drawBeside
 me.also.push(drawSurfaces)
 new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme"] })

@@ -1,0 +1,91 @@
+// The connection with the server. Once it is lost, orders wait; when the server answers again the page is opened anew
+// as it was: parameters and what was asked for since in its address, the increment shown and playing beside it.
+
+import { silence, waiting } from "./channel.js"
+import { by, on } from "./dom.js"
+import { me } from "./state.js"
+import { checkTruth } from "./truth.js"
+
+const LOOK = 1000 // ms between two looks at orders without an answer
+const SILENT = 4000 // ms without one, after which the server is asked whether it is there
+const DEAF = 12000 // ms: it is, but this page is not heard any more
+const PATIENCE = 3000 // ms it has to say so
+const PAUSES = [500, 1000, 2000, 4000] // ms between attempts, the last again and again
+const AS_IT_WAS = "as it was"
+
+let attempts = 0
+
+export function connect() {
+  document.addEventListener("connection-lost", lost) // Bokeh's, see app/page.py
+  document.addEventListener("visibilitychange", () => { if (!document.hidden) look() }) // it may have slept
+  addEventListener("offline", lost)
+  on("retry", "click", attempt)
+  setInterval(look, LOOK)
+}
+
+// Whether the server still answers, if it has been silent for long
+async function look() {
+  const silent = silence()
+  if (me.lost || silent < SILENT) return
+  if (!(await answers()) || silence() > DEAF) lost()
+}
+
+async function answers() {
+  const address = document.querySelector('link[href*="/static/style.css"]').href
+  try {
+    return (await fetch(address, { method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(PATIENCE) })).ok
+  } catch {
+    return false
+  }
+}
+
+function lost() {
+  if (me.lost) return
+  me.lost = true
+  by("lost").hidden = false
+  document.querySelector(".page").dataset.lost = "true"
+  checkTruth()
+  setTimeout(attempt, PAUSES[0])
+}
+
+let attempting = false
+async function attempt() {
+  if (attempting) return
+  attempting = true
+  if (await answers()) return openAnew()
+  attempting = false
+  setTimeout(attempt, PAUSES[Math.min(++attempts, PAUSES.length - 1)])
+}
+
+// The scene last told by the server, then what was asked for since
+function openAnew() {
+  const address = new URL(location.href)
+  let wanted = { ...me.status.address }
+  for (const { what, values } of waiting()) {
+    if (what === "scene") Object.assign(wanted, values)
+    else if (what === "preset") wanted = { preset: values.preset }
+    else if (what === "restore") wanted = { ...values }
+    else if (what === "reset") wanted = {}
+  }
+  if (me.status.values) {
+    for (const name of ["preset", "profile", "k", ...Object.keys(me.status.values)]) address.searchParams.delete(name)
+    for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.searchParams.set(name, value)
+  }
+  const { playing, speed, run, at } = me
+  const shown = run?.length ? run.place(Math.min(Math.floor(at), run.length - 1)) : null
+  sessionStorage.setItem(AS_IT_WAS, JSON.stringify({ playing, speed, shown, carry: by("carry").checked }))
+  history.replaceState(history.state, "", address)
+  location.reload()
+}
+
+// What a page opened anew has from the one before; it is used once
+export function restore() {
+  const kept = sessionStorage.getItem(AS_IT_WAS)
+  sessionStorage.removeItem(AS_IT_WAS)
+  if (!kept) return
+  const { playing, speed, shown, carry } = JSON.parse(kept)
+  Object.assign(me, { playing, place: shown })
+  if (shown) me.following = false
+  by("speed").value = speed
+  by("carry").checked = carry
+}

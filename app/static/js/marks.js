@@ -1,0 +1,40 @@
+// Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py).
+
+import { by, minus } from "./dom.js"
+
+const APART = 0.2 // of a slider between two labels, at least
+const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
+
+let drawn = "" // as it was told
+
+export function drawMarks(marks, positions) {
+  const told = JSON.stringify(marks ?? {})
+  if (told === drawn) return
+  drawn = told
+  for (const name in positions) draw(name, marks[name] ?? [], positions[name])
+}
+
+function draw(name, marks, values) {
+  const scale = by(name).parentElement.querySelector(".ends"), labels = []
+  for (const old of scale.querySelectorAll(".mark")) old.remove()
+  for (const [value, said] of marks) {
+    const at = place(value, values), mark = document.createElement("span")
+    mark.className = "mark"
+    mark.style.left = `calc(8px + ${at} * (100% - 16px))`
+    mark.title = `${said} at ${minus(Number(value.toPrecision(2)))}`
+    if (labels.every((other) => Math.abs(other - at) > APART)) {
+      mark.append(Object.assign(document.createElement("span"), { textContent: said }))
+      mark.dataset.side = at < ENDS[0] ? "right" : at > ENDS[1] ? "left" : ""
+      labels.push(at)
+    }
+    scale.append(mark)
+  }
+  const text = marks.map(([value, said]) => `${said} at ${minus(Number(value.toPrecision(2)))}`).join(", ")
+  by(`${name}-marked`).textContent = text ? `Here: ${text}.` : ""
+}
+
+// Part of the slider at which a value lies
+function place(value, values) {
+  const above = Math.max(1, values.findIndex((v) => v >= value)), below = above - 1
+  return (below + (value - values[below]) / (values[above] - values[below])) / (values.length - 1)
+}

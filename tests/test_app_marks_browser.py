@@ -1,0 +1,30 @@
+"""Marks beside the sliders: computed for the scene on screen, not true of the default only."""
+
+import pytest
+from test_app_serving import PATIENCE, finished
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+
+
+def marks(page):
+    page.wait_for_function("punch.status.marks.delta_bar && punch.status.marks.E", timeout=PATIENCE)
+    return {name: {said: value for value, said in found} for name, found in page.evaluate("punch.status.marks").items()}
+
+
+def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scene_on_screen(visit):
+    page = visit("?du_x=0.5")
+    finished(page)
+    first = marks(page)
+    assert first["delta_bar"]["L = 0"] == pytest.approx(0.18, abs=0.02)
+    assert first["delta_bar"]["lets go"] < first["delta_bar"]["jumps in"] < 0  # hysteresis
+    assert 1500 < first["E"]["slides smoothly"] <= 3000
+    tick = page.locator("[data-name=delta_bar] .mark", has_text="L = 0").bounding_box()
+    slider = page.locator("#delta_bar").bounding_box()
+    place = (tick["x"] + tick["width"] / 2 - slider["x"]) / slider["width"]
+    assert place == pytest.approx((1 + 0.183) / 2, abs=0.02)
+    page.fill("#E-entry", "20")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    page.wait_for_function("punch.status.marks.delta_bar?.[0][0] > 0.3", timeout=PATIENCE)
+    page.wait_for_function("document.getElementById('delta_bar-marked').textContent.includes('L = 0 at 0.')")

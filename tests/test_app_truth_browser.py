@@ -1,0 +1,114 @@
+"""What is on screen is true: it says whose run it is, and a lost server is told, waited for and made good."""
+
+import pytest
+from test_app_serving import PATIENCE, Server, finished
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+GREY = "document.querySelector('.page').dataset.stale === 'true'"
+SAID = "document.getElementById('stale').textContent"
+
+
+def hold(page, key, times):
+    """Press a key and keep it down, as the hand on a slider."""
+    for _ in range(times):
+        page.keyboard.down(key)
+
+
+def test_a_held_slider_gets_coarse_curves_and_the_exact_one_when_it_rests(visit):
+    page = visit()
+    finished(page)
+    page.locator("body").press("Space")
+    page.evaluate(
+        """() => {
+            window.seen = []
+            const look = () => {
+                if (punch.run.whole && !seen.some(([run]) => run === punch.run.number)) {
+                    seen.push([punch.run.number, punch.run.head.step, punch.status.state])
+                }
+                requestAnimationFrame(look)
+            }
+            look()
+        }"""
+    )
+    at = page.evaluate("punch.run.curves.U_x[Math.floor(punch.at)]")
+    page.focus("#delta_bar")
+    hold(page, "ArrowRight", 5)
+    page.wait_for_function("punch.run.number > 1 && punch.run.whole", timeout=PATIENCE)
+    page.keyboard.up("ArrowRight")
+    finished(page, run=3)
+    assert page.evaluate("punch.run.curves.U_x[Math.floor(punch.at)]") == pytest.approx(at, abs=0.6)
+    steps = [round(step, 3) for _, step, _ in page.evaluate("seen")]
+    assert steps[0] == 0.1 and 0.5 in steps[1:-1] and steps[-1] == 0.1
+    assert page.evaluate("punch.status.values.du_x") == 0.1 and "du_x" not in page.url
+    assert page.evaluate("punch.status.values.delta_bar") == 0.05
+    assert page.evaluate("punch.run.shear('F_bar').length") == 401
+
+
+def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_there(visit):
+    page = visit("?E=20&delta_bar=0.3")
+    finished(page)
+    assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
+    page.evaluate(
+        f"""() => new MutationObserver(() => {{
+            if ({GREY}) (window.said ??= []).push([punch.run.number, {SAID}])
+        }}).observe(document.querySelector('.page'), {{ attributes: true }})"""
+    )
+    page.fill("#E-entry", "21.5")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert {tuple(said) for said in page.evaluate("window.said")} == {(1, "computed for E = 20")}
+    assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
+    page.fill("#E-entry", "7000")  # refused: the run on screen is that of the sliders
+    page.keyboard.press("Enter")
+    page.wait_for_function("document.getElementById('E-error').textContent.includes('7000')")
+    assert not page.evaluate(GREY)
+
+
+def test_a_long_run_says_what_it_does_and_can_be_skipped(visit):
+    page = visit("?E=10&phi_ratio=1.05&delta_bar=1")
+    skip = page.get_by_role("button", name="Skip")
+    skip.wait_for(timeout=PATIENCE)
+    page.wait_for_function(
+        "document.getElementById('status').textContent.includes('solving a slip near')", timeout=PATIENCE
+    )
+    computed = page.evaluate("punch.run.length")
+    skip.click()
+    page.wait_for_function("punch.status.state === 'skipped'")
+    assert page.evaluate("punch.run.length") >= computed
+    assert "what was computed stays" in page.inner_text("#status")
+    assert skip.is_hidden()
+
+
+def test_a_lost_server_is_told_waited_for_and_the_scene_restored_with_the_last_change(server, browser):
+    mortal = Server()
+    mortal.wait_for("workers are warm")
+    page = browser.new_page()
+    problems = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.goto(f"{mortal.address}?delta_bar=0.2&E=300")
+    finished(page)
+    page.locator("body").press("Space")
+    page.locator("body").press("End")
+    for _ in range(20):
+        page.locator("body").press("Shift+ArrowLeft")
+    assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(20.0)
+    mortal.process.kill()
+    page.get_by_role("alert").filter(has_text="you can play and scrub; sliders wait").wait_for(timeout=5000)
+    page.locator("body").press("ArrowRight")  # scrubbing goes on
+    assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(20.1)
+    page.fill("#E-entry", "310")  # waits
+    page.keyboard.press("Enter")
+    assert page.evaluate(SAID) == "computed for E = 300" and page.evaluate(GREY)
+    assert "E=300" in page.url
+    again = Server(port=mortal.port)
+    page.wait_for_function("window.punch?.status.values?.E === 310", timeout=PATIENCE)
+    finished(page)
+    assert page.evaluate("punch.status.values.delta_bar") == 0.2
+    assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(20.1)
+    assert not page.evaluate("punch.playing")
+    assert page.locator("#lost").is_hidden() and not page.evaluate(GREY)
+    page.close()
+    again.stop()
+    mortal.process.wait(30)
+    assert not problems
