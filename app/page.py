@@ -1,6 +1,7 @@
 """The page: views, controls and player put together for one visitor, or a message when that is impossible."""
 
 import html
+import json
 import logging
 from functools import cache
 from pathlib import Path
@@ -10,7 +11,7 @@ from bokeh.models import CustomJS
 
 from app import schema
 from app.assets import assets
-from app.session.controls import CONTROLS, drawer, meaning, values_of
+from app.session.controls import CONTROLS, applies, drawer, meaning, values_of, words
 from app.session.session import VISITORS, Session, visitors
 from app.views.live import live_figures
 from app.views.pages import PAGES, section
@@ -65,6 +66,8 @@ def _page(session):
     template.add_variable("values", values_of(session.scene))
     template.add_variable("drawer", drawer())
     template.add_variable("meaning", meaning)
+    template.add_variable("words", words)
+    template.add_variable("applies", applies)
     template.add_variable("unit", lambda name: LIMITS[name].unit if name in LIMITS else "")
     template.add_variable("choices", CHOICES)
     template.add_variable("presets", _grouped())
@@ -95,11 +98,12 @@ def _player(session, figures):
             "slots": session.pages.slots,
             "looks": {preset.name: preset.look for preset in presets().values()},
             "nodes": {name: vars(node) for name, node in schema.NODES.items()},
+            "usual": json.dumps({preset.name: values_of(preset.scene) for preset in presets().values()}),
             "positions": {control.name: list(control.positions) for control in CONTROLS},
             "main": next(name for name in assets(pn.state.app_url) if name.endswith("/main.js")),
         },
         code="""
-            const given = { wire, figures, slots, looks, nodes, positions, index: cb_context.index }
+            const given = { wire, figures, slots, looks, nodes, usual, positions, index: cb_context.index }
             import(new URL(main, document.baseURI)).then(({ start }) => start(given))
         """,
     )

@@ -44,7 +44,7 @@ def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
     page = visit()
     finished(page)
     before = page.evaluate("[...punch.run.shear('F_bar')]")
-    page.get_by_role("slider", name="Indentation").focus()
+    page.get_by_role("slider", name="Press depth").focus()
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
     assert page.evaluate("punch.status.values.delta_bar") == 0.01
@@ -53,6 +53,7 @@ def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
     assert drawn(page, "forces", "ghost_F") == len(before)
     assert "delta_bar=0.01" in page.url
     assert page.input_value("#delta_bar-entry") == "0.01"
+    assert page.inner_text("[data-name=delta_bar] .unit") == "= 0.1 nm"
 
 
 def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
@@ -130,6 +131,7 @@ def test_every_tab_stop_is_a_control(visit):
         "open-theory",
         "more",
         "accuracy",
+        "projector",
         "help",
         "theme",
         "preset",

@@ -1,5 +1,6 @@
 """The parameters a visitor may change: three sliders and the drawer of all others; the reading of what was entered."""
 
+import re
 from dataclasses import dataclass
 from math import inf
 
@@ -10,6 +11,7 @@ from solver import CHOICES, LIMITS, ProfileError, Scene, SceneError
 from solver.presets import presets
 from solver.run.load_steps import load_steps_of
 from solver.scene import PARAMETERS
+from solver.surfaces import SURFACES
 from solver.text import number_from_text
 
 INCREMENTS, NUMBERS = 5000, 2_500_000  # of one run, and times nodes: what a browser holds and draws with ease
@@ -55,10 +57,10 @@ def _logarithmic(low, high, count, default):
 CONTROLS = (
     Control(
         "delta_bar",
-        "Indentation",
-        "δ̄",
-        "× 10 nm",
-        "How far the punch is pressed down, over δ₀ = 10 δₙ = 10 nm. Marks beside the slider"
+        "Press depth",
+        "δ/δ₀",
+        "",
+        "Indentation: how far the punch is pressed down, over δ₀ = 10 δₙ. Marks beside the slider"
         " show where the surfaces jump into contact, where the load turns from pulling to pushing (L = 0), and where a"
         " punch that is lifted again lets go.",
         _even(-1.0, 1.0, 0.01),
@@ -67,7 +69,7 @@ CONTROLS = (
         "phi_ratio",
         "Friction / adhesion",
         "φₜ/φₙ",
-        "ratio",
+        "",
         "Tangential over normal work of separation: how strongly the interface resists sliding compared with opening.",
         _logarithmic(0.002, 2.0, 151, 1.0),
     ),
@@ -99,11 +101,25 @@ def drawer():
     return groups
 
 
+def words(name):
+    """What a parameter of the drawer is called: its meaning up to the first comma or semicolon."""
+    return re.split("[,;]", PARAMETERS[name].meaning)[0]
+
+
 def meaning(name):
-    """What a parameter of the drawer is, with its range or its choices."""
+    """What is to be said beside a parameter of the drawer: the rest of its meaning, and its range."""
     if name in CHOICES:
-        return "; ".join(f"{choice}: {what}" for choice, what in CHOICES[name].items())
-    return f"{RANGES[name].meaning}; {RANGES[name].span}"
+        return ""
+    rest = RANGES[name].meaning.removeprefix(words(name)).lstrip(",; ")
+    return f"{rest}; {RANGES[name].span}" if rest else RANGES[name].span
+
+
+def applies(name):
+    """{"surface" or "path": the choices with which a parameter does anything}; empty: with all of them."""
+    kinds = [kind for kind, surface in SURFACES.items() if name in surface.parameters]
+    if kinds:
+        return {"surface": kinds}
+    return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x") else {}
 
 
 def read(name, text, notes=None):

@@ -61,6 +61,20 @@ export function tint(part, value) {
   for (const key of ["line_color", "fill_color"]) if (key in model) set(model, { [key]: value })
 }
 
+// Lines and marks so many times as thick as they were composed
+const composed = new WeakMap() // model: its own line_width and size
+export function thicken(item, times) {
+  const glyph = item.glyph ?? item
+  for (const model of [glyph, item.nonselection_glyph, item.muted_glyph]) {
+    if (!model || typeof model !== "object") continue
+    if (!composed.has(model)) composed.set(model, { line_width: model.line_width, size: model.size })
+    for (const [key, given] of Object.entries(composed.get(model))) {
+      const value = given?.value ?? given
+      if (typeof value === "number") set(model, { [key]: value * times })
+    }
+  }
+}
+
 // How many pixels of the screen a unit in y takes, over a unit in x; nothing before the figure is laid out
 export function stretch({ inner_width, inner_height, x_range, y_range } = {}) {
   if (!inner_width || !inner_height) return null

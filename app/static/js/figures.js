@@ -1,6 +1,6 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
-import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, tint } from "./bokeh.js"
+import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, thicken, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
 import { by, minus, say } from "./dom.js"
 import { forceUnit, tellStart } from "./units.js"
@@ -13,6 +13,7 @@ const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const TO_SCALE = 0.02 // a difference that nobody sees
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
+const THICK = 2.5 // times, for a projector
 const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
 
 export function adopt(name, figure) {
@@ -228,14 +229,19 @@ export function tellStretch() {
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
 export function paint() {
   const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
+  const size = parseFloat(colour("--plot-text")), large = size > 20 // for a projector
   for (const name in figures) {
     const figure = figures[name]
-    set(figure, { outline_line_color: grid })
+    set(figure, { outline_line_color: grid, min_border_right: large ? 34 : 14 })
     for (const axis of [...figure.below, ...figure.left]) {
       set(axis, { axis_label_text_color: text, major_label_text_color: soft, axis_line_color: soft, major_tick_line_color: soft,
-        axis_label_text_font_size: "14px", major_label_text_font_size: "13px" })
+        axis_label_text_font_size: `${large ? size : size + 1}px`, major_label_text_font_size: `${size}px` })
     }
     for (const line of figure.center) if ("grid_line_color" in line) set(line, { grid_line_color: grid, grid_line_alpha: 0.5 })
-    for (const part of Object.values(parts[name])) if (part.tags[0]) tint(part, colour(part.tags[0]))
+    for (const part of Object.values(parts[name])) {
+      if (part.tags[0]) tint(part, colour(part.tags[0]))
+      thicken(part, large ? THICK : 1)
+    }
   }
+  set(figures.map.left[0], { axis_label: large ? "x (nm)" : "x, undeformed (nm)" })
 }

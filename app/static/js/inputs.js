@@ -9,7 +9,9 @@ import { by, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
+import { fillScreen, project, projected } from "./projector.js"
 import { me, QUIET } from "./state.js"
+import { tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
@@ -58,6 +60,7 @@ function connectSlider(name, values) {
   slider.addEventListener("input", () => {
     me.dragging = true
     entry.value = values[slider.value]
+    if (name === "delta_bar") tellDepth(entry.value)
     slider.setAttribute("aria-valuetext", entry.value)
     enter(name, entry.value)
   })
@@ -67,7 +70,6 @@ function connectSlider(name, values) {
 
 async function readProfile(event) {
   const file = event.target.files[0]
-  event.target.value = "" // so that the same file can be chosen again
   if (!file) return
   if (file.size > LARGEST_FILE) {
     const size = (file.size / 1e6).toFixed(1)
@@ -96,12 +98,13 @@ function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)")
   if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
   const at = (what) => event.target.matches?.(what)
-  const taken = at("input[type=text]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rR".includes(event.key)) || (at("button") && event.key === " ")
+  const taken = at("input[type=text], input[type=search]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rRpPfF".includes(event.key)) || (at("button") && event.key === " ")
   if (event.ctrlKey || event.metaKey || event.altKey || taken || open) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
     Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(),
+    p: project, P: project, f: fillScreen, F: fillScreen,
   }
   if (!keys[event.key]) return
   event.preventDefault()
@@ -125,7 +128,7 @@ function offerTable(figure, view) {
   figure.querySelector("figcaption").append(button)
 }
 
-export function connect(positions) {
+export function connect(positions, usual) {
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
     entry.addEventListener("change", () => enter(entry.id.replace("-entry", ""), entry.value))
@@ -136,7 +139,8 @@ export function connect(positions) {
     checkTruth()
   })
   on("profile", "change", readProfile)
-  on("more", "click", () => (by("drawer").open ? by("drawer").close() : by("drawer").show()))
+  on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
+  on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint)")?.blur() })
@@ -160,6 +164,8 @@ export function connect(positions) {
   }
   document.querySelectorAll("main figure").forEach((figure, i) => offerTable(figure, Object.keys(figures)[i]))
   on("theme", "click", switchTheme)
+  on("projector", "click", project)
+  if (projected()) project(true)
   document.addEventListener("keydown", onKey)
   document.addEventListener("keydown", onUndo)
   for (const name of ["forces", "area", "map"]) connectCurve(figures[name])

@@ -18,8 +18,8 @@ import * as status from "./status.js"
 import * as units from "./units.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
-// looks: {preset: text}; nodes: {state: how it is drawn}; positions: {slider: values}; index: Bokeh's index of views
-export function start({ wire, figures, slots, looks, nodes, positions, index }) {
+// looks: {preset: text}; usual: {preset: values} as JSON; nodes: {state: how it is drawn}; positions: {slider: values}; index: Bokeh's index of views
+export function start({ wire, figures, slots, looks, nodes, usual, positions, index }) {
   useIndex(index)
   figures = plain(figures)
   positions = plain(positions)
@@ -29,7 +29,7 @@ export function start({ wire, figures, slots, looks, nodes, positions, index }) 
   status.connect({ looks: plain(looks), positions })
   pages.connect(plain(slots))
   accuracy.connect()
-  inputs.connect(positions)
+  inputs.connect(positions, usual)
   connectLens(player.show)
   connectHand(positions)
   address.connect(player)

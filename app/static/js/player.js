@@ -5,6 +5,7 @@ import { by, fixed, minus } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
 import { framePage } from "./pages.js"
 import { BESIDE, Run, unpack } from "./run.js"
+import { tellLarge } from "./projector.js"
 import { me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
@@ -101,6 +102,7 @@ function showFrame() {
   for (const draw of me.also) draw(run, k)
   if (me.preview === null) by("scrub").value = k
   tellFrame(run, k)
+  tellLarge(run, k)
   tellStretch()
 }
 

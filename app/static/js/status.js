@@ -43,10 +43,18 @@ export function heard(text) {
 
 function describe(name, value, error, before) {
   const entry = by(`${name}-entry`)
-  if (!error && document.activeElement !== entry || value !== before) entry.value = value
+  // what was typed stays to be mended; a refused choice falls back
+  if (entry.matches("select") || !error && document.activeElement !== entry || value !== before) entry.value = value
   entry.setAttribute("aria-invalid", Boolean(error))
   say(`${name}-error`, error)
   if (!me.dragging && positions[name]) place(name, value)
+  if (name === "delta_bar") tellDepth(value)
+}
+
+// The depth itself, beside its part of delta_0
+export function tellDepth(value) {
+  const depth = Number(value) * 10 * (me.status.values?.delta_n ?? 1)
+  document.querySelector("[data-name=delta_bar] .unit").textContent = `= ${minus(Number(depth.toPrecision(3)))} nm`
 }
 
 // A slider at the position nearest to a value

@@ -10,7 +10,7 @@ const LINES = 24 // of the mesh in the body, from the surface to the top
 const BAR = 9 // px, height of the top of the layer
 const ARROW = 90 // px, the longest
 const MARKED = 1.0 // nm of the path for which a slip stays marked
-const NARROW = 440 // px: in a narrower view words are few
+const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
 const GAIN = 0.005 // a change of the area by less is not told
 
 // Draw everything that belongs to frame k of a run
@@ -21,7 +21,7 @@ export function drawStory(run, k) {
   const X = (x) => box.left + ((x - x_range.start) / (x_range.end - x_range.start)) * box.width
   const Y = (y) => box.top + ((y_range.end - y) / (y_range.end - y_range.start)) * box.height
   const frame = run.frame(k), slip = lastSlip(run, k)
-  const view = { narrow: box.width < NARROW, pen, box, X, Y, frame, run, k, slip, ink: inks() }
+  const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
   pen.save()
   pen.beginPath()
   pen.rect(box.left, box.top, box.width, box.height)
@@ -88,7 +88,7 @@ function drawForces(view) {
   arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
   write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
   if (Math.abs(L) < 1e-6 * full) return
-  const at = box.left + (narrow ? 0.5 : 0.55) * box.width, deep = (Math.abs(L) / full) * long
+  const at = box.left + (narrow ? 0.62 : 0.55) * box.width, deep = (Math.abs(L) / full) * long
   const from = top + 3 + (narrow ? 2 * line : 0)
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)

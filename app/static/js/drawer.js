@@ -1,0 +1,42 @@
+// The drawer of all parameters: shows those that apply to the surface and the path on screen, finds, and restores.
+
+import { listen } from "./channel.js"
+import { by, on } from "./dom.js"
+import { me } from "./state.js"
+
+let usual = null // {preset: {parameter: value}}
+
+export function openDrawer(given) {
+  if (!usual) connect(given)
+  if (by("drawer").open) by("drawer").close()
+  else by("drawer").show()
+  refresh()
+}
+
+function connect(given) {
+  usual = JSON.parse(given)
+  listen("status", refresh)
+  on("find", "input", refresh)
+  on("drawer", "close", () => by("more").focus())
+  for (const button of document.querySelectorAll(".restore")) {
+    button.addEventListener("click", () => {
+      const entry = by(`${button.dataset.name}-entry`)
+      entry.value = usual[me.status.preset][button.dataset.name]
+      entry.dispatchEvent(new Event("change"))
+      entry.focus()
+    })
+  }
+}
+
+function refresh() {
+  const { values, preset } = me.status, sought = by("find").value.trim().toLowerCase()
+  if (!values || !by("drawer").open) return
+  const applies = ({ dataset }) => ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
+  for (const row of document.querySelectorAll("#drawer .row")) {
+    row.hidden = sought ? !row.textContent.toLowerCase().includes(sought) : !applies(row)
+  }
+  for (const group of document.querySelectorAll("#drawer fieldset")) group.hidden = !group.querySelector(".row:not([hidden])")
+  for (const button of document.querySelectorAll(".restore")) {
+    button.hidden = `${values[button.dataset.name]}` === `${usual[preset][button.dataset.name]}`
+  }
+}
