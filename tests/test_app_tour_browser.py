@@ -17,7 +17,7 @@ def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     assert "2 of 6: Peel" in page.locator("#tour-card").inner_text()
     assert page.evaluate("punch.drawn === punch.run.sheared && punch.status.preset") == "fig7-case2"
     hidden = page.locator(".future").first.bounding_box()
-    assert hidden["width"] > 0.8 * page.locator("[data-view=forces]").bounding_box()["width"] - 90
+    assert hidden["width"] > 0.8 * page.locator(".view[data-view=forces]").bounding_box()["width"] - 90
     page.select_option("#speed", "20")
     page.locator("button.answer", has_text="leading edge").click()
     page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)

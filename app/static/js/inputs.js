@@ -9,7 +9,8 @@ import { by, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
-import { fillScreen, project, projected } from "./projector.js"
+import { projected } from "./large.js"
+import { fillScreen, project } from "./projector.js"
 import { me, QUIET } from "./state.js"
 import { tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
@@ -148,7 +149,7 @@ export function connect(positions, usual) {
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
-  on("pin", "click", async () => (await import("./later/pins.js")).pin())
+  on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
   on("take", "click", async () => (await import("./later/share.js")).open())
   on("compare", "click", async () => (await import("./later/compare.js")).open())
   on("help", "click", () => by("keys").showModal())

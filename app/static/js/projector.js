@@ -1,11 +1,10 @@
 // Projector mode: text and lines that the back row can read, three views, and the values of the moment in large.
 
-import { by, minus, readdress } from "./dom.js"
+import { by, readdress } from "./dom.js"
 import { paint } from "./figures.js"
+import { projected } from "./large.js"
 import { openPage } from "./pages.js"
 import { show } from "./player.js"
-
-export const projected = () => document.documentElement.dataset.view === "projector"
 
 // On or off; without a word, the other of both
 export function project(asked) {
@@ -22,13 +21,4 @@ export function project(asked) {
 export function fillScreen() {
   if (document.fullscreenElement) document.exitFullscreen()
   else document.documentElement.requestFullscreen?.().catch(() => {}) // a browser may refuse: nothing is lost
-}
-
-export function tellLarge(run, k) {
-  if (!projected()) return
-  const v = run.values(k), { force, middle, flat } = run.places[k][0].head
-  const [friction, contact] = by("large").querySelectorAll("b")
-  friction.textContent = `F = ${minus(Number((v.F_bar * force).toPrecision(3)))} N/m`
-  contact.textContent = `A = ${Math.round(v.A_bar * 2 * middle)} nm`
-  contact.parentElement.hidden = flat
 }

@@ -92,7 +92,7 @@ function makeCard() {
   return made
 }
 
-const figureOf = (view) => document.querySelector(`[data-view="${view}"]`)
+const figureOf = (view) => document.querySelector(`.view[data-view="${view}"]`)
 
 // A scene is asked for, and its future hidden until the prediction is made
 function begin() {

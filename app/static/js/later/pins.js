@@ -72,7 +72,7 @@ function redraw() {
   })
 }
 
-export function pin() {
+export function pinRun() {
   const { run, status } = me
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")

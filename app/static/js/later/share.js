@@ -94,29 +94,31 @@ export function png(name) {
 }
 
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
+const textAt = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
+
 export function svg(name) {
   const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect(), place = layout(holder, width, height)
-  const text = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
   const over = [...holder.querySelectorAll(":scope > canvas:not(.printed)")].filter((canvas) => canvas.width)
   const parts = [
     `<rect width="100%" height="100%" fill="${colour("--page")}"/>`,
-    text(MARGIN, MARGIN + LINE / 2, place.title, 'font-weight="600"'),
+    textAt(MARGIN, MARGIN + LINE / 2, place.title, 'font-weight="600"'),
     ...place.key.flatMap(({ ink, text: said, x, row }) => {
       const y = MARGIN + LINE * (row + 1.5)
-      return [`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, text(x + 24, y, said)]
+      return [`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, said)]
     }),
     `<g transform="translate(0 ${place.top})">${svgOf(figures[name])}`,
     ...over.map((canvas) => `<image width="${width}" height="${height}" href="${canvas.toDataURL()}"/>`), "</g>",
-    ...place.lines.map((line, i) => text(MARGIN, place.top + height + LINE * (i + 0.5), line)),
+    ...place.lines.map((line, i) => textAt(MARGIN, place.top + height + LINE * (i + 0.5), line)),
   ]
   const size = `width="${width}" height="${place.whole}" viewBox="0 0 ${width} ${place.whole}"`
   const font = `font-family="system-ui, 'Segoe UI', Roboto, sans-serif" font-size="14" fill="${colour("--text")}"`
   return `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" ${size} ${font}>${parts.join("")}</svg>`
 }
 
+const number = (value) => `${Number(value.toPrecision(8))}`
+
 // A row per increment after the approach, as `python -m solver run --csv` writes it, in single precision
 export function csv(run) {
-  const number = (value) => `${Number(value.toPrecision(8))}`
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
     : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))), run.stage(k)].join(",")]))
   return [[...COLUMNS, "stage"].join(","), ...rows, ""].join("\n")
