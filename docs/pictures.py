@@ -1,0 +1,93 @@
+"""Take the pictures of the README anew, from the real app in a real Chromium.
+
+    python docs/pictures.py [--chromium PATH]
+
+Starts the app on a free port; writes app.png, fringes.png and slip.gif, the punch through two slips, beside this file.
+"""
+
+import argparse
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from io import BytesIO
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+HERE = Path(__file__).parent
+READY = "() => window.punch?.status.state === 'finished' && punch.run.whole && !punch.fresh"
+SHOW = "([scrub, k]) => { scrub.value = k; scrub.dispatchEvent(new Event('input')) }"
+FIRST, LAST, STEP = 96, 146, 2  # increments of the shear in the animation
+COLOURS, PACE = 48, 120  # of the animation; ms for each picture
+
+
+def served():
+    """The running server, once its workers are warm, and its address."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(port)]
+    server = subprocess.Popen(command, cwd=HERE.parent, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    for line in server.stdout:
+        if re.search("workers are warm", line):
+            return server, f"http://localhost:{port}/app"
+    raise SystemExit("the server ended before its workers were warm")
+
+
+def opened(browser, address, size):
+    page = browser.new_page(viewport=dict(zip(("width", "height"), size, strict=True)), color_scheme="light")
+    page.goto(address)
+    page.wait_for_function(READY, timeout=120_000)
+    page.locator("#play").click()
+    return page
+
+
+def shown(page, k):
+    """Show increment k of the shear, and wait until it is painted."""
+    at = page.evaluate("punch.run.sheared") + k
+    page.evaluate(SHOW, [page.locator("#scrub").element_handle(), at])
+    page.wait_for_function(f"() => punch.drawn === {at}")
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def take(browser, address):
+    page = opened(browser, address, (1440, 900))
+    shown(page, 109)
+    page.screenshot(path=HERE / "app.png")
+    page.locator("#lens-on").uncheck()
+    page.locator("#lens-on").check()
+    images = []
+    for k in range(FIRST, LAST, STEP):
+        shown(page, k)
+        images.append(Image.open(BytesIO(page.locator("#punch-view").screenshot())).convert("RGB"))
+    palette = images[len(images) // 2].quantize(COLOURS)
+    frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    frames[0].save(HERE / "slip.gif", save_all=True, append_images=frames[1:], duration=PACE, loop=0, optimize=True)
+    page = opened(browser, f"{address}?page=solid&preset=fig7-case2", (1440, 900))
+    shown(page, 100)
+    page.wait_for_function("() => !document.querySelector('#solid[data-drawing]')")
+    page.wait_for_load_state("networkidle")
+    page.wait_for_timeout(3000)  # the field is computed in a worker
+    page.locator("#solid").screenshot(path=HERE / "fringes.png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
+    arguments = parser.parse_args()
+    server, address = served()
+    try:
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=arguments.chromium, args=["--no-sandbox"])
+            take(browser, address)
+            browser.close()
+    finally:
+        server.terminate()
+        server.wait(30)
+
+
+if __name__ == "__main__":
+    main()
