@@ -54,11 +54,12 @@ def test_a_sweep_without_enough_time_for_an_increment_ends_with_its_place(short,
 
 
 def test_a_run_goes_on_from_another_in_slices_as_in_one_go():
-    history = ((SHORT, 140), (SHORT.changed(delta_bar=0.25), 20))
+    history = ((SHORT, 140), (SHORT.changed(delta_bar=0.25), 30))  # beyond the 26 increments of pressing on
     changed = SHORT.changed(delta_bar=0.3)
     checkpoint, slices = None, 0
     while checkpoint is None or isinstance(checkpoint, worker.Carrying):
         piece = worker.compute(changed, checkpoint, 0.0, None, history, 60.0)
+        assert piece.failure is None
         checkpoint, slices = piece.checkpoint, slices + 1
     assert slices > 100 and piece.frames > 0
     whole = worker.compute(changed, None, 60.0, None, history, 60.0)
