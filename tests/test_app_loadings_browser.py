@@ -29,7 +29,7 @@ def test_unloading_is_drawn_along_the_indentation(visit):
     page = visit("?preset=unload")
     finished(page)
     assert "δ" in page.evaluate(AXIS)
-    low, high = page.evaluate("punch.run.extent")
+    low, high = page.evaluate("punch.run.extent()")
     assert low <= -10 and high == 2
     page.select_option("#preset", "fig6")
     finished(page, run=2)
