@@ -24,7 +24,7 @@ from solver.presets import presets
 from solver.scene import PARAMETERS
 
 SHORT = Scene(u_x_max=6.0)
-PATIENCE = 60  # s; a limit against hanging, not a claim about speed
+PATIENCE = 240  # s; a limit against hanging, not a claim about speed
 
 
 class Page:

@@ -64,7 +64,7 @@ class Server:
 
     def stop(self):
         self.process.send_signal(signal.SIGINT)
-        self.process.wait(30)
+        self.process.wait(PATIENCE / 1000)
 
 
 @pytest.fixture(scope="session")
@@ -85,6 +85,7 @@ def visit(server, browser):
     def opened(query="", **options):
         context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
         contexts.append(context)
+        context.set_default_timeout(PATIENCE)
         page = context.new_page()
         page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: problems.append(str(error)))

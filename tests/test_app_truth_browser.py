@@ -94,7 +94,7 @@ def test_a_lost_server_is_told_waited_for_and_the_scene_restored_with_the_last_c
         page.locator("body").press("Shift+ArrowLeft")
     assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(20.0)
     mortal.process.kill()
-    page.get_by_role("alert").filter(has_text="you can play and scrub; sliders wait").wait_for(timeout=5000)
+    page.get_by_role("alert").filter(has_text="you can play and scrub; sliders wait").wait_for(timeout=PATIENCE)
     page.locator("body").press("ArrowRight")  # scrubbing goes on
     assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(20.1)
     page.fill("#E-entry", "310")  # waits
