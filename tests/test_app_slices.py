@@ -90,6 +90,6 @@ def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(po
     monkeypatch.setattr(pool, "submit", lambda *call, **how: ranks.append(how["rank"]) or submit(*call, **how))
     page.order("hello")
     page.until("finished")
-    assert set(ranks) == {0, 1}
+    assert set(ranks) - {2} == {0, 1}  # 2: marks on the sliders, in the background
     assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
     page.session.close()
