@@ -63,7 +63,7 @@ class Server:
         return found
 
     def stop(self):
-        self.process.send_signal(signal.SIGINT)
+        self.process.send_signal(signal.SIGTERM)  # as process managers do; background jobs do not hear SIGINT
         self.process.wait(PATIENCE / 1000)
 
 
