@@ -89,9 +89,11 @@ def test_play_pause_step_and_reset(visit):
     page.wait_for_function("punch.playing")
     page.focus("#phi_ratio")
     page.keyboard.press("ArrowLeft")
-    finished(page, run=2)
-    page.get_by_role("button", name="Reset").click()
+    page.wait_for_function("punch.status.values.phi_ratio < 1 && punch.run.head.step < 0.2")  # the exact run is there
     finished(page, run=3)
+    page.get_by_role("button", name="Reset").click()
+    page.wait_for_function("punch.status.values.phi_ratio === 1")
+    finished(page)
     assert sliders(page) == {"delta_bar": 0, "phi_ratio": 1, "E": 70}
     assert page.evaluate("punch.ghost") is None
     assert drawn(page, "forces", "ghost_F") == 0

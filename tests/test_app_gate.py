@@ -5,6 +5,7 @@ import base64
 import gzip
 import json
 import logging
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
@@ -16,6 +17,12 @@ from app.session.session import Session
 
 pytest_plugins = ["test_app_pages"]  # its fixture: session
 HELLO = '{"do":"hello","n":0}'
+
+
+def waited(coroutine):
+    """Its result; in a thread, as Playwright leaves a running loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result()
 
 
 class Visit:
@@ -43,7 +50,7 @@ class Visit:
         head = header or json.dumps({"msgid": "1", "msgtype": kind})
         text = content if isinstance(content, str) else json.dumps(content, separators=(",", ":"))
         for fragment in (head, '{"mine": 1}', text):
-            asyncio.run(self.gate.on_message(fragment))
+            waited(self.gate.on_message(fragment))
         return self.passed
 
     def patch(self, new, attr="order", **more):
@@ -132,7 +139,7 @@ def test_what_is_no_message_of_ours_is_one_line_and_one_sentence(visit, caplog, 
 
 def test_binary_messages_and_large_ones_are_refused_unread(visit):
     for fragment in (b"\x00" * 100, "x" * 5_000_000):
-        asyncio.run(visit.gate.on_message(fragment))
+        waited(visit.gate.on_message(fragment))
     assert visit.gate.refused == 2 and visit.gate.parts == []
 
 

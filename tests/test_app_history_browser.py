@@ -51,7 +51,9 @@ def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(v
     finished(page)
     page.select_option("#preset", "fig7-case2")
     values_are(page, delta_bar=0.4)
+    page.wait_for_url("**preset=fig7-case2**")  # a settled change is an entry of the history
     page.get_by_role("button", name="Interface law").click()
+    page.wait_for_url("**page=law**")
     page.go_back()
     values_are(page, delta_bar=0)
     assert page.input_value("#preset") == "fig6" and "page=law" in page.url

@@ -64,6 +64,12 @@ FAULTS = """() => {
 def laid_out(page):
     """After the next picture of the screen, when Bokeh has followed a change of size."""
     page.evaluate("() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then)))")
+    page.wait_for_function(  # the lens moves with the next drawing of the punch
+        """() => {
+            const [lens, view] = ['lens', 'punch-view'].map((id) => document.getElementById(id).getBoundingClientRect())
+            return !lens.width || (lens.right <= view.right && lens.bottom <= view.bottom && lens.top >= view.top)
+        }"""
+    )
 
 
 def faults_at_every_size(page):
