@@ -36,6 +36,7 @@ def test_a_held_slider_gets_coarse_curves_and_the_exact_one_when_it_rests(visit)
     hold(page, "ArrowRight", 5)
     page.wait_for_function("punch.run.number > 1 && punch.run.whole", timeout=PATIENCE)
     page.keyboard.up("ArrowRight")
+    page.wait_for_function("seen.length > 2 && seen.at(-1)[1] < 0.2 && punch.status.values.delta_bar === 0.05")
     finished(page, run=3)
     assert page.evaluate("punch.run.curves.U_x[Math.floor(punch.at)]") == pytest.approx(at, abs=0.6)
     steps = [round(step, 3) for _, step, _ in page.evaluate("seen")]
