@@ -67,7 +67,7 @@ def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_th
 
 
 def test_a_long_run_says_what_it_does_and_can_be_skipped(visit):
-    page = visit("?E=10&phi_ratio=1.05&delta_bar=1")
+    page = visit("?E=10&damping=inf")
     skip = page.get_by_role("button", name="Skip")
     skip.wait_for(timeout=PATIENCE)
     page.wait_for_function(
