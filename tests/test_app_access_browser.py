@@ -89,6 +89,7 @@ def test_every_plot_has_its_numbers_as_a_table(visit):
     finished(page)
     page.get_by_role("button", name="Pause").click()
     page.keyboard.press("End")
+    page.wait_for_function("punch.drawn === punch.run.length - 1")
     frames = page.evaluate("punch.run.length - punch.run.sheared")
     nodes = page.evaluate("punch.run.frame(punch.drawn).x.length")
     for view, rows in (("punch", nodes), ("traction", nodes), ("forces", frames), ("area", frames), ("map", frames)):
@@ -97,7 +98,7 @@ def test_every_plot_has_its_numbers_as_a_table(visit):
         page.get_by_role("dialog").get_by_role("button", name="Close").click()
     page.locator(".as-table[data-view=forces]").click()
     last = page.locator("#table tbody tr").last.locator("td").all_inner_texts()
-    F = page.evaluate("punch.run.values(punch.drawn).F_bar * punch.run.head.force")
+    F = page.evaluate("punch.run.values(punch.run.length - 1).F_bar * punch.run.head.force")
     assert last[0] == "shear" and float(last[1]) == pytest.approx(40.0)
     assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
 

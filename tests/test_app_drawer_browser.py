@@ -24,7 +24,8 @@ def test_the_views_make_room_for_the_drawer(visit, size):
     figure, box = page.locator("main figure").last.bounding_box(), drawer.bounding_box()
     assert figure["x"] + figure["width"] <= box["x"] + 1 or figure["y"] + figure["height"] <= box["y"] + 1
     page.keyboard.press("Escape")
-    assert drawer.is_hidden() and page.evaluate("document.activeElement.id") == "more"
+    drawer.wait_for(state="hidden")
+    page.wait_for_function("document.activeElement.id === 'more'")
 
 
 def test_it_shows_what_applies_finds_and_restores(visit):

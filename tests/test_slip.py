@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from plain_gfmd import Plain
 
-from solver import Scene, load_path, whole_surface
+from solver import NotConverged, Scene, load_path, whole_surface
 from solver.verification.spectrum import growth
 
 CASES = [{}, {"delta_bar": -0.15}, {"delta_bar": 0.4, "phi_ratio": 0.1}]
@@ -199,7 +199,12 @@ def test_every_frame_is_a_stable_equilibrium(values):
     Anderson steps know no stability: close to the end of a branch they may converge beyond it.
     """
     scene = Scene(**{**SMALL, "u_x_max": 12.0, "tolerance": 1e-8, **values})
-    frames = list(load_path(scene))
+    frames = []
+    try:
+        for frame in load_path(scene):
+            frames.append(frame)
+    except NotConverged as failure:  # with so little damping it may flutter for ever, which is said
+        assert scene.damping < 0.4 and "try a damping larger" in str(failure)
     near = {k + i for k, f in enumerate(frames) if f.slip for i in (-1, 0, 1)}
     judged = [f for k, f in enumerate(frames) if k in near or k % 8 == 0]
     assert len(judged) >= 10
