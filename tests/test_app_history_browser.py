@@ -56,10 +56,12 @@ def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(v
     page.wait_for_url("**page=law**")
     page.go_back()
     values_are(page, delta_bar=0)
-    assert page.input_value("#preset") == "fig6" and "page=law" in page.url
+    page.wait_for_function("document.getElementById('preset').value === 'fig6'")
+    assert "page=law" in page.url
     page.go_forward()
     values_are(page, delta_bar=0.4)
-    assert page.input_value("#preset") == "fig7-case2" and "preset=fig7-case2" in page.url
+    page.wait_for_function("document.getElementById('preset').value === 'fig7-case2'")
+    page.wait_for_url("**preset=fig7-case2**")
 
 
 def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):

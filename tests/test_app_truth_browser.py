@@ -66,21 +66,6 @@ def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_th
     assert not page.evaluate(GREY)
 
 
-def test_a_long_run_says_what_it_does_and_can_be_skipped(visit):
-    page = visit("?E=10&damping=inf")
-    skip = page.get_by_role("button", name="Skip")
-    skip.wait_for(timeout=PATIENCE)
-    page.wait_for_function(
-        "document.getElementById('status').textContent.includes('solving a slip near')", timeout=PATIENCE
-    )
-    computed = page.evaluate("punch.run.length")
-    skip.click()
-    page.wait_for_function("punch.status.state === 'skipped'")
-    assert page.evaluate("punch.run.length") >= computed
-    assert "what was computed stays" in page.inner_text("#status")
-    assert skip.is_hidden()
-
-
 def test_a_lost_server_is_told_waited_for_and_the_scene_restored_with_the_last_change(server, browser):
     mortal = Server()
     mortal.wait_for("workers are warm")
