@@ -7,7 +7,7 @@ vanishes outside the patch. Parseval: its Euclidean product is that of Fourier m
 import numpy as np
 from numba import njit
 
-from .layer import transforms
+from .layer import multiply, transforms
 
 SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
 WIDER = 1.5  # growth of the variance of the average from level to level of `_flutter`
@@ -36,7 +36,7 @@ class Disturbances:
     def through(self, modes):
         """`modes` times the field in `_before`, left in `_after`, both (2, n)."""
         self._forward()
-        _blockwise(self._spectrum, modes)
+        multiply(self._spectrum, modes)
         self._backward()
 
 
@@ -154,15 +154,6 @@ def _fastest(t, k, first, friction):
             else:
                 fastest = max(fastest, np.sqrt(0.25 * friction**2 + mu).real - 0.5 * friction)
     return fastest
-
-
-@njit(cache=True, nogil=True)
-def _blockwise(spectrum, k):
-    """spectrum times the blocks [[xx, i c], [-i c, zz]], in place (for compliances; stiffnesses have -c)."""
-    for q in range(spectrum.shape[1]):
-        x, z = spectrum[0, q], spectrum[1, q]
-        spectrum[0, q] = complex(k[0, q] * x.real - k[2, q] * z.imag, k[0, q] * x.imag + k[2, q] * z.real)
-        spectrum[1, q] = complex(k[1, q] * z.real + k[2, q] * x.imag, k[1, q] * z.imag - k[2, q] * x.real)
 
 
 @njit(cache=True, nogil=True)

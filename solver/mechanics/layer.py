@@ -117,7 +117,7 @@ class Modes:
     def displacement(self, traction_q):
         """C T for Fourier tractions (2, nodes//2 + 1); a new array."""
         out = traction_q.copy()
-        _multiply(out, self.compliance)
+        multiply(out, self.compliance)
         return out
 
 
@@ -153,12 +153,12 @@ class Convolution:
         self._multipliers = np.ascontiguousarray(modes / length)
         self._before, self._after, self._spectrum, self._forward, self._backward = transforms(length, normal_only)
         self.field, self.product = self._before[:, :size], self._after[:, :size]
-        self._multiply = _multiply_normal if normal_only else _multiply
+        self.multiply = _multiply_normal if normal_only else multiply
 
     def apply(self):
         """product = modes * field."""
         self._forward()
-        self._multiply(self._spectrum, self._multipliers)
+        self.multiply(self._spectrum, self._multipliers)
         self._backward()
 
 
@@ -210,7 +210,8 @@ def _plan(source, target, direction, flags, measure):
 
 
 @njit(cache=True, nogil=True)
-def _multiply(spectrum, c):
+def multiply(spectrum, c):
+    """spectrum (2, modes) times the blocks [[xx, i c], [-i c, zz]], rows of c, in place (stiffnesses have -c)."""
     for k in range(spectrum.shape[1]):
         x, z = spectrum[0, k], spectrum[1, k]
         spectrum[0, k] = complex(c[0, k] * x.real - c[2, k] * z.imag, c[0, k] * x.imag + c[2, k] * z.real)

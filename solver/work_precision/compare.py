@@ -88,7 +88,6 @@ class Point:
     L: float | None = None
     A: float | None = None
     slips: tuple = ()
-    more_slips: int = 0  # of the run than of the reference, in shear
     failure: str | None = None
 
     @property
