@@ -18,7 +18,7 @@ let attempts = 0
 export function connect() {
   document.addEventListener("connection-lost", lost) // Bokeh's, see app/page.py
   document.addEventListener("visibilitychange", () => { if (!document.hidden) look() }) // it may have slept
-  addEventListener("offline", lost)
+  addEventListener("offline", async () => { if (!(await answers())) lost() }) // a server on this machine stays
   on("retry", "click", attempt)
   setInterval(look, LOOK)
 }
