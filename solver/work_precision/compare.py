@@ -211,7 +211,6 @@ def compare(run, curves, known, judged):
         curves.evaluations,
         *on_branch(curves, known),
         tuple(slip_errors(curves, known, judged)),
-        max(0, len(curves.shear_slips()) - len(known.shear_slips())),
         curves.failure,
     )
 
