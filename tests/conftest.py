@@ -1,9 +1,14 @@
-"""What tests share: a real Chromium, found once."""
+"""Fixtures that tests share: a real Chromium, the app served to it, and a pool of workers."""
 
 import os
+import re
 import shutil
 
+import numpy as np
 import pytest
+from served import PATIENCE, TROUBLE, Server
+
+from solver import Scene, load_path
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
@@ -29,3 +34,82 @@ def browser(chromium):
         opened = playwright.chromium.launch(executable_path=chromium, args=arguments)
         yield opened
         opened.close()
+
+
+@pytest.fixture(scope="session")
+def server(chromium):
+    running = Server()
+    running.wait_for("workers are warm")
+    yield running
+    running.stop()
+    trouble = [line for line in running.lines if TROUBLE.search(line)]
+    assert not trouble, "".join(running.lines)
+
+
+@pytest.fixture
+def visit(server, browser):
+    """Open the app in a tab of its own; at the end nothing may have gone wrong or been asked from elsewhere."""
+    contexts, problems, asked = [], [], []
+
+    def opened(query="", **options):
+        context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
+        contexts.append(context)
+        context.set_default_timeout(PATIENCE)
+        page = context.new_page()
+        page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(server.address + query)
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+    assert not problems
+    outside = [url for url in asked if not re.match(rf"(http|ws)://localhost:{server.port}/|data:|blob:", url)]
+    assert not outside
+
+
+@pytest.fixture(scope="module")
+def pool():
+    from app.service.pool import Pool  # here: tests of the solver need nothing of the app
+
+    workers = Pool(size=2)
+    workers.start()
+    yield workers
+    workers.close()
+
+
+@pytest.fixture
+def session():
+    """A visitor whose pool does nothing."""
+    from bokeh.document import Document
+    from visitor import NoPool
+
+    from app.service.finished import Shelf
+    from app.session.session import Session
+
+    visit = Session(Document(), {}, NoPool(), Shelf())
+    visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
+    for slot in visit.pages.slots.values():
+        visit.doc.add_root(slot)
+    yield visit
+    visit.close()
+
+
+@pytest.fixture(scope="module")
+def frame():
+    """A contact under shear, on a patch, and its scene."""
+    scene = Scene(nodes=256, width=625.0, delta_bar=0.2, radius=2.5, du_z=0.5, du_x=0.5, u_x_max=5.0)
+    return scene, list(load_path(scene))[-1]
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """(scene, first, traction, a, middle): a contact of half-width a = w/256 under Hertz pressure, p0 = 1."""
+    scene = Scene(nodes=16384, width=16384 * 2.4, height=1.0, nu=0.45)
+    a, middle = 64 * scene.spacing, 8192 * scene.spacing
+    first = 8192 - 64
+    T = np.zeros((2, 129))
+    T[1] = np.sqrt(np.maximum(1.0 - ((scene.x[first : first + 129] - middle) / a) ** 2, 0.0))
+    return scene, first, T, a, middle

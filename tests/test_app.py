@@ -1,77 +1,22 @@
 """The app without a browser: what is entered, what is packed, a visitor's run through cancelling and lost workers."""
 
-import json
 import os
-import queue
 import signal
-import struct
 import time
 
 import numpy as np
 import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
+from visitor import PATIENCE, SHORT, Page, unpacked
 
 from app import page as page_module
 from app.service import worker
-from app.service.finished import Shelf
-from app.service.pool import Pool
 from app.session import session as session_module
 from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, drawer, scene_from_address
-from app.session.session import Session
 from solver import LIMITS, Scene, advance
 from solver.presets import presets
 from solver.scene import PARAMETERS
-
-SHORT = Scene(u_x_max=6.0)
-PATIENCE = 240  # s; a limit against hanging, not a claim about speed
-
-
-class Page:
-    """A stand-in for the visitor's document and browser: runs what is scheduled, collects what is sent."""
-
-    def __init__(self, pool, scene=SHORT, arguments=None, shelf=None):
-        self.calls, self.chunks = queue.Queue(), []
-        self.session = Session(self, arguments, pool, shelf or Shelf())
-        self.session.scene = scene
-        self.session.wire.on_change("chunk", lambda attribute, old, new: self.chunks.append(unpacked(new)))
-
-    def add_next_tick_callback(self, call):
-        self.calls.put(call)
-
-    def add_timeout_callback(self, call, milliseconds):
-        self.calls.put(call)  # however short the time, nothing may get lost
-
-    def order(self, what, **values):
-        self.session.wire.order = json.dumps({"do": what, "values": values, "n": time.monotonic()})
-
-    def status(self):
-        return json.loads(self.session.wire.status)
-
-    def until(self, state):
-        """Live on until the run has the given state."""
-        while self.status().get("state") != state:
-            self.calls.get(timeout=PATIENCE)()
-
-    def curve(self, name):
-        """The last run's curve of that name, as the browser holds it."""
-        last = self.chunks[-1][0]
-        return np.concatenate([curves[name] for run, _, curves, _ in self.chunks if run == last])
-
-
-def unpacked(chunk):
-    """(run, header, columns, fields in nm and GPa) of a packed block with its number, by name."""
-    head, columns, fields = worker.unpack(chunk[4:])
-    real = {name: field * head["scales"][name] for name, field in fields.items()}
-    return struct.unpack_from("<I", chunk)[0], head, columns, real
-
-
-@pytest.fixture(scope="module")
-def pool():
-    workers = Pool(size=2)
-    workers.start()
-    yield workers
-    workers.close()
 
 
 def all_at_work(pool):

@@ -2,10 +2,9 @@
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 TOUCHED = "button, select, input:not([type=checkbox]), label:has([type=checkbox])"
 SMALL = f"""() => [...document.querySelectorAll('{TOUCHED}')]
     .filter((e) => e.checkVisibility() && !e.closest('[hidden]'))

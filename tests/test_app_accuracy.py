@@ -5,15 +5,14 @@ import queue
 import time
 
 import pytest
-from test_app import Page
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
+from visitor import Page
 
 from app.service import measuring
 from app.service.bench import Bench
 from solver import Scene
 from solver.cautions import cautions
 
-pytest_plugins = ["test_app_serving", "test_app"]  # their fixtures: server, visit; pool
 WAIT = PATIENCE / 1000  # s
 
 

@@ -3,10 +3,9 @@
 import re
 
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 def drawn(page, view, part):

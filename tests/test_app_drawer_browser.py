@@ -1,11 +1,9 @@
 """The drawer of all parameters: beside what it changes, only what applies, each with a way back."""
 
 import pytest
-from test_app_layout_browser import FAULTS, laid_out
-from test_app_serving import PATIENCE, finished
+from served import FAULTS, PATIENCE, finished, laid_out
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])

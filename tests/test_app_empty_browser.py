@@ -1,10 +1,9 @@
 """No view is blank or white without a reason: approach, no shear, surfaces apart, loops, increments without a frame."""
 
 import pytest
-from test_app_serving import finished
+from served import finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 
 

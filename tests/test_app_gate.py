@@ -9,13 +9,12 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
-from test_app_pages import NoPool
+from visitor import NoPool
 
 from app.service.finished import Shelf
 from app.session import gate, orders
 from app.session.session import Session
 
-pytest_plugins = ["test_app_pages"]  # its fixture: session
 HELLO = '{"do":"hello","n":0}'
 
 

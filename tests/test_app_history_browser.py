@@ -3,17 +3,9 @@
 import re
 
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished, values_are
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
-
-
-def values_are(page, **values):
-    """Wait until the page shows a finished run of these parameters."""
-    for name, value in values.items():
-        page.wait_for_function(f"punch.status.values.{name} === {value!r}", timeout=PATIENCE)
-    finished(page)
 
 
 def enter(page, name, text):

@@ -8,7 +8,7 @@ import zlib
 
 import numpy as np
 import pytest
-from test_app import PATIENCE, Page, pool  # noqa: F401
+from visitor import PATIENCE, Page
 
 from app.session import orders
 from app.session.controls import address_of, scene_from_address
@@ -28,7 +28,7 @@ def asked(address):
 
 
 @pytest.fixture
-def page(pool):  # noqa: F811
+def page(pool):
     visit = Page(pool)
     yield visit
     visit.session.close()

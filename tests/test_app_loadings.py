@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_app import Page, pool  # noqa: F401  a fixture
+from visitor import Page
 
 from app.service import worker
 from app.session.controls import values_of
@@ -15,7 +15,7 @@ SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
 
 
 @pytest.fixture
-def page(pool):  # noqa: F811
+def page(pool):
     visit = Page(pool, SHORT)
     visit.order("hello")
     visit.until("finished")

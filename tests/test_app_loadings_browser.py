@@ -1,10 +1,9 @@
 """Other loadings and surfaces in a real Chromium."""
 
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
 
 

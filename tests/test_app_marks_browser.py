@@ -1,10 +1,9 @@
 """Marks beside the sliders: computed for the scene on screen, not true of the default only."""
 
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 def marks(page):

@@ -7,51 +7,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from bokeh.document import Document
+from visitor import order
 
 from app.schema import STRESSES
-from app.service.finished import Shelf
-from app.session.session import Session
 from app.views import law, pages
 from app.views.pages import PAGES, Sheet, section
 from solver import Scene
 from solver.analysis.raster import QUANTITIES
 from solver.mechanics import cohesive_law
-
-
-class NoPool:
-    """A pool that takes tasks and never does any."""
-
-    status, in_flight, wisdom = "ready", 0, None
-
-    def __init__(self):
-        self.tasks = []
-
-    def submit(self, *task, near=None, owner=None, rank=0, seconds=0.0):
-        from app.service.pool import Task
-
-        self.tasks.append(Task(task, owner, rank))
-        return self.tasks[-1]
-
-    def place(self, task):
-        return None
-
-    def abandon(self, task):
-        task.cancel()
-
-
-@pytest.fixture
-def session():
-    visit = Session(Document(), {}, NoPool(), Shelf())
-    visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
-    for slot in visit.pages.slots.values():
-        visit.doc.add_root(slot)
-    yield visit
-    visit.close()
-
-
-def order(session, what, /, **values):
-    session.wire.order = json.dumps({"do": what, "values": values, "n": 1})
 
 
 def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):

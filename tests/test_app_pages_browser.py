@@ -1,10 +1,9 @@
 """Pages, presets and the drawer in a real Chromium: drawn, without error, fetching nothing from elsewhere."""
 
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 COUNT = f"{MODEL}?.data_source.data.{{}}.length"
 DRAWN = {  # page: what has to come true once its result is there

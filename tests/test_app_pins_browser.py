@@ -2,16 +2,13 @@
 
 import pytest
 from peeling import peel_asymmetry
-from test_app_history_browser import values_are
-from test_app_serving import PATIENCE, finished
-from test_app_views_browser import MODEL
+from served import MODEL, PATIENCE, finished, values_are
 
 from solver import Scene, load_path, summarize
 from solver.analysis.friction_laws import friction_force
 from solver.presets import preset
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 def lines(page, view):

@@ -1,11 +1,9 @@
 """Projector mode: text and lines for the back row, three views, nothing of the solver."""
 
 import pytest
-from test_app_layout_browser import FAULTS, laid_out
-from test_app_serving import finished
+from served import FAULTS, finished, laid_out
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 WIDTH = f"(({{ line_width: w }}) => w.value ?? w)({MODEL.format('forces.F')}.glyph)"
 FONT = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0]"

@@ -1,110 +1,14 @@
-"""The app served by the README's command: fixtures for tests in a real Chromium; what a server frees and ends."""
+"""The app served by the README's command: what a server frees and ends, and how it serves under a prefix."""
 
 import os
-import re
-import signal
-import socket
-import subprocess
-import sys
-import threading
 import time
 import urllib.request
 from pathlib import Path
 
 import pytest
+from served import PATIENCE, Server, finished
 
 pytestmark = pytest.mark.browser
-ROOT = Path(__file__).parent.parent
-PATIENCE = 120_000  # ms; a limit against hanging, not a claim about speed
-TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
-FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"
-
-
-class Server:
-    """`panel serve app` on a free port, or a given one, with what it logs."""
-
-    def __init__(self, prefix="", port=None):
-        self.port = port
-        if port is None:
-            with socket.socket() as probe:
-                probe.bind(("127.0.0.1", 0))
-                self.port = probe.getsockname()[1]
-        command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
-        quick = [
-            "--unused-session-lifetime",
-            "1000",
-            "--check-unused-sessions",
-            "500",
-        ]  # ms, closed tabs
-        self.process = subprocess.Popen(
-            [*command, *quick, "--prefix", prefix],
-            cwd=ROOT,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
-        self.lines, self.news = [], threading.Condition()
-        threading.Thread(target=self._listen, daemon=True).start()
-        self.address = f"http://localhost:{self.port}{prefix}/app"
-
-    def _listen(self):
-        for line in self.process.stdout:
-            with self.news:
-                self.lines.append(line)
-                self.news.notify_all()
-
-    def wait_for(self, pattern, since=0):
-        """The first logged line from number `since` on that matches."""
-        with self.news:
-            found = self.news.wait_for(
-                lambda: next(filter(re.compile(pattern).search, self.lines[since:]), None), PATIENCE / 1000
-            )
-        assert found, f"the server never logged {pattern!r}:\n{''.join(self.lines)}"
-        return found
-
-    def stop(self):
-        self.process.send_signal(signal.SIGTERM)  # as process managers do; background jobs do not hear SIGINT
-        self.process.wait(PATIENCE / 1000)
-
-
-@pytest.fixture(scope="session")
-def server(chromium):
-    running = Server()
-    running.wait_for("workers are warm")
-    yield running
-    running.stop()
-    trouble = [line for line in running.lines if TROUBLE.search(line)]
-    assert not trouble, "".join(running.lines)
-
-
-@pytest.fixture
-def visit(server, browser):
-    """Open the app in a tab of its own; at the end nothing may have gone wrong or been asked from elsewhere."""
-    contexts, problems, asked = [], [], []
-
-    def opened(query="", **options):
-        context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
-        contexts.append(context)
-        context.set_default_timeout(PATIENCE)
-        page = context.new_page()
-        page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda error: problems.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(server.address + query)
-        return page
-
-    yield opened
-    for context in contexts:
-        context.close()
-    assert not problems
-    outside = [url for url in asked if not re.match(rf"(http|ws)://localhost:{server.port}/|data:|blob:", url)]
-    assert not outside
-
-
-def finished(page, run=1):
-    page.wait_for_function(FINISHED, timeout=PATIENCE)
-    page.wait_for_function(f"punch.status.run >= {run}", timeout=PATIENCE)
-    page.wait_for_function(FINISHED, timeout=PATIENCE)
 
 
 def test_closing_the_tab_frees_what_it_held(server, browser):

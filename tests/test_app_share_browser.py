@@ -9,12 +9,11 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 from solver.cli import main as command_line
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from test_app import SHORT, Page, pool  # noqa: F401  a fixture
+from visitor import SHORT, Page
 
 from app.service import tasks, worker
 from solver import NotConverged, Scene, load_path
@@ -83,7 +83,7 @@ def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_wit
     assert last.done and "Not converged at" in last.failure and "0 s of processor time" in last.failure
 
 
-def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(pool, monkeypatch):  # noqa: F811
+def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(pool, monkeypatch):
     monkeypatch.setattr(worker, "QUICK", 0.0)  # whatever it is, it takes longer
     page, ranks = Page(pool), []
     submit = pool.submit

@@ -1,10 +1,9 @@
 """The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
 
 import pytest
-from test_app_serving import finished
+from served import finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 @pytest.fixture

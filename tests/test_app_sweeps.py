@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from exact_interior import inside, principal_difference
-from test_app_pages import NoPool, order
+from visitor import NoPool, order
 
 from app.service import tasks, worker
 from app.service.sweep import Results, Sweep
@@ -15,8 +15,6 @@ from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
 from solver.analysis.raster import fringes, picture
 from solver.isolated import Lost
 from solver.presets import presets
-
-pytest_plugins = ["test_app_pages"]  # its fixture: session
 
 
 class Visitor:

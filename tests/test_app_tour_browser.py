@@ -1,10 +1,9 @@
 """The tour and the theory page, in a real Chromium."""
 
 import pytest
-from test_app_serving import PATIENCE, finished
+from served import PATIENCE, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 
 
 def asked(page):

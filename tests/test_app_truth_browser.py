@@ -1,10 +1,9 @@
 """What is on screen is true: it says whose run it is, and a lost server is told, waited for and made good."""
 
 import pytest
-from test_app_serving import PATIENCE, Server, finished
+from served import PATIENCE, Server, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 GREY = "document.querySelector('.page').dataset.stale === 'true'"
 SAID = "document.getElementById('stale').textContent"
 

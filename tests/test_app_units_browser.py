@@ -3,10 +3,9 @@
 import re
 
 import pytest
-from test_app_serving import finished
+from served import finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 MODELS = "[...Bokeh.documents[0]._all_models.values()]"
 
 

@@ -1,11 +1,9 @@
 """What the views of the experiment show, read from their models and their words, in a real Chromium."""
 
 import pytest
-from test_app_serving import finished
+from served import MODEL, finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
-MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
 
 

@@ -1,10 +1,9 @@
 """What app/static/js/bokeh.js takes for granted of BokehJS and its documentation does not promise, a test for each."""
 
 import pytest
-from test_app_serving import finished
+from served import finished
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 JS = "new URL('./app/static/js/{}.js', document.baseURI)"
 PIXELS = """() => [...function* find(node) {
     if (node.tagName === "CANVAS" && node.width > 50) yield node.toDataURL()

@@ -6,7 +6,7 @@ import pytest
 from exact_interior import inside, mean_stress, principal_difference, transfer
 from helpers import tractions
 
-from solver import Scene, load_path
+from solver import Scene
 from solver.analysis.raster import picture
 from solver.mechanics.layer import Convolution, Modes
 
@@ -16,13 +16,6 @@ ORIGIN = (0.0, 0.0)
 
 def thickness(scene):
     return scene.height * scene.width
-
-
-@pytest.fixture(scope="module")
-def frame():
-    """A contact under shear, on a patch, and its scene."""
-    scene = Scene(nodes=256, width=625.0, delta_bar=0.2, radius=2.5, du_z=0.5, du_x=0.5, u_x_max=5.0)
-    return scene, list(load_path(scene))[-1]
 
 
 # Elasticity
@@ -147,17 +140,6 @@ def hertz(x, z, a):
     part = (z * z + n * n) / (m * m + n * n)
     shear = -n * (m * m - z * z) / (m * m + n * n)
     return np.array([2.0 * z - m * (1.0 + part), -m * (1.0 - part), shear]) / a
-
-
-@pytest.fixture(scope="module")
-def pressed():
-    """(scene, first, traction, a, middle): a contact of half-width a = w/256 under Hertz pressure, p0 = 1."""
-    scene = Scene(nodes=16384, width=16384 * 2.4, height=1.0, nu=0.45)
-    a, middle = 64 * scene.spacing, 8192 * scene.spacing
-    first = 8192 - 64
-    T = np.zeros((2, 129))
-    T[1] = np.sqrt(np.maximum(1.0 - ((scene.x[first : first + 129] - middle) / a) ** 2, 0.0))
-    return scene, first, T, a, middle
 
 
 def confinement(scene, a):

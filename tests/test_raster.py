@@ -9,7 +9,6 @@ from solver import Scene, load_path
 from solver.analysis.raster import ACCURACY, QUANTITIES, fringes, mesh, picture
 
 ORIGIN = (0.0, 0.0)
-pytest_plugins = ["test_interior"]  # its fixtures: frame, pressed
 
 
 def middles(window, size):

@@ -22,7 +22,7 @@ def modules(*places):
 
 def imported(path):
     """Dotted names of what a module imports, its own package as `solver....`; those within functions too."""
-    package = ["solver", *path.relative_to(HERE).parent.parts]
+    package = ["solver", *path.relative_to(HERE).parent.parts] if HERE in path.parents else []
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -55,3 +55,9 @@ def test_mechanics_knows_nothing_of_runs(path):
 def test_the_solver_does_not_know_the_app(path):
     assert not any(name.split(".")[0] == "app" for name in imported(path))
     assert '"app"' not in path.read_text()
+
+
+def test_no_test_borrows_from_another():
+    for path in Path(__file__).parent.rglob("*.py"):
+        borrowed = [name for name in imported(path) if name.split(".")[0].startswith("test_")]
+        assert not borrowed, f"{path.name}: {borrowed}"

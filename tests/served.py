@@ -1,0 +1,124 @@
+"""`panel serve app` as its visitors have it: a server, and what tests wait for in a real browser."""
+
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+PATIENCE = 120_000  # ms; a limit against hanging, not a claim about speed
+TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
+FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"
+MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
+FAULTS = """() => {
+    const said = []
+    const name = (e) => e.id ? `#${e.id}` : `${e.tagName.toLowerCase()} “${e.textContent.trim().slice(0, 30)}”`
+    const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden], .unseen')
+    const all = (what) => [...document.querySelectorAll(what)].filter(seen)
+    if (document.documentElement.scrollWidth > innerWidth) said.push(`${document.documentElement.scrollWidth} px wide`)
+    for (const view of all('.view')) {
+        if (view.clientHeight < 140) said.push(`${name(view.parentElement)} has a plot ${view.clientHeight} px high`)
+    }
+    const texts = [...document.querySelectorAll('.page *')].filter((e) => seen(e)
+        && [...e.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()))
+    for (const e of new Set([...all('header *'), ...all('.about *'), ...all('.player *'), ...texts])) {
+        const box = e.getBoundingClientRect()
+        if (box.width && (box.left < -1 || box.right > innerWidth + 1)) said.push(`${name(e)} leaves the screen`)
+    }
+    for (const e of texts) {
+        const clips = getComputedStyle(e).overflowX !== 'visible'
+        if (clips && e.scrollWidth > e.clientWidth + 1) said.push(`${name(e)} is cut`)
+        if (e.closest('.view, table, select')) continue
+        const outer = e.closest('p, div, figcaption, header, form, section')?.getBoundingClientRect()
+        for (const other of e.children) {
+            const inner = other.getBoundingClientRect()
+            if (outer && inner.width && inner.right > outer.right + 2) said.push(`${name(other)} leaves its box`)
+        }
+    }
+    // what stays on the screen while the rest scrolls lies above the rest by intention
+    const layer = (e) => e.closest('.player, .side, dialog')
+    const controls = all('button, input, select, a, [role=slider]').map((e) => [e, e.getBoundingClientRect(), layer(e)])
+    controls.forEach(([a, p, from], i) => {
+        for (const [b, q, other] of controls.slice(i + 1)) {
+            if (from !== other || a.contains(b) || b.contains(a)) continue
+            const over = Math.min(p.right, q.right) - Math.max(p.left, q.left)
+            const under = Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top)
+            if (over > 1 && under > 1) said.push(`${name(a)} and ${name(b)} overlap`)
+        }
+    })
+    return [...new Set(said)]
+}"""
+
+
+class Server:
+    """`panel serve app` on a free port, or a given one, with what it logs."""
+
+    def __init__(self, prefix="", port=None):
+        self.port = port
+        if port is None:
+            with socket.socket() as probe:
+                probe.bind(("127.0.0.1", 0))
+                self.port = probe.getsockname()[1]
+        command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
+        quick = [
+            "--unused-session-lifetime",
+            "1000",
+            "--check-unused-sessions",
+            "500",
+        ]  # ms, closed tabs
+        self.process = subprocess.Popen(
+            [*command, *quick, "--prefix", prefix],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.lines, self.news = [], threading.Condition()
+        threading.Thread(target=self._listen, daemon=True).start()
+        self.address = f"http://localhost:{self.port}{prefix}/app"
+
+    def _listen(self):
+        for line in self.process.stdout:
+            with self.news:
+                self.lines.append(line)
+                self.news.notify_all()
+
+    def wait_for(self, pattern, since=0):
+        """The first logged line from number `since` on that matches."""
+        with self.news:
+            found = self.news.wait_for(
+                lambda: next(filter(re.compile(pattern).search, self.lines[since:]), None), PATIENCE / 1000
+            )
+        assert found, f"the server never logged {pattern!r}:\n{''.join(self.lines)}"
+        return found
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)  # as process managers do; background jobs do not hear SIGINT
+        self.process.wait(PATIENCE / 1000)
+
+
+def finished(page, run=1):
+    page.wait_for_function(FINISHED, timeout=PATIENCE)
+    page.wait_for_function(f"punch.status.run >= {run}", timeout=PATIENCE)
+    page.wait_for_function(FINISHED, timeout=PATIENCE)
+
+
+def values_are(page, **values):
+    """Wait until the page shows a finished run of these parameters."""
+    for name, value in values.items():
+        page.wait_for_function(f"punch.status.values.{name} === {value!r}", timeout=PATIENCE)
+    finished(page)
+
+
+def laid_out(page):
+    """After the next picture of the screen, when Bokeh has followed a change of size."""
+    page.evaluate("() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then)))")
+    page.wait_for_function(  # the lens moves with the next drawing of the punch
+        """() => {
+            const [lens, view] = ['lens', 'punch-view'].map((id) => document.getElementById(id).getBoundingClientRect())
+            return !lens.width || (lens.right <= view.right && lens.bottom <= view.bottom && lens.top >= view.top)
+        }"""
+    )

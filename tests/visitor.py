@@ -1,0 +1,79 @@
+"""Stand-ins for what surrounds a Session: the document and browser of a visitor, and a pool that does nothing."""
+
+import json
+import queue
+import struct
+import time
+
+import numpy as np
+
+from app.service import worker
+from app.service.finished import Shelf
+from app.service.pool import Task
+from app.session.session import Session
+from solver import Scene
+
+SHORT = Scene(u_x_max=6.0)
+PATIENCE = 240  # s; a limit against hanging, not a claim about speed
+
+
+class Page:
+    """A stand-in for the visitor's document and browser: runs what is scheduled, collects what is sent."""
+
+    def __init__(self, pool, scene=SHORT, arguments=None, shelf=None):
+        self.calls, self.chunks = queue.Queue(), []
+        self.session = Session(self, arguments, pool, shelf or Shelf())
+        self.session.scene = scene
+        self.session.wire.on_change("chunk", lambda attribute, old, new: self.chunks.append(unpacked(new)))
+
+    def add_next_tick_callback(self, call):
+        self.calls.put(call)
+
+    def add_timeout_callback(self, call, milliseconds):
+        self.calls.put(call)  # however short the time, nothing may get lost
+
+    def order(self, what, **values):
+        self.session.wire.order = json.dumps({"do": what, "values": values, "n": time.monotonic()})
+
+    def status(self):
+        return json.loads(self.session.wire.status)
+
+    def until(self, state):
+        """Live on until the run has the given state."""
+        while self.status().get("state") != state:
+            self.calls.get(timeout=PATIENCE)()
+
+    def curve(self, name):
+        """The last run's curve of that name, as the browser holds it."""
+        last = self.chunks[-1][0]
+        return np.concatenate([curves[name] for run, _, curves, _ in self.chunks if run == last])
+
+
+def unpacked(chunk):
+    """(run, header, columns, fields in nm and GPa) of a packed block with its number, by name."""
+    head, columns, fields = worker.unpack(chunk[4:])
+    real = {name: field * head["scales"][name] for name, field in fields.items()}
+    return struct.unpack_from("<I", chunk)[0], head, columns, real
+
+
+class NoPool:
+    """A pool that takes tasks and never does any."""
+
+    status, in_flight, wisdom = "ready", 0, None
+
+    def __init__(self):
+        self.tasks = []
+
+    def submit(self, *task, near=None, owner=None, rank=0, seconds=0.0):
+        self.tasks.append(Task(task, owner, rank))
+        return self.tasks[-1]
+
+    def place(self, task):
+        return None
+
+    def abandon(self, task):
+        task.cancel()
+
+
+def order(session, what, /, **values):
+    session.wire.order = json.dumps({"do": what, "values": values, "n": 1})
