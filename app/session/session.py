@@ -1,86 +1,54 @@
-"""A visitor: which scene is wanted, the run that computes it slice by slice, and what the browser is told about it."""
+"""A visitor: what is ordered, which scene is wanted, and what the browser is told about its run."""
 
 import json
 import logging
 import os
-import time
-from concurrent.futures import CancelledError
 
-from app.service import tasks, worker
+from app.service import tasks
 from app.service.bench import Bench
-from app.service.finished import Finished
 from app.service.finished import shelf as shared_shelf
-from app.service.pool import HEAVY, LATER, SCREEN
+from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.session import orders
 from app.session.beside import Beside
+from app.session.computing import Computing
 from app.session.controls import (
     DEFAULT,
     INCREMENTS,
     STAYS,
     address_of,
     changed_scene,
-    increments_of,
     scene_from_address,
     values_of,
 )
 from app.session.marks import Marks
-from app.session.run import Chains, Run
 from app.session.share import Share
 from app.session.wire import Wire
 from app.views.pages import Pages
-from solver.cautions import cautions
-from solver.isolated import Lost
 from solver.presets import presets
 from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
-FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
-BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
-SPARE = 0.2  # s that a superseded run may still need: it is finished, for whole curves in a drag
-PATIENCE = 0.25  # s for which a slice in flight may keep a newer scene waiting
-PATIENTLY = 4  # times that if nothing of its run was seen
-STEP = 0.5  # delta_t, delta_n: of the increments while a slider is held; slips are located all the same
-SHORTEST = 40  # such increments at least
-REST = 0.12  # s for which a slider rests before its scene is computed with its own increments
-LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
-WAITS = 1.0  # s in the queue, after which a visitor is told its place
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
 
 
-def coarse(scene):
-    """The scene with larger increments, for a curve while a slider is held; a flat's are too near to its period."""
-    if scene.surface == "flat":
-        return scene
-    step = max(scene.du_x, min(STEP, scene.u_x_max / (SHORTEST * scene.delta_t)))
-    return scene.changed(du_x=step, du_z=max(scene.du_z, STEP))
-
-
 class Session:
-    """The state machine of one visitor; every method but `_arrived` runs under the lock of the visitor's document.
-
-    Frames live in the visitor's browser; here they are kept while a run lasts, and then on the shelf for all.
-    At most one slice is in flight that the visitor waits for.
-    """
+    """One visitor: obeys orders, and tells what came of them; under the lock of the visitor's document."""
 
     def __init__(self, doc, arguments=None, pool=shared_pool, shelf=shared_shelf):
         self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
         self.scene, self.preset, self.notes = scene_from_address(arguments or {})
-        self.errors, self.cautions = {}, []  # cautions: of the last finished run
+        self.errors = {}
+        self.computing = Computing(self)
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
         self.beside, self.share = Beside(self), Share(self)
         self.marks = Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
-        self.run = None
-        self.chains = Chains()
-        self.wanted = None  # a newer (scene, run and frame to go on from), while a slice of the old one is in flight
-        self.flight, self.budget, self.since = None, 0.0, 0.0  # the slice, s of work in it, when it was asked for
         self.told_place = None
         self.reading = None  # the task that reads a profile
-        self.last = None  # the slice before: the worker that did it is the best for the next
         self.closed = False
         self.wire.on_change("order", self._on_order)
         visitors.add(self)
@@ -90,7 +58,7 @@ class Session:
         """Free everything: called when the visitor has left."""
         if not self.closed:
             self.closed = True
-            self._abandon()
+            self.computing.close()
             if self.reading is not None:
                 self.pool.abandon(self.reading)
             self.bench.close()
@@ -98,7 +66,6 @@ class Session:
             self.beside.close()
             self.share.close()
             self.marks.close()
-            self.run = self.wanted = None
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
 
@@ -114,7 +81,7 @@ class Session:
         try:
             self._obey(order)
         except Exception:
-            self._fail_unexpectedly()
+            self.computing.fail_unexpectedly()
 
     def _obey(self, order):
         name, values = order.do, order.values
@@ -138,8 +105,10 @@ class Session:
         elif name in ("measure", "cancel"):
             self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
             self.publish()
-        else:
+        elif name in ("hello", "reset"):
             getattr(self, name)()
+        else:  # pause, go, one, skip
+            getattr(self.computing, name)()
 
     def refuse(self, refused):
         """Tell the visitor that something was not understood; what is on screen stays."""
@@ -152,7 +121,7 @@ class Session:
 
     def hello(self):
         """The page is drawn and listens."""
-        self._want(self.scene)
+        self.computing.want(self.scene)
 
     def change(self, entries, after=None, held=False):
         """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
@@ -167,11 +136,11 @@ class Session:
         else:
             after = self._usable(scene, after)
             self.scene = scene
-            self._want(scene, after, held)
+            self.computing.want(scene, after, held)
 
     def _usable(self, scene, after):
         """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
-        if not after or not self.chains.reaches(*after):
+        if not after or not self.computing.chains.reaches(*after):
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
             self.notes += ["A run goes on with the same surface and path only: this one starts anew."]
@@ -197,7 +166,7 @@ class Session:
             self.errors = {"profile": f"profile: {why}. The run on screen stays."}
             return self.publish()
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(scene.measured.notes)}"]
-        self._want(scene)
+        self.computing.want(scene)
 
     def choose(self, preset):
         """Everything as in a preset."""
@@ -212,246 +181,30 @@ class Session:
     def show(self, scene, preset):
         """A scene that a page has made from `preset`."""
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
-        self._want(scene)
+        self.computing.want(scene)
 
     def reset(self):
         """Everything as in the paper's Fig. 6."""
         self.choose(DEFAULT)
 
-    def pause(self):
-        """Submit no further slice until `go`."""
-        if self.run and self.run.state in ("running", "warming") and not self.run.refines:
-            self.run.state = "paused"
-            self.publish()
-
-    def go(self):
-        """Continue a paused run."""
-        if self.run and self.run.state == "paused":
-            self.run.state = "running"
-            self._submit(BUDGET)
-            self.publish()
-
-    def one(self):
-        """Compute one further increment of a paused run."""
-        if self.run and self.run.state == "paused":
-            self._submit(0.0)
-
-    def skip(self):
-        """Go on with what was computed."""
-        if self.run and self.run.state == "running":
-            self._abandon()
-            self.run.state = "skipped"
-            self.publish()
-
-    # the run
-
-    def _want(self, scene, after=None, held=False):
-        """The latest wish wins, once the visitor has seen something of the run before; a refinement ends at once."""
-        self.bench.cancel("the scene has changed")
-        self.pages.scene_changed()
-        if self.flight is None or self.flight.cancel() or self.run.refines:
-            self._begin(scene, after, held)
-            return
-        if self.wanted is None:
-            self._wait(self.run.number, PATIENTLY)
-        self.wanted = scene, after, held
-
-    def _wait(self, number, times):
-        self.doc.add_timeout_callback(lambda: self._lose_patience(number, times - 1), round(1000 * PATIENCE))
-
-    def _lose_patience(self, number, times):
-        """The run had its time: its slice may end unseen, rather sooner if something of it is on screen."""
-        if not self.closed and self.wanted is not None and self.run.number == number:
-            if self.run.seen or times == 0:
-                self._begin(*self.wanted)
-            else:
-                self._wait(number, times)
-
-    def _far_from_done(self):
-        """Whether at its pace until now the run would need much longer than SPARE; False before its first slice."""
-        run = self.run
-        return run.seconds * (run.total - run.frames) > 2 * SPARE * run.frames
-
-    def _gives_way(self):
-        """Whether the run ends here for a newer scene."""
-        run = self.run
-        return self.wanted is not None and (run.state != "running" or (run.seen and self._far_from_done()))
-
-    def _abandon(self):
-        """Wait no longer for the slice in flight: another worker takes what comes next."""
-        if self.flight is not None:
-            self.pool.abandon(self.flight)
-            self.flight = None
-
-    def _begin(self, wish, after=None, held=False, refines=False):
-        self._abandon()
-        number = self.run.number + 1 if self.run else 1
-        state = "warming" if self.pool.status != "ready" else "running"
-        scene = coarse(wish) if held and wish not in self.shelf else wish
-        self.run = Run(number, scene, increments_of(scene), state, time.monotonic(), wish=wish, refines=refines)
-        self.wanted = None
-        if after:
-            self.run.after, self.run.history = after, self.chains.history(*after)
-            self.run.frames = after[1] + 1
-        self.chains.add(self.run)
-        known = None if after else self.shelf.get(scene)
-        if known is not None:
-            self._show_known(known)
-        else:
-            self._submit(BUDGET if self.run.coarse or refines else FIRST)
-        self._follow_up()
-        self.publish()
-
-    def _follow_up(self):
-        """After a run with coarse increments one with its own follows, when the hand rests; then the sliders' marks."""
-        run = self.run
-        if run.state == "finished" and run.coarse:
-            self.doc.add_timeout_callback(lambda: self._refine(run), round(1000 * REST))
-        elif run.state == "finished":
-            self.marks.seek(run.scene)
-
-    def _refine(self, run):
-        if not self.closed and self.run is run and self.flight is None:
-            self._begin(run.wish, run.after or None, refines=True)
-
-    def _submit(self, budget):
-        if self.flight is None:
-            run, self.budget = self.run, budget
-            rank, limit = (HEAVY, worker.SLOW) if run.heavy else (SCREEN, worker.QUICK)
-            call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history, limit)
-            how = {"owner": id(self), "rank": rank, "seconds": worker.APPROACH * budget}
-            self.flight = self.last = self.pool.submit(*call, near=self.last, **how)
-            self.since = time.monotonic()
-            self.flight.add_done_callback(self._arrived)
-
     @property
-    def place(self):
-        """How many have their turn before this visitor, or None: nobody, or it has not waited for long."""
-        waits = self.flight is not None and time.monotonic() - self.since > WAITS
-        return (self.pool.place(self.flight) or None) if waits else None
+    def run(self):
+        """The run on screen, or None."""
+        return self.computing.run
 
     def look(self):
         """From time to time: say how long the line is, in any thread."""
-        if not self.closed and (self.told_place or self.place):
+        if not self.closed and (self.told_place or self.computing.place):
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
-
-    def _arrived(self, future):
-        """Called in a thread of the pool: hand over to the thread of the document."""
-        if not self.closed:
-            self.doc.add_next_tick_callback(lambda: self._take(future))
-
-    def _take(self, future):
-        """A slice is back: show it, and go on with this run or with the scene wanted since."""
-        if self.closed or future is not self.flight:
-            return
-        self.flight = None
-        try:
-            piece, before = future.result(), self.run.frames
-            self._show(piece)
-            self._go_on(before)
-        except (Lost, CancelledError) as lost:
-            self._lost(lost)
-        except Exception:
-            self._fail_unexpectedly()
-
-    def _go_on(self, before):
-        if self._gives_way():
-            self._begin(*self.wanted)
-        elif self.run.state == "running":
-            self._submit(BUDGET)
-        elif self.run.state == "paused" and self.budget == 0.0 and self.run.frames == before:
-            self._submit(0.0)  # the one increment asked for was left out, as it takes longer: once more, with more time
-        self._follow_up()
-        self.publish()
-
-    def _show(self, piece):
-        run = self.run
-        run.checkpoint, run.last = piece.checkpoint, piece.last
-        run.frames += piece.frames
-        run.heavy = piece.heavy
-        if piece.ahead is not None:
-            run.total = run.frames + piece.ahead
-            self.chains.grown(run)
-        run.evaluations += piece.evaluations
-        run.residual = max(run.residual, piece.residual)
-        run.widest = max(run.widest, piece.widest)
-        run.blocks += piece.blocks
-        run.seen = run.seen or piece.done or (piece.frames > 0 and piece.checkpoint.stage != "approach")
-        run.seconds = time.monotonic() - run.started
-        if run.state == "warming":
-            run.state, run.started = "running", time.monotonic()
-        if piece.done:
-            run.state, run.why = ("failed", piece.failure) if piece.failure else ("finished", "")
-            run.total = run.frames if run.state == "finished" else run.total
-            run.checkpoint = run.last = None
-            if run.refines:
-                self._send(run.blocks)
-            self._keep()
-        if not run.refines:
-            self._send(piece.blocks)
-
-    def _keep(self):
-        """A finished run goes on the shelf."""
-        run = self.run
-        self.cautions = cautions(run.scene, run.widest)
-        if run.state == "finished" and not run.history:
-            whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
-            self.shelf.put(run.scene, whole)
-            run.blocks = []
-
-    def _show_known(self, known):
-        run = self.run
-        run.state, run.frames, run.total = "finished", known.frames, known.frames
-        run.evaluations, run.residual, run.widest = known.evaluations, known.residual, known.widest
-        self.cautions = cautions(run.scene, run.widest)
-        self.chains.grown(run)
-        self._send(known.blocks)
-
-    def _send(self, blocks):
-        for block in blocks:
-            self.wire.chunk = worker.numbered(self.run.number, block)
-
-    def _lost(self, lost):
-        """A worker was lost with a slice: it is pure, so it is computed again, unless that would be of no use."""
-        run, kind = self.run, getattr(lost, "kind", "closed")
-        run.lost += 1
-        if kind == "crash" and run.lost < LIVES:
-            self.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
-            if self._gives_way():
-                self._begin(*self.wanted)
-            else:
-                self._submit(self.budget)
-            return self.publish()
-        if kind == "error":
-            return self._fail("the server made an error, which is in its log. Press Reset to start again")
-        why = {
-            "crash": f"lost {LIVES} workers; change a parameter or press Reset",
-            "hang": f"{lost}, so the worker was ended; what is computed stays. Change a parameter or press Reset",
-        }
-        self._fail(why.get(kind, f"{str(lost) or 'the server is being stopped'}. Press Reset to try again"))
-
-    def _fail(self, why):
-        """The run ends here, with what it has."""
-        if self.wanted is not None:
-            return self._begin(*self.wanted)
-        if self.run:
-            self.run.state, self.run.why = "failed", why
-        self.publish()
-
-    def _fail_unexpectedly(self):
-        """An error of this program: its traceback is for the log, not for the visitor."""
-        log.exception("a visitor's run failed")
-        self.wanted = None
-        self._fail("the server made an error, which is in its log. Press Reset to start again")
 
     def publish(self):
         """Send status, values, notes and errors to the browser."""
         run = self.run
         if run is None:
             return
-        self.told_place = self.place
+        self.told_place = self.computing.place
         waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
         own = {"values": values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": address_of(self.scene, self.preset), "queue": self.told_place}
         own |= {"scene": values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
-        self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.cautions + waits})
+        self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.computing.cautions + waits})

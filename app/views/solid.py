@@ -78,7 +78,7 @@ class Page(Sheet):
         per_fringe = float(np.clip(float(values["per_fringe"]), *PER_FRINGE))
         self.about = {"run": values["run"], "frame": values["frame"], "quantity": quantity}
         call = (tasks.stress_picture, scene, first, traction, quantity, window, SIZE, per_fringe, bool(values["mesh"]))
-        self.task = self.session.pool.submit(*call, near=self.session.last, owner=id(self.session))
+        self.task = self.session.pool.submit(*call, near=self.session.computing.last, owner=id(self.session))
         self.task.add_done_callback(lambda task: self.session.doc.add_next_tick_callback(lambda: self._take(task)))
 
     def _take(self, task):
