@@ -4,29 +4,34 @@ import logging
 
 from tornado.ioloop import PeriodicCallback
 
+from app import telling, web
+from app.page import shared
+from app.service import metrics
+from app.service.finished import shelf
 from app.service.pool import pool
-from app.session import gate
 from app.session.session import visitors
 from app.views.pages import compose_all
 
 LOOK = 1000  # ms between two looks at who waits
-gate.install()
+log = logging.getLogger("app")
+web.install()
+metrics.gauge("visitors", "visitors who are here", lambda: len(visitors))
+metrics.gauge("queue", "tasks that wait or run for somebody", lambda: pool.in_flight)
+metrics.gauge("workers", "workers that are ready", lambda: pool.ready)
+metrics.gauge("shelf_bytes", "of finished runs that are kept", lambda: shelf.size)
 
 
 def on_server_loaded(server_context):
     """Start the worker processes, so that kernels are compiled or loaded while nobody waits."""
-    log = logging.getLogger("app")
-    log.setLevel(logging.INFO)
-    if not log.handlers:
-        handler = logging.StreamHandler()
-        handler.setFormatter(logging.Formatter("%(asctime)s app: %(message)s"))
-        log.addHandler(handler)
-        log.propagate = False
+    telling.begin()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     compose_all()
+    shared(server_context.application_context.url)
+    telling.say_where()
 
 
 def on_server_unloaded(server_context):
     """End the worker processes with the server."""
+    log.info("the server is being stopped", extra={"visitors": len(visitors), "queue": pool.in_flight})
     pool.close()

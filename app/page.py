@@ -1,27 +1,39 @@
-"""The page: views, controls and player put together for one visitor, or a message when that is impossible."""
+"""The page: composed once for all visitors. Each gets it with marks replaced, and only few models of its own.
 
-import html
+In a visitor's document on the server are the wire and the places for figures of pages, under the same ids for all; the
+live figures and all else exist in the browser only, which is given the document as text (session/gate.py).
+"""
+
 import json
 import logging
-from functools import cache
+import re
+from dataclasses import dataclass
+from functools import cache, lru_cache
 from pathlib import Path
 
 import panel as pn
-from bokeh.models import CustomJS
+from bokeh.document import Document
+from bokeh.embed.elements import html_page_for_render_items
+from bokeh.embed.util import RenderItem
+from bokeh.models import CustomJS, Div
+from bokeh.server.views.static_handler import StaticHandler
 
 from app import schema
 from app.assets import assets
-from app.session.controls import CONTROLS, applies, drawer, meaning, values_of, words
-from app.session.session import VISITORS, Session, visitors
+from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
+from app.session.session import Session
+from app.session.wire import Wire
 from app.views.live import live_figures
-from app.views.pages import PAGES, section
+from app.views.pages import PAGES, places, section
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
+TITLE = "Why does it stick, peel and slip?"
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
+MARK = "@{}@"  # in the page, where each visitor has something of one's own
 
 
 @cache
@@ -29,56 +41,88 @@ def _file(name):
     return (HERE / name).read_text(encoding="utf-8")
 
 
+@dataclass(frozen=True)
+class Shared:
+    """What all visitors get, as text: the page in HTML with MARKs, and the document in JSON."""
+
+    page: str
+    document: str
+
+    def page_for(self, arguments, **own):
+        """The page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
+        values = values_of(scene_from_address(arguments)[0])
+        page = self.page
+        for name, text in (own | {control.name: f"{values[control.name]:g}" for control in CONTROLS}).items():
+            page = page.replace(MARK.format(name), text)
+        return page
+
+
 def open_page():
-    """Serve the experiment to the visitor of the current document."""
+    """Bring a visitor's own models into the current document."""
     doc = pn.state.curdoc
-    if len(visitors) >= VISITORS:
-        log.warning("class full: a visitor was turned away")
-        _say(doc, f"The class is full: {VISITORS} visitors are here. Reload the page when one has left.")
-        return
     try:
         session = Session(doc, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
-        with doc.models.freeze():  # the models are counted once, not after every view
-            _page(session).servable(title="Why does it stick, peel and slip?")
-    except Exception as error:  # otherwise the visitor would see a blank page
+        with doc.models.freeze():  # the models are counted once
+            for model in _own(session.wire, session.pages.slots):
+                doc.add_root(model)
+    except Exception:  # otherwise the visitor would wait for ever
         log.exception("the page could not be built")
-        why = html.escape(f"{type(error).__name__}: {error}")
-        _say(doc, f"The experiment could not be opened: {why}. Reload the page.")
+        doc.clear()
+        doc.add_root(Div(text="The experiment could not be opened; the server's log says why. Reload the page."))
 
 
-def _say(doc, text):
-    """A page with nothing but a message."""
-    pn.pane.HTML(f'<p role="alert" style="font: 18px system-ui; margin: 2em">{text}</p>').server_doc(doc)
+def _own(wire, slots):
+    """The models that a visitor's document holds on the server too, under ids that are the same for all."""
+    for name, model in {"wire": wire, **slots}.items():
+        model.name, model._id = name, name
+        yield model
 
 
-def _page(session):
-    """The template with the five figures, and the player that connects them with the session's wire."""
-    figures = live_figures()
-    figures["punch"].tags = [session.wire]  # a model is synchronised only if a root of the document refers to it
-    template = pn.Template(_file("html/page.html").replace("<!-- pages -->", "".join(map(section, PAGES))))
-    roots = figures | session.pages.slots
-    for name, model in roots.items():  # as they are: a pane around each would cost a visitor 4 ms
+def shared(address):
+    """The Shared for a page at this address, with the scripts and styles as they are now."""
+    return _composed(tuple(assets(address).items()))
+
+
+@lru_cache(2)
+def _composed(files):
+    files = dict(files)
+    doc, wire, figures, slots = Document(), Wire(), live_figures(), places()
+    (*_,) = _own(wire, slots)
+    figures["punch"].tags = [wire]  # a model is synchronised only if a root of the document refers to it
+    for name, model in (figures | slots).items():
         model.name = name
-        pn.state.curdoc.add_root(model)
-    template.add_variable("assets", assets(pn.state.app_url))
-    template.add_variable("controls", CONTROLS)
-    template.add_variable("values", values_of(session.scene))
-    template.add_variable("drawer", drawer())
-    template.add_variable("meaning", meaning)
-    template.add_variable("words", words)
-    template.add_variable("applies", applies)
-    template.add_variable("unit", lambda name: LIMITS[name].unit if name in LIMITS else "")
-    template.add_variable("choices", CHOICES)
-    template.add_variable("presets", _grouped())
-    template.add_variable("pages", {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()})
-    template.add_variable("schema", schema)
-    template.add_variable("speeds", SPEEDS)
-    template.add_variable("plain_speed", PLAIN_SPEED)
-    pn.state.curdoc.js_on_event("document_ready", _player(session, figures))
-    lost = CustomJS(code="document.dispatchEvent(new Event('connection-lost'))")
-    pn.state.curdoc.js_on_event("connection_lost", lost)
-    return template
+        doc.add_root(model)
+    doc.title = TITLE
+    doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
+    doc.js_on_event("document_ready", _player(wire, figures, slots, files))
+    doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
+    text = json.dumps(doc.to_json(deferred=False), separators=(",", ":"), allow_nan=False)
+    page = re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', _html(doc, files))
+    return Shared(page, text)
+
+
+def _html(doc, files):
+    script = f'<script src="./static/{StaticHandler.append_version("js/bokeh.min.js")}"></script>'  # all that is used
+    item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
+    variables = {
+        "assets": files,
+        "controls": CONTROLS,
+        "values": {control.name: MARK.format(control.name) for control in CONTROLS},
+        "drawer": drawer(),
+        "meaning": meaning,
+        "words": words,
+        "applies": applies,
+        "unit": lambda name: LIMITS[name].unit if name in LIMITS else "",
+        "choices": CHOICES,
+        "presets": _grouped(),
+        "pages": {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()},
+        "schema": schema,
+        "speeds": SPEEDS,
+        "plain_speed": PLAIN_SPEED,
+    }
+    template = _file("html/page.html").replace("<!-- pages -->", "".join(map(section, PAGES)))
+    return html_page_for_render_items((script, ""), {}, [item], TITLE, template, variables)
 
 
 def _grouped():
@@ -89,18 +133,18 @@ def _grouped():
     return groups
 
 
-def _player(session, figures):
+def _player(wire, figures, slots, files):
     """The browser's half of the app, with the models it changes."""
     return CustomJS(
         args={
-            "wire": session.wire,
+            "wire": wire,
             "figures": figures,
-            "slots": session.pages.slots,
+            "slots": slots,
             "looks": {preset.name: preset.look for preset in presets().values()},
             "nodes": {name: vars(node) for name, node in schema.NODES.items()},
             "usual": json.dumps({preset.name: values_of(preset.scene) for preset in presets().values()}),
             "positions": {control.name: list(control.positions) for control in CONTROLS},
-            "main": next(name for name in assets(pn.state.app_url) if name.endswith("/main.js")),
+            "main": next(name for name in files if name.endswith("/main.js")),
         },
         code="""
             const given = { wire, figures, slots, looks, nodes, usual, positions, index: cb_context.index }

@@ -6,11 +6,8 @@ import time
 
 import numpy as np
 import pytest
-from bokeh.document import Document
-from panel.io.state import set_curdoc
 from visitor import PATIENCE, SHORT, Page, unpacked
 
-from app import page as page_module
 from app.service import worker
 from app.session import computing
 from app.session import session as session_module
@@ -269,29 +266,3 @@ def test_a_visitor_who_leaves_is_forgotten(pool):
     other.until("finished")
     assert visit.calls.qsize() <= before + 1  # no slice was submitted for the one who left
     other.session.close()
-
-
-def test_a_page_that_cannot_be_built_says_why_instead_of_staying_blank(monkeypatch):
-    def broken(session):
-        raise RuntimeError("no figures today")
-
-    monkeypatch.setattr(page_module, "_page", broken)
-    doc = Document()
-    with set_curdoc(doc):
-        page_module.open_page()
-    assert "no figures today" in "".join(getattr(root, "text", "") for root in doc.roots)
-    for session in list(session_module.visitors):
-        session.close()
-
-
-def test_above_the_limit_a_visitor_is_told_that_the_class_is_full(monkeypatch):
-    monkeypatch.setattr(page_module, "VISITORS", 1)
-    first, second = Document(), Document()
-    for doc in (first, second):
-        with set_curdoc(doc):
-            page_module.open_page()
-    said = "".join(getattr(root, "text", "") for root in second.roots)
-    assert "class is full" in said and "1 visitors" in said
-    assert [session.doc for session in session_module.visitors] == [first]
-    for session in list(session_module.visitors):
-        session.close()

@@ -3,12 +3,14 @@
 import asyncio
 import base64
 import gzip
+import inspect
 import json
 import logging
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
+from tornado import locks
 from visitor import NoPool
 
 from app.service.finished import Shelf
@@ -41,7 +43,8 @@ class Visit:
         monkeypatch.setattr(gate.WSHandler, "on_message", take)
 
     async def _locked(self, call, *arguments):
-        return call(*arguments)
+        result = call(*arguments)
+        return await result if inspect.isawaitable(result) else result
 
     def say(self, content, kind="PATCH-DOC", header=None):
         """Send a message; what passed of it."""
@@ -83,6 +86,32 @@ def test_what_bokeh_says_about_its_figures_is_dropped_without_a_word(visit):
     ready = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": {"event_name": "document_ready"}}
     assert visit.say({"events": [ready, visit.patch(400, "inner_width")["events"][0]]}) == []
     assert visit.notes == before and visit.gate.refused == 0
+
+
+@pytest.mark.parametrize("token", [None, "", "x" * 9000, "e30", "W10", "eyJzZXNzaW9uX2lkIjogM30", "é"])
+def test_who_shows_no_token_of_a_page_is_turned_away_without_a_traceback(visit, monkeypatch, caplog, token):
+    caplog.set_level(logging.INFO, "app")
+    closed = []
+    monkeypatch.setattr(visit.gate, "close", closed.append)
+    visit.gate._token = token
+    visit.gate.open()
+    assert closed == [gate.TRY_LATER] and "turned away" in caplog.text and "Traceback" not in caplog.text
+
+
+def test_a_browser_is_given_the_document_that_all_have(visit, monkeypatch):
+    visit.session.wire._id = "wire"
+    visit.session.doc.models.recompute()
+    visit.gate.application_context = SimpleNamespace(url="/app")
+    visit.gate.write_lock, sent = locks.Lock(), []
+
+    async def write(gate, text, locked=True):
+        sent.append(json.loads(text))
+
+    monkeypatch.setattr(gate.Gate, "write_message", write)
+    assert visit.say({}, "PULL-DOC-REQ") == []
+    assert sent[0] | {"msgid": ""} == {"msgid": "", "msgtype": "PULL-DOC-REPLY", "reqid": "1"}
+    assert sent[2]["doc"]["title"] and len(sent[2]["doc"]["roots"]) == 5 + len(visit.session.pages.slots)
+    assert visit.session.wire in visit.session.doc.models.synced_references  # a later patch refers to it
 
 
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}

@@ -118,6 +118,22 @@ def test_plans_measured_by_one_worker_are_shared():
     workers.close()
 
 
+def test_a_pool_is_dead_once_it_has_been_silent_unless_a_worker_is_idle(monkeypatch):
+    workers = Pool(size=1)
+    assert not workers.alive()[0]
+    workers.start()
+    assert workers.alive()[0]  # warming up
+    workers.submit(worker.ready).result(PATIENCE)
+    monkeypatch.setattr("app.service.pool.SILENT", -1.0)  # from now on only an idle worker counts
+    while not workers.alive()[0]:
+        time.sleep(0.001)
+    task = workers.submit(time.sleep, PATIENCE, seconds=PATIENCE)
+    while not task.running():
+        time.sleep(0.001)
+    assert not workers.alive()[0] and "no worker has answered" in workers.alive()[1]
+    workers.close()
+
+
 def test_closing_the_pool_leaves_no_process():
     workers = Pool(size=1)
     workers.submit(worker.ready).result(PATIENCE)

@@ -15,13 +15,14 @@ from multiprocessing.connection import wait
 from threading import Event, RLock, Thread
 from time import monotonic
 
-from app.service import worker
+from app.service import metrics, worker
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 PATIENCE = 5.0  # s without a result, beyond what a task asks for, after which its process is killed
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # how often in a row no worker may get ready before those who wait are told,
+SILENT = 30.0  # s without an answer of any worker, after which the pool counts as dead
 HOPE = 60.0  # s, and how long after one was
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed; s
 SCREEN, HEAVY, LATER = range(3)  # what a task is for: somebody's screen; the same, but it takes long; anything else
@@ -114,6 +115,7 @@ class Pool:
         self.why = ""  # no worker can be started
         self._seats, self._lines = [], (Line(), Line(), Line())
         self._lock, self._closing, self._warm = RLock(), Event(), Event()
+        self._answered = -inf  # when a worker last gave an answer, s, monotonic
         self._fit = -inf  # when a worker was last known to be fit, s, monotonic
 
     @property
@@ -121,6 +123,11 @@ class Pool:
         if not self._seats:
             return "closed"
         return "ready" if any(seat.ready for seat in self._seats) else "failing" if self.why else "warming"
+
+    @property
+    def ready(self):
+        """How many workers are."""
+        return sum(seat.ready for seat in self._seats)
 
     @property
     def in_flight(self):
@@ -134,6 +141,7 @@ class Pool:
         with self._lock:
             if self._seats or self._closing.is_set():
                 return
+            self._answered = monotonic() + WARMING - SILENT  # until then nobody expects one
             self._seats = [Seat() for _ in range(self.size)]
             for number, seat in enumerate(self._seats):
                 Thread(target=self._sit, args=(seat, number), name=f"seat {number}", daemon=True).start()
@@ -165,6 +173,15 @@ class Pool:
         with self._lock:
             found = self._lines[task.rank].place(task)
             return found if found is None else found + sum(len(line) for line in self._lines[: task.rank])
+
+    def alive(self):
+        """(whether a worker has answered lately, or one is idle whose process lives, what is to be said of it)."""
+        with self._lock:
+            idle = any(seat.ready and seat.task is None and seat.caller.process.is_alive() for seat in self._seats)
+            silent = monotonic() - self._answered
+        if idle or silent <= SILENT:
+            return True, ""
+        return False, self.why or f"no worker has answered for {min(silent, 1e6):.0f} s"
 
     def processes(self):
         """The process ids of the workers."""
@@ -241,6 +258,7 @@ class Pool:
             if self.status != "ready":
                 log.info("workers are warm")
             seat.ready, seat.failures, self.why, self._fit = True, 0, "", monotonic()
+            self._answered = monotonic()
         self._warm.set()
 
     def _serve(self, seat):
@@ -267,10 +285,11 @@ class Pool:
             log.error("a task failed in a worker:\n%s", lost.reason)
             result = lost
         with self._lock:
-            seat.task = None
+            seat.task, self._answered = None, monotonic()
         self._settle(task, result)
 
     def _settle(self, task, result):
+        metrics.count("tasks_lost" if isinstance(result, Lost) and result.kind != "error" else "tasks")
         if isinstance(result, Lost):
             task.set_exception(result)
         else:
@@ -288,6 +307,7 @@ class Pool:
                 lost = Lost("closed", "the server is being stopped")
             else:
                 self.replaced += 1
+                metrics.count("worker_restarts")
                 seat.failures += not warm
                 log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
             if warm:

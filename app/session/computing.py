@@ -4,7 +4,7 @@ import logging
 import time
 from concurrent.futures import CancelledError
 
-from app.service import worker
+from app.service import metrics, worker
 from app.service.finished import Finished
 from app.service.pool import HEAVY, SCREEN
 from app.session.controls import increments_of
@@ -128,6 +128,7 @@ class Computing:
             self.run.frames = after[1] + 1
         self.chains.add(self.run)
         known = None if after else self.session.shelf.get(scene)
+        metrics.count("shelf_misses" if known is None else "shelf_hits")
         if known is not None:
             self._show_known(known)
         else:
@@ -201,6 +202,8 @@ class Computing:
             run.total = run.frames + piece.ahead
             self.chains.grown(run)
         run.evaluations += piece.evaluations
+        metrics.count("slices")
+        metrics.count("evaluations", piece.evaluations)
         run.residual = max(run.residual, piece.residual)
         run.widest = max(run.widest, piece.widest)
         run.blocks += piece.blocks

@@ -1,9 +1,9 @@
 """What of a browser's messages reaches the server: orders on the wire of its own document, and nothing else.
 
 Bokeh would apply any patch of any model, unpack compressed bytes, add roots, and answer what fails with a traceback.
-Here a message is looked at before Bokeh sees it, and what passes is written anew. Undocumented in Bokeh 3.9: that
-`bokeh.server.urls.per_app_patterns` names the handler of "/ws" (Panel replaces its entries in the same way), that its
-`connection` is that of a session, and that a message comes as header, metadata and content, each a fragment.
+Here a message is looked at before Bokeh sees it, and what passes is written anew; the document, the same for all, is
+sent from here. Undocumented in Bokeh 3.9: that the handler of "/ws" has the `connection` of a session, that a message
+is header, metadata and content, each a fragment, and that a document has to be told what a browser knows of it.
 """
 
 import asyncio
@@ -12,9 +12,12 @@ import logging
 import re
 from time import perf_counter
 
-from bokeh.server import urls
-from panel.io.server import WSHandler  # puts its own handlers into the patterns when it is imported
+from bokeh.util.token import get_session_id
+from panel.io.server import WSHandler
 
+from app.door import door, turned_away
+from app.page import shared
+from app.service import metrics
 from app.session import orders
 from app.session.session import visitors
 from app.session.wire import Wire
@@ -22,6 +25,8 @@ from app.session.wire import Wire
 log = logging.getLogger("app")
 HEAD = 500  # characters of a header
 MANY = 100  # events in a message
+TRY_LATER = 1013  # of RFC 6455
+TOKEN = 8000  # characters of what a browser shows when it comes
 SAID = 10  # refusals of one connection that are logged; then every hundredth
 LARGE = re.compile(r'\{"events":\[\{"kind":"ModelChanged","model":\{"id":"([\w-]{1,64})"\},"attr":"order","new":(?=")')
 
@@ -33,13 +38,35 @@ class Gate(WSHandler):
         super().__init__(*args, **options)
         self.parts, self.refused = [], 0
 
+    def open(self, *where, **named):
+        """Let a browser in that shows the token of its page, if there is room."""
+        try:
+            if not self._token or len(self._token) > TOKEN:
+                raise ValueError("no token of this server")
+            if door.lets_in(get_session_id(self._token)):
+                return super().open(*where, **named)
+            turned_away()
+        except Exception as error:  # whatever a stranger has forged; a traceback for each would fill the log
+            log.info("a browser was turned away: %s", type(error).__name__)
+        self.close(TRY_LATER)
+
+    async def _async_open(self, token):
+        try:
+            await super()._async_open(token)
+        except Exception as error:  # as above
+            log.info("a browser was turned away: %s", type(error).__name__)
+            self.close(TRY_LATER)
+
     async def on_message(self, fragment):
         """Take in a fragment; a message that is none of ours changes nothing, and costs its sender a little time."""
         begun = perf_counter()
         try:
-            message = self._message(fragment)
-            for part in message:
-                await super().on_message(part)
+            number, kind, body = self._message(fragment)
+            if kind == "PULL-DOC-REQ" and self._wire("wire"):
+                await self.connection.session.with_document_locked(self._give_document, number)
+            elif kind:
+                for part in ({"msgid": number, "msgtype": kind}, {}, body):
+                    await super().on_message(json.dumps(part))
         except orders.Refused as refused:
             self.parts = []
             await self._refuse(refused)
@@ -47,14 +74,14 @@ class Gate(WSHandler):
         await asyncio.sleep(min(perf_counter() - begun, 0.5))  # half of the server's time at most for one visitor
 
     def _message(self, fragment):
-        """The fragments of a message to hand on, once it is whole; raises Refused."""
+        """(number, kind, content) of a message to go by, once it is whole, else None of each; raises Refused."""
         if not isinstance(fragment, str) or self.connection is None:
             raise orders.Refused("A message came in a form that is not used here.")
         if len(fragment) > (HEAD, HEAD, 2.3 * orders.LARGEST)[len(self.parts)]:
             raise orders.Refused("A message was too long.")
         self.parts.append(fragment)
         if len(self.parts) < 3:
-            return ()
+            return None, None, None
         (header, _, content), self.parts = self.parts, []
         head = orders.plain_json(header)
         kind = head.get("msgtype") if isinstance(head, dict) else None
@@ -65,8 +92,17 @@ class Gate(WSHandler):
         if kind == "PATCH-DOC":
             body = {"events": [_event(wire, text) for wire, text in self._orders(content)]}
             if not body["events"]:
-                return ()
-        return json.dumps({"msgid": number, "msgtype": kind}), "{}", json.dumps(body)
+                return None, None, None
+        return number, kind, body
+
+    async def _give_document(self, number):
+        """Answer a browser that asks for its document, with the text that is the same for all."""
+        head = {"msgid": f"{number}-document", "msgtype": "PULL-DOC-REPLY", "reqid": number}
+        text = shared(self.application_context.url).document
+        with await self.write_lock.acquire():
+            for part in (json.dumps(head), "{}", f'{{"doc":{text}}}'):
+                await self.write_message(part, locked=False)
+        self.connection.session.document.models.flush_synced()
 
     def _orders(self, content):
         """[(id of a wire, order)]: of all that a browser says about its models, the orders; raises Refused."""
@@ -97,15 +133,19 @@ class Gate(WSHandler):
         return [self._checked(start[1], text)]
 
     def _checked(self, wire, text):
-        known = isinstance(wire, str) and self.connection.session.document.get_model_by_id(wire)
-        if not isinstance(known, Wire) or not isinstance(text, str):
+        if not self._wire(wire) or not isinstance(text, str):
             raise orders.Refused("A message was not an order.")
         orders.read(text)
         return wire, text
 
+    def _wire(self, name):
+        """Whether that is the id of the visitor's wire."""
+        return isinstance(name, str) and isinstance(self.connection.session.document.get_model_by_id(name), Wire)
+
     async def _refuse(self, refused):
         """One line for the log, one sentence for the visitor."""
         self.refused += 1
+        metrics.count("refused_messages")
         if self.refused <= SAID or self.refused % 100 == 0:
             log.info("refused message %d of a browser: %s", self.refused, refused)
         session = self.connection and self.connection.session
@@ -116,8 +156,3 @@ class Gate(WSHandler):
 
 def _event(wire, text):
     return {"kind": "ModelChanged", "model": {"id": wire}, "attr": "order", "new": text}
-
-
-def install():
-    """Have every websocket of this server go through the gate: before the server is made."""
-    urls.per_app_patterns[:] = [(p[0], Gate, *p[2:]) if p[0] == "/ws" else p for p in urls.per_app_patterns]

@@ -4,7 +4,7 @@ import json
 import logging
 import os
 
-from app.service import tasks
+from app.service import metrics, tasks
 from app.service.bench import Bench
 from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
@@ -52,6 +52,7 @@ class Session:
         self.closed = False
         self.wire.on_change("order", self._on_order)
         visitors.add(self)
+        metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
 
     def close(self):

@@ -38,6 +38,12 @@ def section(name):
 """
 
 
+def places():
+    """{page_slot: where a figure of a page goes}, all empty."""
+    names = [f"{page}_{slot}" for page, (_, slots) in PAGES.items() for slot in slots]
+    return {name: Column(sizing_mode="stretch_both") for name in names}
+
+
 class Sheet:
     """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so."""
 
@@ -73,9 +79,7 @@ class Pages:
 
     def __init__(self, session):
         self.session = session
-        self.slots = {
-            f"{page}_{slot}": Column(sizing_mode="stretch_both") for page, (_, slots) in PAGES.items() for slot in slots
-        }
+        self.slots = places()
         self.name, self.page, self.published = "", None, {}
 
     def open(self, name):

@@ -111,7 +111,9 @@ class Server:
         command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
         command += ["--address", "127.0.0.1", "--allow-websocket-origin", f"localhost:{self.port}"]
         command += ["--websocket-max-message-size", "5000000"]
-        self.process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        room = os.environ | {"APP_VISITORS": "400"}
+        piped = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        self.process = subprocess.Popen(command, cwd=ROOT, env=room, **piped)
         self.lines, warm = [], threading.Event()
         threading.Thread(target=self._listen, args=(warm,), daemon=True).start()
         if not warm.wait(300):

@@ -1,0 +1,61 @@
+"""What the server counts and what it can tell of its state, as text for Prometheus; nothing here names a visitor."""
+
+import os
+from collections import Counter
+from threading import Lock
+from time import monotonic
+
+KNOWN = {  # counted since the start
+    "pages_total": "pages sent",
+    "visits_total": "visitors who came",
+    "turned_away_total": "visitors for whom there was no room",
+    "slices_total": "slices of runs computed",
+    "evaluations_total": "force evaluations in them",
+    "shelf_hits_total": "runs that were known already",
+    "shelf_misses_total": "runs that had to be computed",
+    "tasks_total": "tasks done by workers",
+    "tasks_lost_total": "tasks that took too long or whose worker ended",
+    "worker_restarts_total": "workers replaced",
+    "refused_messages_total": "messages of browsers that were none of the page's",
+}
+_counts, _lock, _begun = Counter(), Lock(), monotonic()
+_gauges = {}  # name: (what it is, () -> value)
+
+
+def count(name, more=1):
+    """Count something of KNOWN, in any thread."""
+    with _lock:
+        _counts[f"{name}_total"] += more
+
+
+def counted(name):
+    """How often it was counted."""
+    return _counts[f"{name}_total"]
+
+
+def gauge(name, said, value):
+    """Have `value()` told whenever somebody asks."""
+    _gauges[name] = said, value
+
+
+def text():
+    """All of it, in Prometheus's text format."""
+    lines = []
+    for name, said in KNOWN.items():
+        lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} counter", f"contact_{name} {_counts[name]}"]
+    for name, (said, value) in _gauges.items():
+        lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} gauge", f"contact_{name} {value():g}"]
+    return "\n".join(lines) + "\n"
+
+
+def memory():
+    """Bytes that this process holds (Linux), otherwise nan."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return float("nan")
+
+
+gauge("uptime_seconds", "since the server was started", lambda: monotonic() - _begun)
+gauge("memory_bytes", "of the server's process", memory)

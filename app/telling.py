@@ -1,0 +1,77 @@
+"""What the server says of itself: one line for each event, of key=value, and under what addresses it can be reached."""
+
+import json
+import logging
+import os
+import re
+import socket
+import sys
+from contextlib import suppress
+from itertools import pairwise
+
+USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
+BARE = re.compile(r"[\w.:/+-]+")
+ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation: nothing is sent, but the system says by what way it would be
+
+
+class Lines(logging.Formatter):
+    """time=... level=... event="..." and what else was given as `extra`; an exception in the same line."""
+
+    default_time_format, default_msec_format = "%Y-%m-%dT%H:%M:%S", "%s.%03d"
+
+    def format(self, record):
+        """One line of text."""
+        told = {"time": self.formatTime(record), "level": record.levelname.lower()}
+        if record.name != "app":
+            told["from"] = record.name
+        told["event"] = record.getMessage()
+        told |= {name: value for name, value in vars(record).items() if name not in USUAL}
+        if record.exc_info:
+            told["traceback"] = self.formatException(record.exc_info)
+        return " ".join(f"{name}={_quoted(value)}" for name, value in told.items())
+
+
+def _quoted(value):
+    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text if BARE.fullmatch(text) else json.dumps(text, ensure_ascii=False)
+
+
+def begin():
+    """Have all loggers of this process write such lines to the standard error."""
+    root = logging.getLogger()
+    if not root.handlers:
+        root.addHandler(logging.StreamHandler())
+    for handler in root.handlers:
+        handler.setFormatter(Lines())
+    logging.getLogger("app").setLevel(logging.INFO)
+
+
+def addresses():
+    """This machine's own IPv4 addresses, but for the one that every machine has, the most likely first."""
+    found = []
+    with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect(ANYWHERE)
+        found.append(probe.getsockname()[0])
+    with suppress(OSError):
+        found += [entry[4][0] for entry in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)]
+    return [address for address in dict.fromkeys(found) if not address.startswith(("127.", "0."))]
+
+
+def say_where(arguments=None):
+    """Say how a class reaches this server, or how it has to be started for that."""
+    given = sys.argv[1:] if arguments is None else arguments
+    port = (_option(given, "--port") or ["5006"])[-1]
+    known = {*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")}
+    for address in addresses():
+        host = f"{address}:{port}"
+        if host in known or "*" in known:
+            logging.getLogger("app").info("a class opens http://%s/app", host)
+        else:
+            command = f"panel serve app --address 0.0.0.0 --port {port} --allow-websocket-origin={host}"
+            logging.getLogger("app").info("for a class at http://%s/app start it by: %s", host, command)
+
+
+def _option(given, name):
+    """The values of an option, written with a space or with =."""
+    words = [word for text in given for word in text.split("=", 1)]
+    return [value for before, value in pairwise(words) if before == name]

@@ -1,0 +1,176 @@
+"""What the server answers to plain requests: the page, its files, measures and whether it lives; each with headers.
+
+Undocumented in Bokeh 3.9: that `bokeh.server.urls` lists patterns and handlers from which every server is made, that
+those of an application get their `application_context`, and how a session's token is made (Panel uses all of these).
+"""
+
+import gzip
+import hashlib
+import html
+import logging
+import mimetypes
+import os
+import re
+import secrets
+from functools import lru_cache
+from pathlib import Path
+
+from bokeh.server import urls
+from bokeh.settings import settings
+from bokeh.util.token import generate_jwt_token, generate_session_id
+from panel.io.server import DocHandler  # puts Panel's handlers into the patterns when it is imported
+from tornado.web import RequestHandler, authenticated
+
+from app.assets import STATIC
+from app.door import door, turned_away
+from app.page import shared
+from app.service import metrics
+from app.service.pool import pool
+from app.session.gate import Gate
+from solver.scene import PARAMETERS
+
+log = logging.getLogger("app")
+READ = {"preset", "profile", *PARAMETERS}  # of an address, by the server; the browser reads the rest
+AGAIN = 10  # s after which somebody is to try again for whom there is no room
+YEAR = 31_536_000  # s
+FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # who may show ?embed=1 in a frame, as CSP names them
+NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+HOST = re.compile(r"[\w.:\[\]-]+")
+FULL = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>The class is full</title>
+<meta http-equiv="refresh" content="{again}"><meta name="viewport" content="width=device-width"></head>
+<body style="font: 18px system-ui; margin: 2em"><h1>The class is full</h1><p role="status">{most} visitors are here.
+This page tries again every {again} s, and opens the experiment as soon as one has left.</p></body></html>"""
+WRONG = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Not opened</title></head>
+<body style="font: 18px system-ui; margin: 2em"><p role="alert">The experiment could not be opened; the server's log
+says why. <a href="./{page}">Open it without parameters</a>.</p></body></html>"""
+
+
+def policy(host, nonce, frames):
+    """Content-Security-Policy of the page: Bokeh compiles what a document brings, and writes styles into it."""
+    sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""  # some browsers do not count them to 'self'
+    return (
+        f"default-src 'none'; script-src 'self' 'nonce-{nonce}' 'unsafe-eval'; style-src 'self' 'unsafe-inline';"
+        f" img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'{sockets}; base-uri 'none';"
+        f" form-action 'none'; frame-ancestors {frames}"
+    )
+
+
+class Plain(RequestHandler):
+    """Headers that everything has."""
+
+    def set_default_headers(self):
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Content-Security-Policy", NOTHING)
+        self.clear_header("Server")
+
+    def body(self, text, kind):
+        """Answer with a text or bytes, compressed if that is understood."""
+        body = text.encode() if isinstance(text, str) else text
+        self.set_header("Content-Type", kind)
+        self.set_header("Vary", "Accept-Encoding")
+        if "gzip" in self.request.headers.get("Accept-Encoding", ""):
+            body = gzip.compress(body, 1)
+            self.set_header("Content-Encoding", "gzip")
+        self.finish(body)
+
+
+class Page(Plain, DocHandler):
+    """The page, with a token for a session that begins when the browser has it; or word that the class is full."""
+
+    initialize = DocHandler.initialize
+
+    @authenticated
+    async def get(self, *_):
+        self.set_header("Cache-Control", "no-store")  # it holds the token
+        if self.request.path.endswith("/"):
+            return self.redirect(self.request.uri.replace("/?", "?", 1).rstrip("/"))
+        nonce, embedded = secrets.token_urlsafe(16), self.get_argument("embed", "") == "1"
+        host, frames = self.request.host, FRAMES if embedded else "'self'"
+        self.set_header("Content-Security-Policy", policy(host, nonce, frames))
+        arguments = {name: values for name, values in self.request.arguments.items() if name in READ}
+        keys = {"secret_key": self.application.secret_key, "signed": self.application.sign_sessions}
+        name = generate_session_id(**keys)
+        if not door.invites(name):
+            turned_away()
+            self.set_status(503)
+            self.set_header("Retry-After", str(AGAIN))
+            return self.body(FULL.format(most=door.most, again=AGAIN), "text/html; charset=utf-8")
+        payload = {"headers": {}, "cookies": {}, "arguments": arguments}
+        payload |= self.application_context.application.process_request(self.request)
+        expires = self.application.session_token_expiration
+        token = generate_jwt_token(name, expiration=expires, extra_payload=payload, **keys)
+        address = self.application_context.url
+        try:
+            page = shared(address).page_for(arguments, token=token, nonce=nonce)
+        except Exception:
+            log.exception("the page could not be built")
+            self.set_status(500)
+            page = WRONG.format(page=html.escape(address.strip("/")))
+        metrics.count("pages")
+        self.body(page, "text/html; charset=utf-8")
+
+
+class Files(Plain):
+    """Scripts and styles from memory, compressed once; asked for with their version they stay in a browser for good."""
+
+    def initialize(self, folder=STATIC, **_):
+        self.folder = folder.resolve()
+
+    def get(self, name):
+        path = (self.folder / name).resolve()
+        if not path.is_relative_to(self.folder) or not path.is_file():
+            return self.send_error(404)
+        raw, packed, self.tag = kept(path, path.stat().st_mtime_ns)
+        kind = {".js": "text/javascript", ".css": "text/css"}.get(path.suffix) or mimetypes.guess_type(path.name)[0]
+        self.set_header("Content-Type", f"{kind or 'application/octet-stream'}; charset=utf-8")
+        self.set_header("Vary", "Accept-Encoding")
+        fresh = f"public, max-age={YEAR}, immutable" if self.get_argument("v", "") else "no-cache"
+        self.set_header("Cache-Control", fresh)
+        if "gzip" in self.request.headers.get("Accept-Encoding", ""):
+            self.set_header("Content-Encoding", "gzip")
+            raw = packed
+        self.finish(raw)
+
+    head = get
+
+    def compute_etag(self):
+        return getattr(self, "tag", None) and f'"{self.tag}"'
+
+
+@lru_cache(200)
+def kept(path, changed):
+    """(content, the same compressed, its hash) of a file."""
+    raw = path.read_bytes()
+    return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]
+
+
+class Metrics(Plain):
+    """Counts and states, as Prometheus reads them."""
+
+    def get(self):
+        self.body(metrics.text(), "text/plain; version=0.0.4; charset=utf-8")
+
+
+class Liveness(Plain):
+    """200 while workers answer, otherwise 503."""
+
+    def get(self):
+        alive, said = pool.alive()
+        self.set_status(200 if alive else 503)
+        self.set_header("Cache-Control", "no-store")
+        self.finish({"alive": alive, "why": said, "workers": pool.status})
+
+    head = get
+
+
+def install():
+    """Have all servers of this process answer in this way: before one is made."""
+    ours = {"/ws": Gate, "/?": Page}
+    patterns = [(each[0], ours.get(each[0], each[1])) for each in urls.per_app_patterns if each[0] != "/autoload.js"]
+    urls.per_app_patterns[:] = [(r"/static/(.*)", Files), *patterns]
+    urls.toplevel_patterns[:0] = [
+        ("/metrics", Metrics),
+        ("/liveness", Liveness),
+        (r"/static/(js/bokeh[\w.-]*\.js)", Files, {"folder": Path(settings.bokehjs_path())}),
+    ]

@@ -1,0 +1,210 @@
+"""What the server answers to plain requests: a page for all, files, headers, measures, whether it lives, no room."""
+
+import asyncio
+import gzip
+import json
+import logging
+import re
+import threading
+import urllib.error
+import urllib.request
+
+import pytest
+from bokeh.application import Application
+from bokeh.application.handlers import FunctionHandler
+from bokeh.document import Document
+from bokeh.server import urls
+from bokeh.server.tornado import BokehTornado
+from bokeh.util.token import get_token_payload
+from panel.io.state import set_curdoc
+from tornado.httpserver import HTTPServer
+from tornado.ioloop import IOLoop
+from tornado.testing import bind_unused_port
+
+from app import door, page, telling, web
+from app.service import metrics
+from app.service.pool import Pool
+from app.session import session as session_module
+from app.session.wire import Wire
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Of a server in this process, as app_hooks.py installs it."""
+    before = urls.per_app_patterns[:], urls.toplevel_patterns[:]
+    web.install()
+    application = BokehTornado({"/app": Application(FunctionHandler(lambda doc: None))})
+    urls.per_app_patterns[:], urls.toplevel_patterns[:] = before
+    socket, port = bind_unused_port()
+    ready, loops = threading.Event(), []
+
+    async def serve():
+        application.initialize(IOLoop.current())
+        HTTPServer(application).add_socket(socket)
+        loops.append(asyncio.get_running_loop())
+        over.append(asyncio.Event())
+        ready.set()
+        await over[0].wait()
+
+    over = []
+    thread = threading.Thread(target=asyncio.run, args=(serve(),))
+    thread.start()
+    assert ready.wait(60)
+    yield f"http://127.0.0.1:{port}"
+    loops[0].call_soon_threadsafe(over[0].set)
+    thread.join(60)
+
+
+def get(address, **headers):
+    """(status, headers, body) of an answer."""
+    try:
+        answer = urllib.request.urlopen(urllib.request.Request(address, headers=headers), timeout=60)
+    except urllib.error.HTTPError as error:
+        answer = error
+    with answer:
+        return answer.status, answer.headers, answer.read()
+
+
+def tokens(body):
+    return re.search(rb'"token":"([^"]+)"', body)[1].decode()
+
+
+def test_pages_differ_in_their_token_and_in_what_the_address_says_only(address):
+    pages = [get(f"{address}/app?{query}")[2].decode() for query in ("E=80", "E=80", "E=90&delta_bar=0.3")]
+    assert pages[0] != pages[1]
+    known = [re.sub(r'nonce="[^"]+"|"token":"[^"]+"', "", text) for text in pages]
+    assert known[0] == known[1] != known[2]
+    assert 'id="E-entry" value="80"' in pages[0] and 'id="delta_bar-entry" value="0.3"' in pages[2]
+    assert "@" not in re.sub(r"[\w.]+@[\w.]+", "", known[0].split("<body")[1].split("<script")[0])  # no mark is left
+
+
+def test_the_token_brings_the_parameters_and_nothing_else(address):
+    query = "?E=80&theme=dark&secret=" + 5000 * "x"
+    payload = get_token_payload(tokens(get(f"{address}/app{query}", Cookie="a=b")[2]))
+    assert payload["arguments"] == {"E": [b"80"]} and payload["headers"] == payload["cookies"] == {}
+
+
+def test_the_document_names_what_a_visitor_has_on_the_server_by_the_same_ids():
+    doc = Document()
+    with set_curdoc(doc):
+        page.open_page()
+    known = page.shared("/app").document
+    assert isinstance(doc.get_model_by_id("wire"), Wire) and len(doc.models) == 1 + len(page.places())
+    assert all(known.count(f'"id":"{model.id}","attributes"') == 1 for model in doc.models)
+    for visitor in list(session_module.visitors):
+        visitor.close()
+
+
+def test_a_document_that_cannot_be_made_says_so(monkeypatch, caplog):
+    monkeypatch.setattr(page, "Session", lambda *_: 1 / 0)
+    doc = Document()
+    with set_curdoc(doc):
+        page.open_page()
+    assert "could not be opened" in doc.roots[0].text and "ZeroDivisionError" in caplog.text
+
+
+def test_a_page_that_cannot_be_made_says_so_without_the_reason(address, monkeypatch, caplog):
+    monkeypatch.setattr(web, "shared", lambda _: 1 / 0)
+    status, _, body = get(f"{address}/app")
+    assert status == 500 and b"could not be opened" in body and b"division" not in body
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_a_full_class_is_told_to_try_again_and_does(address, monkeypatch):
+    monkeypatch.setattr(web.door, "most", 0)
+    status, headers, body = get(f"{address}/app")
+    assert status == 503 and headers["Retry-After"] == "10"
+    assert b"class is full" in body and b'http-equiv="refresh" content="10"' in body
+
+
+def test_places_are_kept_for_those_on_their_way_for_a_while(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(door, "monotonic", lambda: now[0])
+    monkeypatch.setattr(door, "visitors", set())
+    two = door.Door(2)
+    assert two.invites("a") and two.invites("b") and not two.invites("c")
+    assert not two.lets_in("c") and two.lets_in("a") and two.lets_in("c")  # the place of "a" is free until it is taken
+    now[0] = door.COMING + 1.0
+    assert two.invites("d")
+
+
+def test_the_page_may_load_from_its_server_only_and_be_framed_where_allowed(address, monkeypatch):
+    monkeypatch.setattr(web, "FRAMES", "https://school.example")
+    for query, frames in (("", "'self'"), ("?embed=1", "https://school.example")):
+        _, headers, body = get(f"{address}/app{query}", Host="contact.example:5006")
+        rules = dict(rule.strip().split(" ", 1) for rule in headers["Content-Security-Policy"].split(";"))
+        assert rules["default-src"] == "'none'" and rules["frame-ancestors"] == frames
+        assert rules["connect-src"] == "'self' ws://contact.example:5006 wss://contact.example:5006"
+        nonce = re.search(r"'nonce-([\w-]+)'", rules["script-src"])[1]
+        assert "unsafe-inline" not in rules["script-src"]
+        scripts = re.findall(rb"<script[^>]*>", body)
+        assert len(scripts) > 3 and all(f'nonce="{nonce}"'.encode() in script for script in scripts)
+        assert headers["X-Content-Type-Options"] == "nosniff" and headers["Referrer-Policy"] == "no-referrer"
+        assert headers["Cache-Control"] == "no-store"
+
+
+def test_scripts_come_compressed_and_stay_in_the_browser(address):
+    body = get(f"{address}/app")[2].decode()
+    found = re.findall(r'<script[^>]* src="\./([^"]+)"', body) + re.findall(r'href="\./([^"]+\.css\?[^"]+)"', body)
+    assert len(found) > 1
+    for name in found:
+        status, headers, packed = get(f"{address}/{name}", **{"Accept-Encoding": "gzip"})
+        assert status == 200 and headers["Content-Encoding"] == "gzip" and "immutable" in headers["Cache-Control"]
+        plain = get(f"{address}/{name}")
+        assert "Content-Encoding" not in plain[1] and gzip.decompress(packed) == plain[2]
+        assert get(f"{address}/{name}", **{"If-None-Match": headers["Etag"]})[0] == 304
+    assert get(f"{address}/app/static/style.css")[1]["Cache-Control"] == "no-cache"  # without a version
+
+
+@pytest.mark.parametrize("name", ["app/static/../main.py", "app/static/%2e%2e/main.py", "app/static/", "app/static/js"])
+def test_no_other_file_is_given(address, name):
+    assert get(f"{address}/{name}")[0] in (403, 404)
+
+
+def test_there_is_no_other_way_to_a_document(address):
+    assert get(f"{address}/app/autoload.js?bokeh-autoload-element=1")[0] == 404
+
+
+def test_measures_are_told_as_prometheus_reads_them(address):
+    before = metrics.counted("pages")
+    get(f"{address}/app")
+    status, headers, body = get(f"{address}/metrics")
+    assert status == 200 and headers["Content-Type"].startswith("text/plain; version=0.0.4")
+    lines = body.decode().splitlines()
+    assert all(
+        re.fullmatch(r"# (HELP|TYPE) contact_\w+ .+|contact_\w+ [-+.\de]+|contact_\w+ nan", line) for line in lines
+    )
+    values = dict(line.split() for line in lines if not line.startswith("#"))
+    assert float(values["contact_pages_total"]) == before + 1 and float(values["contact_memory_bytes"]) > 1e7
+
+
+def test_liveness_is_that_of_the_workers(address, monkeypatch):
+    quiet = Pool(size=1)
+    monkeypatch.setattr(web, "pool", quiet)
+    status, _, body = get(f"{address}/liveness")
+    assert status == 503 and "no worker has answered" in json.loads(body)["why"]
+    quiet.start()  # from now on it is warming up
+    assert get(f"{address}/liveness")[0] == 200
+    quiet.close()
+
+
+def test_a_line_of_the_log_is_one_line_of_keys_and_values():
+    record = logging.makeLogRecord({"name": "app", "levelname": "INFO", "msg": "a %s came", "args": ("visitor",)})
+    record.visitors, record.why = 3, 'two\nlines, "quoted"'
+    line = telling.Lines().format(record)
+    assert re.match(r'time=\d{4}-\d\d-\d\dT[\d:.]+ level=info event="a visitor came" visitors=3 why=', line)
+    assert json.loads(line.split("why=")[1]) == record.why and "\n" not in line
+    try:
+        raise ValueError("wrong")
+    except ValueError as error:
+        record.exc_info = (type(error), error, error.__traceback__)
+    assert "\n" not in telling.Lines().format(record) and "ValueError: wrong" in telling.Lines().format(record)
+
+
+def test_the_log_says_how_a_class_gets_here(monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "app")
+    monkeypatch.setattr(telling, "addresses", lambda: ["192.0.2.7"])
+    telling.say_where(["serve", "app", "--port", "5007"])
+    assert "--address 0.0.0.0 --port 5007 --allow-websocket-origin=192.0.2.7:5007" in caplog.messages[-1]
+    telling.say_where(["serve", "app", "--port=5007", "--allow-websocket-origin", "192.0.2.7:5007"])
+    assert caplog.messages[-1] == "a class opens http://192.0.2.7:5007/app"
