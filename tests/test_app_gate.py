@@ -10,11 +10,13 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
+from bokeh.util.token import generate_jwt_token
 from tornado import locks
 from visitor import NoPool
 
 from app.service.finished import Shelf
-from app.session import gate, orders
+from app.session import allowance, gate, orders
+from app.session.allowance import Allowance
 from app.session.session import Session
 
 HELLO = '{"do":"hello","n":0}'
@@ -32,7 +34,7 @@ class Visit:
     def __init__(self, session, monkeypatch):
         self.session, self.passed = session, []
         self.gate = gate.Gate.__new__(gate.Gate)
-        self.gate.parts, self.gate.refused = [], 0
+        self.gate.parts, self.gate.refused, self.gate.allowance = [], 0, Allowance()
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
         self.gate.connection = SimpleNamespace(session=server)
         session.doc.add_root(session.wire)
@@ -112,6 +114,37 @@ def test_a_browser_is_given_the_document_that_all_have(visit, monkeypatch):
     assert sent[0] | {"msgid": ""} == {"msgid": "", "msgtype": "PULL-DOC-REPLY", "reqid": "1"}
     assert sent[2]["doc"]["title"] and len(sent[2]["doc"]["roots"]) == 5 + len(visit.session.pages.slots)
     assert visit.session.wire in visit.session.doc.models.synced_references  # a later patch refers to it
+
+
+def test_a_page_has_one_browser(visit, monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "app")
+    opened, closed = [], []
+    monkeypatch.setattr(gate.WSHandler, "open", lambda gate: opened.append(gate))
+    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: None)
+    monkeypatch.setattr(visit.gate, "close", closed.append)
+    visit.gate._token = generate_jwt_token("a page of mine")
+    visit.gate.open()
+    assert len(opened) == 1 and not closed
+    visit.gate.open()
+    assert len(opened) == 1 and closed == [gate.TRY_LATER]
+    visit.gate.on_close()
+    visit.gate.open()
+    assert len(opened) == 2
+    visit.gate.on_close()
+
+
+def test_who_costs_much_waits_and_the_more_visitors_there_are_the_longer(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(allowance, "monotonic", lambda: now[0])
+    waits = []
+    for count in (1, 10):
+        monkeypatch.setattr(allowance, "visitors", range(count))
+        mine = Allowance()
+        assert mine.spend(allowance.PURSE) == 0.0  # to open a page, or to drag for a while
+        waits.append(mine.spend(0.06))
+        now[0] += waits[-1]
+        assert mine.spend(0.0) == pytest.approx(0.0, abs=1e-12)  # it has waited for it
+    assert waits == pytest.approx([0.06 / allowance.MOST, 0.06 / (allowance.ALL / 10)])
 
 
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from visitor import PATIENCE, Page
 
-from app.session import orders
+from app.service import worker
+from app.session import orders, share
 from app.session.controls import address_of, scene_from_address
 from app.session.profiles import LONGEST, Profiles
+from app.session.run import Chains, Run
 from app.session.share import SCANNED, python_lines
 from solver import LIMITS, Profile, ProfileError, Scene
 from solver.presets import presets
@@ -116,6 +118,42 @@ def test_the_sheet_has_a_code_to_scan_unless_the_link_is_too_long_for_one(page):
         message = told.get(timeout=PATIENCE)
         head = json.loads(message[4 : 4 + struct.unpack_from("<I", message)[0]])
         assert head["qr"].startswith("data:image/svg+xml") == drawn and len(head["link"]) == length
+
+
+def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, monkeypatch):
+    sent = []
+    page.session.wire.on_change("taken", lambda attribute, old, new: sent.append(new))
+    for largest, why in ((share.LARGEST, ""), (10, share.LARGE)):
+        monkeypatch.setattr(share, "LARGEST", largest)
+        page.order("take", kind="json")
+        while not sent or sent[-1] is not None:
+            page.calls.get(timeout=PATIENCE)()
+        head = json.loads(sent[-2][4 : 4 + struct.unpack_from("<I", sent[-2])[0]])
+        assert head["why"] == why and (len(sent[-2]) > 1000) == (not why)
+        sent.clear()
+    assert page.session.wire.taken is None
+
+
+def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_alone(page):
+    page.order("hello")
+    page.until("finished")
+    assert page.session.run.blocks == [] and page.session.run.kept_as == page.session.scene
+    page.session.wire.order = json.dumps({"do": "scene", "values": {"delta_bar": "0.1"}, "from": [1, 120]})
+    page.until("finished")
+    run, shelf = page.session.run, page.session.shelf
+    assert run.history and run.blocks == [] and page.session.scene not in shelf
+    assert sum(worker.header(block)["frames"] for block in shelf.get(run.kept_as).blocks) == run.frames - 121
+
+
+def test_a_run_goes_on_from_another_so_often_only(session):
+    chains = session.computing.chains = Chains(longest=2)
+    session.scene = Scene(delta_bar=0.1)
+    for number in (1, 2, 3):
+        before = tuple((Scene(delta_bar=0.01 * k), 10) for k in range(number - 1))
+        chains.add(Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200))
+    for number, usable in ((1, True), (2, True), (3, False)):
+        assert session._usable(Scene(delta_bar=0.2), (number, 150)) == ((number, 150) if usable else None)
+    assert "starts anew" in session.notes[-1] and len(session.notes) == 1
 
 
 @pytest.mark.parametrize("name", presets())

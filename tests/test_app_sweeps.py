@@ -170,6 +170,8 @@ def test_an_interface_is_added_once_and_the_oldest_gives_way(session):
         order(session, "ask", what="add")
         assert not told(session)["addable"]
     names = [s["name"] for s in told(session)["series"]]
+    asked = [task for task in session.pool.tasks if task.call[0] is tasks.onset_of and not task.cancelled()]
+    assert len(asked) == 50  # nothing is computed any longer for the series that had to go
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"
 
 

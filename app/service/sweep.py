@@ -131,8 +131,12 @@ class Sweep:
 
     def cancel(self):
         """Wait for nothing any longer."""
-        waiting, self.waiting = self.waiting, set()
-        for call in waiting:
+        self.drop(list(self.waiting))
+
+    def drop(self, calls):
+        """Wait for some no longer."""
+        for call in self.waiting.intersection(calls):
+            self.waiting.discard(call)
             self.shared.leave(self.session.pool, call, self._hear)
 
     def _hear(self, call, result):

@@ -76,6 +76,7 @@ class Computing:
         if self.run and self.run.state == "running":
             self.abandon()
             self.run.state = "skipped"
+            self._keep()
             self.session.publish()
 
     def want(self, scene, after=None, held=False):
@@ -222,17 +223,17 @@ class Computing:
             self._send(piece.blocks)
 
     def _keep(self):
-        """A finished run goes on the shelf."""
+        """A run that has ended goes on the shelf: for all, or, if it is no whole run of its scene, for this visitor."""
         run = self.run
         self.cautions = cautions(run.scene, run.widest)
-        if run.state == "finished" and not run.history:
-            whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
-            self.session.shelf.put(run.scene, whole)
-            run.blocks = []
+        run.kept_as = run.scene if run.state == "finished" and not run.history else object()
+        whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
+        self.session.shelf.put(run.kept_as, whole)
+        run.blocks = []
 
     def _show_known(self, known):
         run = self.run
-        run.state, run.frames, run.total = "finished", known.frames, known.frames
+        run.state, run.frames, run.total, run.kept_as = "finished", known.frames, known.frames, run.scene
         run.evaluations, run.residual, run.widest = known.evaluations, known.residual, known.widest
         self.cautions = cautions(run.scene, run.widest)
         self.chains.grown(run)

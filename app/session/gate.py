@@ -19,6 +19,7 @@ from app.door import door, turned_away
 from app.page import shared
 from app.service import metrics
 from app.session import orders
+from app.session.allowance import Allowance
 from app.session.session import visitors
 from app.session.wire import Wire
 
@@ -30,25 +31,37 @@ TOKEN = 8000  # characters of what a browser shows when it comes
 SAID = 10  # refusals of one connection that are logged; then every hundredth
 LARGE = re.compile(r'\{"events":\[\{"kind":"ModelChanged","model":\{"id":"([\w-]{1,64})"\},"attr":"order","new":(?=")')
 
+here = set()  # ids of the sessions whose browsers are connected
+
 
 class Gate(WSHandler):
     """The websocket of one visitor."""
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.refused = [], 0
+        self.parts, self.refused, self.allowance, self.name = [], 0, Allowance(), None
 
     def open(self, *where, **named):
         """Let a browser in that shows the token of its page, if there is room."""
         try:
             if not self._token or len(self._token) > TOKEN:
                 raise ValueError("no token of this server")
-            if door.lets_in(get_session_id(self._token)):
+            name = get_session_id(self._token)
+            if name in here:
+                raise ValueError("a page has one browser")
+            if door.lets_in(name):
+                self.name = name
+                here.add(name)
                 return super().open(*where, **named)
             turned_away()
         except Exception as error:  # whatever a stranger has forged; a traceback for each would fill the log
             log.info("a browser was turned away: %s", type(error).__name__)
         self.close(TRY_LATER)
+
+    def on_close(self):
+        """The browser has gone."""
+        here.discard(self.name)
+        super().on_close()
 
     async def _async_open(self, token):
         try:
@@ -71,7 +84,7 @@ class Gate(WSHandler):
             self.parts = []
             await self._refuse(refused)
             await asyncio.sleep(0.001)
-        await asyncio.sleep(min(perf_counter() - begun, 0.5))  # half of the server's time at most for one visitor
+        await asyncio.sleep(self.allowance.spend(perf_counter() - begun))
 
     def _message(self, fragment):
         """(number, kind, content) of a message to go by, once it is whole, else None of each; raises Refused."""

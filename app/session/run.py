@@ -30,7 +30,8 @@ class Run:
     seen: bool = False  # whether the browser has some of it beyond the approach
     lost: int = 0
     why: str = ""
-    blocks: list = field(default_factory=list)  # packed frames so far
+    blocks: list = field(default_factory=list)  # packed frames, as long as it lasts
+    kept_as: object = None  # under what they are on the shelf since, as long as there is room
 
     @property
     def coarse(self):
@@ -72,13 +73,21 @@ class Run:
 class Chains:
     """Which scenes a visitor's runs went through: all that a later run needs to go on from a frame of one of them."""
 
-    def __init__(self, most=40):
-        self.most, self._of = most, {}  # number of a run: ((Scene, frames), ..., (its own Scene, None))
+    def __init__(self, most=40, longest=40):
+        self.most, self.longest, self._of = (
+            most,
+            longest,
+            {},
+        )  # number of a run: ((Scene, frames), ..., (its own Scene, None))
         self._frames = {}  # number of a run: frames it has, with those before
 
     def reaches(self, number, frame):
         """Whether a run is known and has come to that frame."""
         return 0 <= frame < self._frames.get(number, 0)
+
+    def too_long(self, number):
+        """Whether a run has gone on from others so often that none should go on from it."""
+        return len(self._of[number]) > self.longest
 
     def add(self, run):
         """Remember a run, and forget the oldest of too many."""

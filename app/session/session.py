@@ -73,6 +73,8 @@ class Session:
     # orders from the browser
 
     def _on_order(self, attribute, old, new):
+        if not new:
+            return
         try:
             order = orders.read(new)
         except orders.Refused as refused:
@@ -89,6 +91,7 @@ class Session:
         if name == "scene":
             self.change(values, order.after, order.held)
         elif name == "profile":
+            self.wire.order = ""  # it may be long
             self.read_profile(values["text"])
         elif name == "preset":
             self.choose(values["preset"])
@@ -148,6 +151,9 @@ class Session:
             return None
         if after[1] >= INCREMENTS:
             self.notes += [f"A run goes on from one of its first {INCREMENTS} increments only: this one starts anew."]
+            return None
+        if self.computing.chains.too_long(after[0]):
+            self.notes += ["A run goes on from another some forty times only: this one starts anew."]
             return None
         return after
 

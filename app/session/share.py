@@ -13,6 +13,8 @@ from solver.scene import PARAMETERS
 
 SCANNED = 1200  # characters of a link beyond which a QR code is too fine for a phone at the back of a room
 LONG = 60.0  # s that a file may take
+LARGEST = 20e6  # bytes of a file
+LARGE = "it would be larger than 20 MB: use python -m solver run"
 SLOW = "it takes too long here: use python -m solver run"
 
 
@@ -47,8 +49,10 @@ class Share:
     def _made(self, task, kind):
         if task is self.task:
             self.task = None
-            lost = task.cancelled() or task.exception()
-            self._send({"what": "file", "kind": kind, "why": SLOW if lost else ""}, b"" if lost else task.result())
+            body = b"" if task.cancelled() or task.exception() else task.result()
+            why = LARGE if len(body) > LARGEST else "" if body else SLOW
+            self._send({"what": "file", "kind": kind, "why": why}, b"" if why else body)
+            self.session.wire.taken = None  # it has been sent
 
     def _send(self, head, body=b""):
         self.sent += 1  # what is the same as before would not travel

@@ -110,7 +110,7 @@ class Page(Sheet):
         """A series, in place of the oldest if there are too many; a circular punch only, as the flat has no edge."""
         try:
             scene = series_of(scene)
-            scenes = [scene.changed(delta_bar=depth) for depth in DEPTHS]
+            self._calls(scene)
         except SceneError:
             return
         if self._why_not(scene):
@@ -124,10 +124,14 @@ class Page(Sheet):
             self.series[scene] = {}
         if not self.shown:
             self.shown = scene
-        self.sweep.add([(tasks.onset_of, each) for each in scenes])
+        self.sweep.add(self._calls(scene))
+
+    def _calls(self, scene):
+        return [(tasks.onset_of, scene.changed(delta_bar=depth)) for depth in DEPTHS]
 
     def _drop(self, scene):
         """Take a series off the page; what is known of it is kept (sweep.py)."""
+        self.sweep.drop(self._calls(scene))
         del self.series[scene], self.marks[scene]
 
     def _take(self, call, result):

@@ -64,7 +64,7 @@ class Page(Sheet):
             return
         values, self.waiting = self.waiting, None
         run = self.session.run
-        known = run and self.session.shelf.get(run.scene)
+        known = run and self.session.shelf.get(run.kept_as)
         if run is None or int(values.get("run", -1)) != run.number:
             return
         found = run.tractions(int(values["frame"]), run.blocks or (known.blocks if known else ()))

@@ -146,6 +146,12 @@ class Server:
         lines = Path(f"/proc/{self.process.pid}/status").read_text().splitlines()
         return int(next(line for line in lines if line.startswith("VmRSS")).split()[1]) / 1e3
 
+    def metrics(self):
+        """{name: number} of what it tells of itself."""
+        text = urllib.request.urlopen(f"http://127.0.0.1:{self.port}/metrics", timeout=PATIENCE).read().decode()
+        told = dict(line.removeprefix("contact_").split() for line in text.splitlines() if not line.startswith("#"))
+        return {name: float(value) for name, value in told.items()}
+
     def processor_time(self):
         """Seconds of processor time of the server, so far (Linux)."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()

@@ -143,7 +143,7 @@ async def attack(server, options):
     lag = asyncio.create_task(server.lag(over))
     visitors = [asyncio.create_task(visitor(server.port, k, over)) for k in range(options.visitors)]
     await asyncio.sleep(5.0)
-    memory, start = server.memory(), time.monotonic()
+    memory, shelf, start = server.memory(), server.metrics()["shelf_bytes"] / 1e6, time.monotonic()
     share = options.messages // options.clients
     thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed) for k in range(options.clients)))
     seconds = time.monotonic() - start
@@ -161,6 +161,7 @@ async def attack(server, options):
         "tracebacks": server.tracebacks(),
         "lines logged": len(server.lines),
         "memory before, after": (round(memory), round(server.memory())),
+        "of runs that are kept": (round(shelf), round(server.metrics()["shelf_bytes"] / 1e6)),
         "loop lag": summary(await lag),
         "visitors' runs": summary([time for times, _ in seen for time in times]),
         "visitors stuck": [why for _, why in seen if why],
