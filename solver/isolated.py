@@ -42,6 +42,15 @@ class Caller:
         with theirs, _bare_main():  # their end is closed here, so that the pipe ends with the process
             self.process.start()
 
+    @property
+    def sentinel(self):
+        """Something to wait for, ready when the process has ended."""
+        return self.process.sentinel
+
+    def alive(self):
+        """Whether the process still is."""
+        return self.process.is_alive()
+
     def call(self, function, *arguments, limit=inf, hear=None):
         """function(*arguments), made in the process; raises Lost, and but for kind 'error' the process is gone then.
 

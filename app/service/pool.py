@@ -1,7 +1,8 @@
 """The worker processes shared by all visitors: warmed when the server starts, each in a seat that fills itself again.
 
 The interface is all that a visitor's session and its pages know: `submit` of a pure function of picklable arguments,
-`abandon`, `place`, `status` and `why`; whatever executes tasks elsewhere has to offer these.
+`abandon`, `place`, `status` and `why`. What sits in a seat is a process of this machine, or whatever else has the
+methods of `solver.isolated.Caller` that are used here: with APP_SCHEDULER a worker of a dask cluster (cluster.py).
 """
 
 import atexit
@@ -108,8 +109,8 @@ class Pool:
     Owners take turns. What takes long, and what nobody looks at yet, never takes the last worker.
     """
 
-    def __init__(self, size=None, patience=PATIENCE):
-        self.size, self.patience = size or default_size(), patience
+    def __init__(self, size=None, patience=PATIENCE, make=Caller):
+        self.size, self.patience, self.make = size or default_size(), patience, make
         self.replaced = 0  # workers lost
         self.wisdom = None  # FFTW's, measured by one worker for all
         self.why = ""  # no worker can be started
@@ -177,16 +178,16 @@ class Pool:
     def alive(self):
         """(whether a worker has answered lately, or one is idle whose process lives, what is to be said of it)."""
         with self._lock:
-            idle = any(seat.ready and seat.task is None and seat.caller.process.is_alive() for seat in self._seats)
+            idle = any(seat.ready and seat.task is None and seat.caller.alive() for seat in self._seats)
             silent = monotonic() - self._answered
         if idle or silent <= SILENT:
             return True, ""
         return False, self.why or f"no worker has answered for {min(silent, 1e6):.0f} s"
 
     def processes(self):
-        """The process ids of the workers."""
+        """The process ids of the workers on this machine."""
         with self._lock:
-            return [seat.caller.process.pid for seat in self._seats if seat.caller]
+            return [seat.caller.process.pid for seat in self._seats if isinstance(seat.caller, Caller)]
 
     def close(self):
         """End every worker at once, even in the middle of a slice."""
@@ -246,7 +247,7 @@ class Pool:
 
     def _fill(self, seat, measure):
         """Start a worker and make it ready; one also measures FFTW's plans, while the first works already."""
-        seat.caller = Caller()
+        seat.caller = self.make()
         if self._closing.is_set():  # it may have come too late to be ended by `close`
             seat.caller.end()
         seat.wisdom = self.wisdom
@@ -265,7 +266,7 @@ class Pool:
         """Do tasks until the worker is lost."""
         while True:
             self._dispatch()
-            if seat.bell not in wait([seat.bell, seat.caller.process.sentinel]):
+            if seat.bell not in wait([seat.bell, seat.caller.sentinel]):
                 raise Lost("crash", "the process ended while it was idle")
             seat.bell.recv_bytes()
             if self._closing.is_set():
@@ -306,17 +307,18 @@ class Pool:
             if self._closing.is_set():
                 lost = Lost("closed", "the server is being stopped")
             else:
-                self.replaced += 1
-                metrics.count("worker_restarts")
                 seat.failures += not warm
-                log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
+                if lost.kind != "absent":  # a seat for which there is nobody yet
+                    self.replaced += 1
+                    metrics.count("worker_restarts")
+                    log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
             if warm:
                 self._fit = monotonic()
             hopeless = seat.failures >= STARTS and monotonic() > self._fit + HOPE
             hopeless = hopeless and not any(other.ready for other in self._seats)
             waiting = []
             if hopeless:
-                self.why = "no worker process can be started; the server's log says why"
+                self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
                 waiting = [line.take() for line in self._lines for _ in range(len(line))]
         if task is not None:
             self._settle(task, lost)
@@ -325,4 +327,13 @@ class Pool:
                 other.set_exception(Lost("closed", self.why))
 
 
-pool = Pool()
+def made():
+    """The pool that the environment asks for."""
+    if "APP_SCHEDULER" not in os.environ:
+        return Pool()
+    from app.service.cluster import SEATS, Cluster
+
+    return Pool(int(os.environ.get("APP_WORKERS", SEATS)), make=Cluster(os.environ["APP_SCHEDULER"]))
+
+
+pool = made()

@@ -12,7 +12,6 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from contextlib import suppress
 from pathlib import Path
 
 from bokeh.protocol import Protocol
@@ -162,7 +161,7 @@ class Server:
 
     async def lag(self, until, every=0.1):
         """Seconds that a small request takes, asked every `every` seconds until the event: how busy the loop is."""
-        times, address = [], f"http://127.0.0.1:{self.port}/static/js/none"
+        times, address = [], f"http://127.0.0.1:{self.port}/app/static/style.css"
         while not until.is_set():
             start = time.perf_counter()
             await asyncio.to_thread(_ask, address)
@@ -172,8 +171,7 @@ class Server:
 
 
 def _ask(address):
-    with suppress(urllib.error.HTTPError):  # as expected: it is not there
-        urllib.request.urlopen(address, timeout=PATIENCE).read()
+    urllib.request.urlopen(urllib.request.Request(address, method="HEAD"), timeout=PATIENCE).read()
 
 
 def percentile(values, part):

@@ -181,7 +181,7 @@ def main():
     with Server() as server:
         report = asyncio.run(attack(server, options))
         if report["tracebacks"]:
-            print("".join(server.lines[-80:]))
+            print("".join(line for line in server.lines if "Traceback" in line))
     for name, value in report.items():
         print(f"{name:22s} {value}")
     if options.json:

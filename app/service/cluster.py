@@ -1,0 +1,150 @@
+"""Workers of a dask cluster in the seats of the pool: `APP_SCHEDULER=tcp://host:8786 panel serve app`.
+
+Needs the extra `cluster`, and workers with one thread each where this project is installed in the same version. Queue,
+turns and limits of time are the pool's; here a call goes to the worker of its seat and to no other, as that has the
+plans and kernels. A call that takes too long is abandoned, and its worker restarted if a nanny is there to do it.
+"""
+
+import logging
+from contextlib import suppress
+from math import inf
+from multiprocessing import Pipe
+from queue import Empty, SimpleQueue
+from threading import RLock, Thread
+from time import sleep
+from traceback import format_exception
+from uuid import uuid4
+
+from distributed import Client
+
+from solver.isolated import Lost
+
+log = logging.getLogger("app")
+SEATS = 16  # unless APP_WORKERS says otherwise; those without a worker look for one every few seconds
+LOOK = 1.0  # s between two looks at who has left
+PATIENCE = 5.0  # s for the scheduler to answer
+
+
+class Cluster:
+    """Calls to it give a Remote for a worker without a seat; the connection is made anew when it was lost."""
+
+    why = "the cluster cannot be reached, or has no worker; the server goes on as soon as it has"
+
+    def __init__(self, address):
+        self.address, self.client, self.remotes, self.lock = address, None, {}, RLock()
+
+    def __call__(self):
+        with self.lock:
+            try:
+                free = [worker for worker in self._workers() if worker not in self.remotes]
+            except Exception as error:  # of whatever kind, from sockets to handshakes
+                self._disconnect()
+                raise Lost("absent", f"the cluster cannot be reached: {error}") from None
+            if not free:
+                raise Lost("absent", "no worker is free")
+            self.remotes[free[0]] = remote = Remote(self, self.client, free[0])
+            log.info("a worker of the cluster takes a seat", extra={"worker": free[0]})
+            return remote
+
+    def left(self, remote):
+        """A seat has done with its worker."""
+        with self.lock:
+            if self.remotes.get(remote.worker) is remote:
+                del self.remotes[remote.worker]
+
+    def _workers(self):
+        """Addresses of the workers that the scheduler knows."""
+        if self.client is None:
+            self.client = Client(self.address, timeout=PATIENCE, set_as_default=False)
+            Thread(target=self._watch, args=(self.client,), name="cluster", daemon=True).start()
+        if self.client.status != "running":
+            raise OSError("the connection is lost")
+        return list(self.client.sync(self.client.scheduler.ncores, callback_timeout=PATIENCE))
+
+    def _watch(self, client):
+        """Tell seats whose worker has left, until the connection is lost: then all."""
+        there = True
+        while there and self.client is client:
+            sleep(LOOK)
+            try:
+                known = set(client.sync(client.scheduler.ncores, callback_timeout=PATIENCE))
+                there = client.status == "running"
+            except Exception:
+                known, there = set(), False
+            with self.lock:
+                gone = [remote for worker, remote in self.remotes.items() if worker not in known]
+            for remote in gone:
+                remote.lose()
+        with self.lock:
+            if self.client is client:
+                self._disconnect()
+
+    def _disconnect(self):
+        client, self.client = self.client, None
+        if client is not None:
+            for remote in list(self.remotes.values()):
+                remote.lose()
+            Thread(target=_closed, args=(client,), daemon=True).start()  # it may take its time
+
+
+def _closed(client):
+    with suppress(Exception):
+        client.close(timeout=PATIENCE)
+
+
+class Remote:
+    """One worker, as the pool uses a process of its own: see solver.isolated.Caller."""
+
+    def __init__(self, cluster, client, worker):
+        self.cluster, self.client, self.worker = cluster, client, worker
+        self.sentinel, self._cord = Pipe(duplex=False)
+        self._gone, self._news = False, SimpleQueue()
+
+    def alive(self):
+        """Whether the scheduler still knew it when it was last asked."""
+        return not self._gone
+
+    def lose(self):
+        """It has left the cluster, or the cluster is gone."""
+        self._gone = True
+        self._cord.close()  # the sentinel is ready
+        self._news.put(None)
+
+    def call(self, function, *arguments, limit=inf):
+        """function(*arguments), made by the worker; raises Lost."""
+        where = {"workers": [self.worker], "allow_other_workers": False, "key": f"contact-{uuid4().hex}"}
+        try:
+            future = self.client.submit(function, *arguments, pure=False, **where)
+            future.add_done_callback(self._news.put)
+            done = self._gone or self._news.get(timeout=None if limit == inf else limit)
+            while done is not future and not self._gone:  # of a call before
+                done = self._news.get(timeout=None if limit == inf else limit)
+            if self._gone or future.status not in ("finished", "error"):
+                raise Lost("crash", "the worker has left the cluster")
+            if future.status == "error":
+                raise self._failed(future)
+            return future.result(timeout=PATIENCE)
+        except Empty:
+            self._restart()
+            raise Lost("hang", f"no answer within {limit:g} s") from None
+        except Lost:
+            raise
+        except Exception as error:
+            raise Lost("crash", f"the worker has left the cluster: {error!r}") from None
+
+    def _failed(self, future):
+        error = future.exception(timeout=PATIENCE)
+        if type(error).__module__.startswith("distributed."):  # KilledWorker and its like
+            return Lost("crash", str(error))
+        return Lost("error", "".join(format_exception(error, limit=-6)))
+
+    def _restart(self):
+        self.lose()
+        with suppress(Exception):  # without a nanny it ends with its task only
+            self.client.restart_workers([self.worker], timeout=PATIENCE, raise_for_error=False)
+
+    def end(self):
+        """The seat wants no more of it; what it does is abandoned."""
+        if not self._gone:
+            self.lose()
+        self.cluster.left(self)

@@ -1,0 +1,125 @@
+"""The pool on a real dask cluster of two worker processes: the same frames, workers and scheduler lost and back."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pyfftw
+import pytest
+
+from app.service import worker
+from app.service.pool import Pool
+from solver import Scene
+from solver.isolated import Caller
+
+pytestmark = pytest.mark.slow
+pytest.importorskip("distributed", reason="needs the extra `cluster`")
+PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+QUIET = ["--no-dashboard", "--host", "127.0.0.1"]
+
+
+class Local:
+    """A scheduler and two workers, as processes of this machine."""
+
+    def __init__(self, folder):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        self.folder, self.processes = folder, []
+        self.address = f"tcp://127.0.0.1:{self.port}"
+
+    def start(self):
+        self._run("scheduler", "--port", str(self.port), *QUIET)
+        for _ in range(2):
+            self._run("worker", self.address, "--nthreads", "1", "--local-directory", str(self.folder), *QUIET)
+
+    def _run(self, *command):
+        output = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "start_new_session": True}
+        self.processes.append(subprocess.Popen([sys.executable, "-m", "dask", *command], cwd=self.folder, **output))
+
+    def stop(self):
+        for process in self.processes:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait(PATIENCE)
+        self.processes = []
+
+
+def until(condition):
+    """Wait for it."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "it never came"
+        time.sleep(0.02)
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory):
+    cluster = Local(tmp_path_factory.mktemp("cluster"))
+    cluster.start()
+    yield cluster
+    cluster.stop()
+
+
+@pytest.fixture
+def workers(local, monkeypatch):
+    from app.service.cluster import Cluster
+
+    monkeypatch.setattr("app.service.pool.PAUSES", (0.0, 0.2))
+    pool = Pool(size=3, make=Cluster(local.address))  # one seat more than there are workers
+    pool.wisdom = pyfftw.export_wisdom()  # so that nobody measures: plans would differ, and with them the last digit
+    pool.start()
+    until(lambda: pool.ready == 2)
+    yield pool
+    pool.close()
+
+
+def test_frames_are_the_same_to_the_last_bit(workers):
+    call = (worker.compute, Scene(u_x_max=20.0), None, 600.0)
+    near = workers.submit(*call, seconds=600.0)
+    far = near.result(PATIENCE)
+    one = Caller()
+    one.call(worker.start, workers.wisdom)
+    here = one.call(*call)
+    one.end()
+    assert far.done and far.frames == here.frames > 200 and far.blocks == here.blocks
+    again = workers.submit(os.getpid, near=near)
+    assert again.result(PATIENCE) > 0 and again.seat is near.seat  # it still has the plans
+
+
+def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
+    asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
+    until(lambda: all(task.running() or task.done() for task in asked))
+    assert len({task.seat for task in asked}) == 2
+    workers.patience = 0.2
+    assert workers.submit(time.sleep, 2.0).exception(PATIENCE).kind == "hang"
+    workers.patience = 5.0
+    assert workers.submit(os.getpid).result(PATIENCE) > 0
+    until(lambda: workers.ready == 2)
+
+
+def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, caplog):
+    error = workers.submit(int, "x").exception(PATIENCE)
+    assert error.kind == "error" and "ValueError" in error.reason
+    process = workers.submit(os.getpid).result(PATIENCE)
+    stuck = workers.submit(time.sleep, 60.0, seconds=60.0)
+    other = workers.submit(time.sleep, 60.0, seconds=60.0)
+    until(lambda: stuck.running())
+    os.kill(process, signal.SIGKILL)
+    until(lambda: stuck.done() or other.done())
+    lost = stuck if stuck.done() else other
+    assert lost.exception().kind == "crash"
+    until(lambda: workers.ready == 2)  # a nanny has started another
+
+
+def test_the_scheduler_may_go_and_come_back(local, workers, monkeypatch):
+    monkeypatch.setattr("app.service.pool.HOPE", 0.5)
+    local.stop()
+    until(lambda: workers.status == "failing")
+    said = workers.submit(os.getpid).exception(PATIENCE)
+    assert said.kind == "closed" and "goes on as soon" in str(said)
+    local.start()
+    until(lambda: workers.status == "ready")
+    assert workers.submit(os.getpid).result(PATIENCE) > 0
