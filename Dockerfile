@@ -1,7 +1,7 @@
 FROM python:3.11-slim
 
-# The cache holds compiled kernels: filled while the image is built, writable so that a machine with another
-# processor can compile its own.
+# The cache holds compiled kernels: filled while the image is built, and copied where it can be written to when it is
+# run, so that a machine with another processor can compile its own; all else may be read-only.
 ENV PYTHONUNBUFFERED=1 \
     PYTHONDONTWRITEBYTECODE=1 \
     PIP_NO_CACHE_DIR=1 \
@@ -29,5 +29,6 @@ ENV BOKEH_ALLOW_WS_ORIGIN=localhost:5006
 EXPOSE 5006
 HEALTHCHECK --interval=30s --timeout=10s --start-period=90s \
     CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:5006/liveness', timeout=8)"]
-CMD ["panel", "serve", "app", "--address", "0.0.0.0", "--port", "5006", \
-     "--liveness", "--session-token-expiration", "3600", "--websocket-max-message-size", "5000000"]
+ENV NUMBA_CACHE_DIR=/tmp/numba
+CMD ["sh", "-c", "cp -r /srv/numba /tmp/ && exec panel serve app --address 0.0.0.0 --port 5006 \
+     --session-token-expiration 3600 --websocket-max-message-size 5000000"]

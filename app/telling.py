@@ -9,8 +9,10 @@ import sys
 from contextlib import suppress
 from itertools import pairwise
 
+log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
 BARE = re.compile(r"[\w.:/+-]+")
+ALWAYS = "--session-token-expiration 3600 --websocket-max-message-size 5000000"  # of a server for others, see README
 ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation: nothing is sent, but the system says by what way it would be
 
 
@@ -58,17 +60,17 @@ def addresses():
 
 
 def say_where(arguments=None):
-    """Say how a class reaches this server, or how it has to be started for that."""
+    """Say under what address a class reaches this server, or how it has to be started for that."""
     given = sys.argv[1:] if arguments is None else arguments
     port = (_option(given, "--port") or ["5006"])[-1]
-    known = {*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")}
-    for address in addresses():
+    known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]
+    hosts = [host for host in known if host.strip("*")]
+    for host in hosts:
+        log.info("visitors open http://%s/app", host)
+    for address in addresses() if not hosts else ():
         host = f"{address}:{port}"
-        if host in known or "*" in known:
-            logging.getLogger("app").info("a class opens http://%s/app", host)
-        else:
-            command = f"panel serve app --address 0.0.0.0 --port {port} --allow-websocket-origin={host}"
-            logging.getLogger("app").info("for a class at http://%s/app start it by: %s", host, command)
+        command = f"panel serve app --address 0.0.0.0 --port {port} --allow-websocket-origin={host} {ALWAYS}"
+        log.info("for a class at http://%s/app start it by: %s", host, command)
 
 
 def _option(given, name):

@@ -204,7 +204,11 @@ def test_a_line_of_the_log_is_one_line_of_keys_and_values():
 def test_the_log_says_how_a_class_gets_here(monkeypatch, caplog):
     caplog.set_level(logging.INFO, "app")
     monkeypatch.setattr(telling, "addresses", lambda: ["192.0.2.7"])
+    monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)
     telling.say_where(["serve", "app", "--port", "5007"])
     assert "--address 0.0.0.0 --port 5007 --allow-websocket-origin=192.0.2.7:5007" in caplog.messages[-1]
     telling.say_where(["serve", "app", "--port=5007", "--allow-websocket-origin", "192.0.2.7:5007"])
-    assert caplog.messages[-1] == "a class opens http://192.0.2.7:5007/app"
+    assert caplog.messages[-1] == "visitors open http://192.0.2.7:5007/app"
+    monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example")
+    telling.say_where(["serve", "app"])
+    assert caplog.messages[-1] == "visitors open http://contact.example/app"
