@@ -35,6 +35,7 @@ class Visit:
         self.session, self.passed = session, []
         self.gate = gate.Gate.__new__(gate.Gate)
         self.gate.parts, self.gate.refused, self.gate.allowance = [], 0, Allowance()
+        self.gate.name, self.gate.gone = None, False
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
         self.gate.connection = SimpleNamespace(session=server)
         session.doc.add_root(session.wire)
@@ -120,14 +121,17 @@ def test_a_page_has_one_browser(visit, monkeypatch, caplog):
     caplog.set_level(logging.INFO, "app")
     opened, closed = [], []
     monkeypatch.setattr(gate.WSHandler, "open", lambda gate: opened.append(gate))
-    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: None)
+    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: closed.append(gate))
     monkeypatch.setattr(visit.gate, "close", closed.append)
     visit.gate._token = generate_jwt_token("a page of mine")
     visit.gate.open()
     assert len(opened) == 1 and not closed
     visit.gate.open()
     assert len(opened) == 1 and closed == [gate.TRY_LATER]
-    visit.gate.on_close()
+    closed.clear()
+    for _ in range(2):
+        visit.gate.on_close()
+    assert len(closed) == 1 and visit.say(visit.patch(HELLO)) == []  # what it said before is not heard any more
     visit.gate.open()
     assert len(opened) == 2
     visit.gate.on_close()

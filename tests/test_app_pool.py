@@ -83,6 +83,7 @@ def test_workers_that_cannot_start_are_reported_to_those_who_wait(monkeypatch):
     workers = Pool(size=2)
     waiting = workers.submit(os.getpid)
     assert "no worker process can be started" in str(waiting.exception(PATIENCE))
+    assert not workers.alive()[0]
     assert workers.status == "failing" and workers.submit(os.getpid).exception(PATIENCE).kind == "closed"
     workers.close()
 

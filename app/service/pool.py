@@ -177,12 +177,14 @@ class Pool:
 
     def alive(self):
         """(whether a worker has answered lately, or one is idle whose process lives, what is to be said of it)."""
+        if self.why:
+            return False, self.why
         with self._lock:
             idle = any(seat.ready and seat.task is None and seat.caller.alive() for seat in self._seats)
             silent = monotonic() - self._answered
         if idle or silent <= SILENT:
             return True, ""
-        return False, self.why or f"no worker has answered for {min(silent, 1e6):.0f} s"
+        return False, f"no worker has answered for {min(silent, 1e6):.0f} s"
 
     def processes(self):
         """The process ids of the workers on this machine."""

@@ -39,7 +39,7 @@ class Gate(WSHandler):
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.refused, self.allowance, self.name = [], 0, Allowance(), None
+        self.parts, self.refused, self.allowance, self.name, self.gone = [], 0, Allowance(), None, False
 
     def open(self, *where, **named):
         """Let a browser in that shows the token of its page, if there is room."""
@@ -59,9 +59,11 @@ class Gate(WSHandler):
         self.close(TRY_LATER)
 
     def on_close(self):
-        """The browser has gone."""
+        """The browser has gone; Tornado may say so twice, while a message of it still waits."""
         here.discard(self.name)
-        super().on_close()
+        if not self.gone:
+            self.gone = True
+            super().on_close()
 
     async def _async_open(self, token):
         try:
@@ -72,6 +74,8 @@ class Gate(WSHandler):
 
     async def on_message(self, fragment):
         """Take in a fragment; a message that is none of ours changes nothing, and costs its sender a little time."""
+        if self.gone:
+            return
         begun = perf_counter()
         try:
             number, kind, body = self._message(fragment)
