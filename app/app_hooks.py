@@ -1,6 +1,8 @@
 """Called by Bokeh once per server: workers start warming before the first visitor comes, and end with the server."""
 
+import gc
 import logging
+from pathlib import Path
 
 from tornado.ioloop import PeriodicCallback
 
@@ -15,6 +17,8 @@ from app.views.pages import compose_all
 LOOK = 1000  # ms between two looks at who waits
 log = logging.getLogger("app")
 web.install()
+compose_all()  # before anybody can wait for it
+shared(f"/{Path(__file__).parent.name}")
 metrics.gauge("visitors", "visitors who are here", lambda: len(visitors))
 metrics.gauge("queue", "tasks that wait or run for somebody", lambda: pool.in_flight)
 metrics.gauge("workers", "workers that are ready", lambda: pool.ready)
@@ -26,9 +30,9 @@ def on_server_loaded(server_context):
     telling.begin()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
-    compose_all()
-    shared(server_context.application_context.url)
     telling.say_where()
+    gc.collect()
+    gc.freeze()  # Panel collects all garbage whenever a visitor has left: only what came since is to be looked through
 
 
 def on_server_unloaded(server_context):

@@ -165,7 +165,9 @@ class Liveness(Plain):
 
 
 def install():
-    """Have all servers of this process answer in this way: before one is made."""
+    """Have all servers of this process answer in this way: before one is made, and once, however often it is called."""
+    if any(issubclass(each[1], Files) for each in urls.per_app_patterns):
+        return
     ours = {"/ws": Gate, "/?": Page}
     patterns = [(each[0], ours.get(each[0], each[1])) for each in urls.per_app_patterns if each[0] != "/autoload.js"]
     urls.per_app_patterns[:] = [(r"/static/(.*)", Files), *patterns]
