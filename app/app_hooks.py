@@ -30,6 +30,7 @@ def on_server_loaded(server_context):
     telling.begin()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
+    PeriodicCallback(metrics.pulse.beat, 1000 * metrics.Pulse.EVERY).start()
     telling.say_where()
     gc.collect()
     gc.freeze()  # Panel collects all garbage whenever a visitor has left: only what came since is to be looked through

@@ -178,6 +178,15 @@ def test_measures_are_told_as_prometheus_reads_them(address):
     assert float(values["contact_pages_total"]) == before + 1 and float(values["contact_memory_bytes"]) > 1e7
 
 
+def test_the_pulse_tells_the_worst_delay_once(monkeypatch):
+    now, pulse = [0.0], metrics.Pulse()
+    monkeypatch.setattr(metrics, "monotonic", lambda: now[0])
+    for step in (0.05, 0.05, 0.35, 0.06):
+        now[0] += step
+        pulse.beat()
+    assert pulse.worst() == pytest.approx(0.3) and pulse.worst() == 0.0
+
+
 def test_liveness_is_that_of_the_workers(address, monkeypatch):
     quiet = Pool(size=1)
     monkeypatch.setattr(web, "pool", quiet)

@@ -57,5 +57,28 @@ def memory():
         return float("nan")
 
 
+class Pulse:
+    """How late the server's loop comes to what is due: `beat` is to be called every EVERY seconds."""
+
+    EVERY = 0.05  # s
+
+    def __init__(self):
+        self.last, self.latest = None, 0.0
+
+    def beat(self):
+        """The loop has come to it."""
+        now = monotonic()
+        if self.last is not None:
+            self.latest = max(self.latest, now - self.last - self.EVERY)
+        self.last = now
+
+    def worst(self):
+        """Seconds, the most since this was last asked."""
+        worst, self.latest = self.latest, 0.0
+        return worst
+
+
+pulse = Pulse()
+gauge("loop_lag_seconds", "by which the server's loop was late, at most, since this was last asked", pulse.worst)
 gauge("uptime_seconds", "since the server was started", lambda: monotonic() - _begun)
 gauge("memory_bytes", "of the server's process", memory)

@@ -4,7 +4,7 @@ from time import monotonic
 
 from app.session.session import visitors
 
-PURSE = 2.0  # s that may be spent at once: a page that is opened takes a tenth of it
+PURSE = 1.0  # s that may be spent at once: a page that is opened takes a fifth of it
 ALL = 0.6  # of the loop's time, for messages of all visitors
 MOST, LEAST = 0.3, 0.02  # of it for one
 LONGEST = 5.0  # s

@@ -39,7 +39,7 @@ class Gate(WSHandler):
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.refused, self.allowance, self.name, self.gone = [], 0, Allowance(), None, False
+        self.parts, self.refused, self.allowance, self.name = [], 0, Allowance(), None
 
     def open(self, *where, **named):
         """Let a browser in that shows the token of its page, if there is room."""
@@ -59,11 +59,18 @@ class Gate(WSHandler):
         self.close(TRY_LATER)
 
     def on_close(self):
-        """The browser has gone; Tornado may say so twice, while a message of it still waits."""
+        """The browser has gone; Bokeh may have found that out before, by a ping, while its messages still waited."""
         here.discard(self.name)
-        if not self.gone:
-            self.gone = True
+        if self._session is not None:
             super().on_close()
+
+    @property
+    def _session(self):
+        """The session of the browser; None before there is one, and when the browser has gone."""
+        try:
+            return self.connection and self.connection.session
+        except AssertionError:
+            return None
 
     async def _async_open(self, token):
         try:
@@ -74,13 +81,11 @@ class Gate(WSHandler):
 
     async def on_message(self, fragment):
         """Take in a fragment; a message that is none of ours changes nothing, and costs its sender a little time."""
-        if self.gone:
-            return
         begun = perf_counter()
         try:
             number, kind, body = self._message(fragment)
             if kind == "PULL-DOC-REQ" and self._wire("wire"):
-                await self.connection.session.with_document_locked(self._give_document, number)
+                await self._session.with_document_locked(self._give_document, number)
             elif kind:
                 for part in ({"msgid": number, "msgtype": kind}, {}, body):
                     await super().on_message(json.dumps(part))
@@ -92,7 +97,7 @@ class Gate(WSHandler):
 
     def _message(self, fragment):
         """(number, kind, content) of a message to go by, once it is whole, else None of each; raises Refused."""
-        if not isinstance(fragment, str) or self.connection is None:
+        if not isinstance(fragment, str) or self._session is None:
             raise orders.Refused("A message came in a form that is not used here.")
         if len(fragment) > (HEAD, HEAD, 2.3 * orders.LARGEST)[len(self.parts)]:
             raise orders.Refused("A message was too long.")
@@ -119,7 +124,7 @@ class Gate(WSHandler):
         with await self.write_lock.acquire():
             for part in (json.dumps(head), "{}", f'{{"doc":{text}}}'):
                 await self.write_message(part, locked=False)
-        self.connection.session.document.models.flush_synced()
+        self._session.document.models.flush_synced()
 
     def _orders(self, content):
         """[(id of a wire, order)]: of all that a browser says about its models, the orders; raises Refused."""
@@ -157,7 +162,7 @@ class Gate(WSHandler):
 
     def _wire(self, name):
         """Whether that is the id of the visitor's wire."""
-        return isinstance(name, str) and isinstance(self.connection.session.document.get_model_by_id(name), Wire)
+        return isinstance(name, str) and isinstance(self._session.document.get_model_by_id(name), Wire)
 
     async def _refuse(self, refused):
         """One line for the log, one sentence for the visitor."""
@@ -165,7 +170,7 @@ class Gate(WSHandler):
         metrics.count("refused_messages")
         if self.refused <= SAID or self.refused % 100 == 0:
             log.info("refused message %d of a browser: %s", self.refused, refused)
-        session = self.connection and self.connection.session
+        session = self._session
         visitor = session and next((each for each in visitors if each.doc is session.document), None)
         if visitor:
             await session.with_document_locked(visitor.refuse, refused)

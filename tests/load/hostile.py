@@ -138,9 +138,19 @@ async def visitor(port, number, over):
     return times, None
 
 
+async def watched(server, over):
+    """[(MB of memory but for runs that are kept, s by which the server's loop was late at most)] of every 5 s."""
+    rows = []
+    while not over.is_set():
+        told = await asyncio.to_thread(server.metrics)
+        rows.append((round((told["memory_bytes"] - told["shelf_bytes"]) / 1e6), round(told["loop_lag_seconds"], 3)))
+        await asyncio.sleep(5.0)
+    return rows
+
+
 async def attack(server, options):
     over = asyncio.Event()
-    lag = asyncio.create_task(server.lag(over))
+    lag, watch = asyncio.create_task(server.lag(over)), asyncio.create_task(watched(server, over))
     visitors = [asyncio.create_task(visitor(server.port, k, over)) for k in range(options.visitors)]
     await asyncio.sleep(5.0)
     memory, shelf, start = server.memory(), server.metrics()["shelf_bytes"] / 1e6, time.monotonic()
@@ -162,7 +172,8 @@ async def attack(server, options):
         "lines logged": len(server.lines),
         "memory before, after": (round(memory), round(server.memory())),
         "of runs that are kept": (round(shelf), round(server.metrics()["shelf_bytes"] / 1e6)),
-        "loop lag": summary(await lag),
+        "answers": summary(await lag),
+        "every 5 s: MB, loop lag": await watch,
         "visitors' runs": summary([time for times, _ in seen for time in times]),
         "visitors stuck": [why for _, why in seen if why],
         "a visit afterwards": round(after, 2),
