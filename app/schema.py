@@ -62,7 +62,7 @@ CURVES = {
     "T_t": Curve("tangential Tₜ, against +x", "--shear", "dashed", "Tₜ"),
     "F": Curve("friction F", "--shear", symbol="F"),
     "L": Curve("load L", "--normal", "dashed", "L"),
-    "A": Curve("A, width under repulsion", "--area", symbol="A"),
+    "A": Curve("A, width repelled", "--area", symbol="A"),
     "ghost": Curve("before", "--ghost"),
 }
 FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t in N/m

@@ -21,24 +21,45 @@ SIZES = (
 )
 
 
+WHOLE = ((820, 1180), (1024, 768), (1280, 720), (1440, 900), (1920, 1080))  # the first screen without scrolling
+
+
 # What is wrong with the page as it is laid out now, in sentences
-def faults_at_every_size(page):
+def faults_at_every_size(page, whole=False):
     """{size: what is wrong there}"""
     found = {}
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
         laid_out(page)
-        if faults := page.evaluate(FAULTS):
+        faults = page.evaluate(FAULTS)
+        high = page.evaluate("document.documentElement.scrollHeight")
+        if whole and (width, height) in WHOLE and high > height:
+            faults.append(f"{high} px high")
+        if faults:
             found[f"{width} x {height}"] = faults
     return found
 
 
-def test_the_experiment_fits_every_screen(visit):
-    page = visit()
+@pytest.mark.parametrize("query", ["", "?view=projector"])
+def test_the_experiment_fits_every_screen(visit, query):
+    page = visit(query)
     finished(page)
     page.get_by_role("button", name="Pause").click()
     page.keyboard.press("End")  # the longest readout
-    assert not faults_at_every_size(page)
+    assert not faults_at_every_size(page, whole=True)
+
+
+def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(visit):
+    page = visit()
+    page.set_viewport_size({"width": 390, "height": 844})
+    finished(page)
+    punch, player = (page.locator(what).bounding_box() for what in ("#punch-view", ".player"))
+    assert punch["y"] + 140 < player["y"]
+    law = page.get_by_role("button", name="Interface law")
+    assert not law.is_visible()
+    page.get_by_role("button", name="Menu").click()
+    law.click()
+    page.locator("#law").wait_for()
 
 
 @pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])

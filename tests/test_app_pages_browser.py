@@ -40,6 +40,8 @@ def test_a_page_is_drawn_on_a_desktop_and_on_a_phone(visit, title, size, theme):
     page = visit(f"?theme={theme}")
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
+    if size[0] < 600:
+        page.get_by_role("button", name="Menu").click()
     page.get_by_role("button", name=title).click()
     page.wait_for_function(f"() => {DRAWN[title]}", timeout=PATIENCE)
     page.wait_for_function(

@@ -14,6 +14,7 @@ const NARROW = 0.5 // of the largest area: where it stays above, the axis does n
 const TO_SCALE = 0.02 // a difference that nobody sees
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const THICK = 2.5 // times, for a projector
+const LONG = 11 // times the size of the text: as high as a view must be for a long title of its axis
 const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
 
 export function adopt(name, figure) {
@@ -67,6 +68,7 @@ export function drawCurves(run, ghost, approach) {
   }
   if (unit.text !== drawnUnit) nameForces(unit)
   drawnGhost = ghost
+  document.querySelector(".page").dataset.ghost = ghost !== null
   drawnUnit = unit.text
   drawnApproach = approach
   for (const [view, label, name, factor] of [["forces", "slips_F", run.normal || approach ? L : F, unit.factor], ["area", "slips_A", "A", 1]]) {
@@ -226,10 +228,16 @@ export function tellStretch() {
   }
 }
 
+let written = 0 // px of the text in figures, as it was told
+export function rewrite() { // another size of screen, another size of text
+  if (parseFloat(colour("--plot-text")) !== written) paint()
+  else namePlace()
+}
+
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
 export function paint() {
   const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
-  const size = parseFloat(colour("--plot-text")), large = size > 20 // for a projector
+  const size = written = parseFloat(colour("--plot-text")), large = size > 15 // for a projector
   for (const name in figures) {
     const figure = figures[name]
     set(figure, { outline_line_color: grid, min_border_right: large ? 34 : 14 })
@@ -243,5 +251,8 @@ export function paint() {
       thicken(part, large ? THICK : 1)
     }
   }
-  set(figures.map.left[0], { axis_label: large ? "x (nm)" : "x, undeformed (nm)" })
+  namePlace()
 }
+
+// In full where there is room
+const namePlace = () => set(figures.map.left[0], { axis_label: figures.map.inner_height > LONG * written ? "x, undeformed (nm)" : "x (nm)" })

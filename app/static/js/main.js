@@ -6,7 +6,7 @@ import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
-import { adopt, paint, tellStretch, useNodes } from "./figures.js"
+import { adopt, paint, rewrite, tellStretch, useNodes } from "./figures.js"
 import { connectHand } from "./hand.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
@@ -43,7 +43,7 @@ export function start({ wire, figures, slots, looks, nodes, usual, positions, in
   new ResizeObserver(() => {
     tellStretch()
     clearTimeout(resized)
-    resized = setTimeout(player.show, 100)
+    resized = setTimeout(() => { rewrite(); player.show() }, 100)
   }).observe(document.querySelector("figure"))
   paint()
   for (const name in positions) status.place(name, Number(by(`${name}-entry`).value))

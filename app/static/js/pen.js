@@ -21,9 +21,17 @@ export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`-
 
 export const size = () => parseFloat(colour("--plot-text")) || 13
 
-// Text with a rim of the page's colour, so that it is legible over anything
+const font = (scale = 1, bold = false) => `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
+
+// px that a text takes
+export function wide({ pen }, text) {
+  pen.font = font()
+  return pen.measureText(text).width
+}
+
+// Text with a rim of the page's colour, so that it is legible over anything; returns from where to where it reaches
 export function write({ pen, ink, box }, text, x, y, { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
-  pen.font = `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
+  pen.font = font(scale, bold)
   pen.textAlign = "left"
   const width = pen.measureText(text).width
   x -= align === "center" ? width / 2 : align === "right" ? width : 0
@@ -35,6 +43,7 @@ export function write({ pen, ink, box }, text, x, y, { of = ink.text, align = "c
   pen.strokeText(text, x, y)
   pen.fillStyle = of
   pen.fillText(text, x, y)
+  return [x, x + width]
 }
 
 // A shaft with a head, from a place by (dx, dy), px

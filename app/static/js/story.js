@@ -4,13 +4,14 @@ import { frameBox } from "./bokeh.js"
 import { by, fixed, minus } from "./dom.js"
 import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
-import { arrow, cleared, inks, size, write } from "./pen.js"
+import { arrow, cleared, inks, size, wide, write } from "./pen.js"
 
 const LINES = 24 // of the mesh in the body, from the surface to the top
 const BAR = 9 // px, height of the top of the layer
 const ARROW = 90 // px, the longest
 const MARKED = 1.0 // nm of the path for which a slip stays marked
 const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
+const LENS = 0.43 // of the width, to which the lens reaches as the page opens
 const GAIN = 0.005 // a change of the area by less is not told
 
 // Draw everything that belongs to frame k of a run
@@ -86,13 +87,17 @@ function drawForces(view) {
   const top = box.top + BAR, line = 1.25 * size()
   const x = box.left + 0.82 * box.width, y = top + 2.6 * line
   arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
-  write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
+  const [left] = write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
   if (Math.abs(L) < 1e-6 * full) return
   const at = box.left + (narrow ? 0.62 : 0.55) * box.width, deep = (Math.abs(L) / full) * long
   const from = top + 3 + (narrow ? 2 * line : 0)
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
-  write(view, narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "pushes" : "pulls"}`, at, from + deep + line, { of: ink.normal })
+  const text = narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "pushes" : "pulls"}`
+  // beside the lens where it is at first and what is said of F; where there is no room for that, below
+  const half = wide(view, text) / 2, low = box.left + LENS * box.width + half, high = left - 8 - half
+  const [x_L, y_L] = low < high ? [Math.min(Math.max(at, low), high), y] : [Math.max(at, low), y + 2.1 * line]
+  write(view, text, x_L, Math.max(from + deep + line, y_L), { of: ink.normal })
 }
 
 // A force per depth in the unit that needs the fewest digits
@@ -104,7 +109,8 @@ export function said(force) {
 // Under the surface: the width that is repelled, how far either edge has peeled, and what only attracts
 function drawEdges(view) {
   const { pen, box, narrow, X, Y, frame, run, k, ink } = view
-  const edges = run.edges(k), bottom = box.top + box.height, y = Math.min(Y(0) + 12, bottom - 2.4 * size())
+  const edges = run.edges(k), bottom = box.top + box.height
+  let y = Math.min(Y(0) + 12, bottom - 2.4 * size())
   const back = run.stage(k) === "back"
   if (!edges) {
     const held = frame.T_n.some((T, i) => run.state(T, frame.gap[i]) === "adhering")
@@ -116,6 +122,14 @@ function drawEdges(view) {
     return X(frame.x[i] * (1 - t) + frame.x[Math.min(i + 1, frame.x.length - 1)] * t)
   }
   const [left, right] = edges.map(place), A = run.curves.A_bar[k] * 2 * run.head.middle
+  const repelled = narrow ? `A ${fixed(A, 0)} nm` : `A = ${fixed(A, 0)} nm is repelled`
+  const start = run.sheared >= 0 && k >= run.sheared ? run.edges(run.sheared) : null
+  const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
+  const names = back ? ["leading", "trailing"] : ["trailing", "leading"]
+  const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
+  const room = Math.min(right, box.left + box.width - wide(view, told[1]) - 12) - Math.max(left, box.left + wide(view, told[0]) + 12)
+  const fits = wide(view, repelled) < room
+  if (!fits) y = Math.min(y, bottom - 3 * size()) // on a line of its own
   pen.strokeStyle = ink.area
   pen.lineWidth = 2
   pen.beginPath()
@@ -124,11 +138,7 @@ function drawEdges(view) {
   pen.lineTo(right, y)
   pen.lineTo(right, y - 6)
   pen.stroke()
-  write(view, narrow ? `A ${fixed(A, 0)} nm` : `A = ${fixed(A, 0)} nm is repelled`, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
-  const start = run.sheared >= 0 && k >= run.sheared ? run.edges(run.sheared) : null
-  const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
-  const names = back ? ["leading", "trailing"] : ["trailing", "leading"]
-  const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
+  write(view, repelled, (left + right) / 2, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
   write(view, told[0], left - 8, y + 0.8 * size(), { align: "right" })
   write(view, told[1], right + 8, y + 0.8 * size(), { align: "left" })
   if (!narrow) drawAttracted(view, edges)
