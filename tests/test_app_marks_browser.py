@@ -7,7 +7,8 @@ pytestmark = pytest.mark.browser
 
 
 def marks(page):
-    page.wait_for_function("punch.status.marks.delta_bar && punch.status.marks.E", timeout=PATIENCE)
+    known = " && ".join(f"punch.status.marks.{name}" for name in ("delta_bar", "phi_ratio", "E"))
+    page.wait_for_function(known, timeout=PATIENCE)
     return {name: {said: value for value, said in found} for name, found in page.evaluate("punch.status.marks").items()}
 
 
@@ -18,6 +19,7 @@ def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scen
     assert first["delta_bar"]["L = 0"] == pytest.approx(0.18, abs=0.02)
     assert first["delta_bar"]["lets go"] < first["delta_bar"]["jumps in"] < 0  # hysteresis
     assert 1500 < first["E"]["slides smoothly"] <= 3000
+    assert 0.01 < first["phi_ratio"]["slips"] < 0.03
     tick = page.locator("[data-name=delta_bar] .mark", has_text="L = 0").bounding_box()
     slider = page.locator("#delta_bar").bounding_box()
     place = (tick["x"] + tick["width"] / 2 - slider["x"]) / slider["width"]

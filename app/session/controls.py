@@ -70,7 +70,8 @@ CONTROLS = (
         "Friction / adhesion",
         "φₜ/φₙ",
         "",
-        "Tangential over normal work of separation: how strongly the interface resists sliding compared with opening.",
+        "Tangential over normal work of separation: how strongly the interface resists sliding compared with opening."
+        " A mark shows above what ratio it slips; below, sliding is smooth.",
         _logarithmic(0.002, 2.0, 151, 1.0),
     ),
     Control(

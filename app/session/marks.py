@@ -17,9 +17,11 @@ class Marks:
         calls = []
         for name in marks.SLIDERS:
             try:
-                calls.append((marks.of_slider, marks.key(scene, name), name))
+                key = marks.key(scene, name)
             except SceneError:  # no such run is possible: no marks
                 continue
+            if key is not None:
+                calls.append((marks.of_slider, key, name))
         if calls != self.calls:
             self.sweep.cancel()
             kept = {call[2] for call in calls if call in self.calls}
