@@ -20,6 +20,7 @@ from bokeh.server.views.static_handler import StaticHandler
 
 from app import schema
 from app.assets import assets
+from app.glossary import forms
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.session import Session
 from app.session.wire import Wire
@@ -142,12 +143,13 @@ def _player(wire, figures, slots, files):
             "slots": slots,
             "looks": {preset.name: preset.look for preset in presets().values()},
             "nodes": {name: vars(node) for name, node in schema.NODES.items()},
+            "terms": json.dumps(forms()),
             "usual": json.dumps({preset.name: values_of(preset.scene) for preset in presets().values()}),
             "positions": {control.name: list(control.positions) for control in CONTROLS},
             "main": next(name for name in files if name.endswith("/main.js")),
         },
         code="""
-            const given = { wire, figures, slots, looks, nodes, usual, positions, index: cb_context.index }
+            const given = { wire, figures, slots, looks, nodes, terms, usual, positions, index: cb_context.index }
             import(new URL(main, document.baseURI)).then(({ start }) => start(given))
         """,
     )

@@ -3,6 +3,7 @@
 import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, thicken, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
 import { by, minus, say } from "./dom.js"
+import { explain } from "./terms.js"
 import { forceUnit, tellStart } from "./units.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
@@ -120,7 +121,9 @@ let named = false
 function nameAxis(normal) {
   if (normal === named) return
   named = normal
-  for (const said of document.querySelectorAll(".slips")) said.textContent = normal ? "jump" : "slip"
+  const [first, second] = document.querySelectorAll(".slips"), event = normal ? "jump" : "slip"
+  explain(first, event)
+  second.textContent = event
   const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
   for (const view of ["forces", "area", "map"]) {
     set(figures[view].below[0], { axis_label: label })

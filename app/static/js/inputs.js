@@ -145,7 +145,7 @@ export function connect(positions, usual) {
   on("menu", "click", () => by("menu").setAttribute("aria-expanded", by("menu").getAttribute("aria-expanded") !== "true"))
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
-  document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint)")?.blur() })
+  document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint, .term)")?.blur() })
   on("play", "click", () => play(!me.playing))
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))

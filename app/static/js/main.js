@@ -15,17 +15,19 @@ import * as player from "./player.js"
 import * as print from "./print.js"
 import { me } from "./state.js"
 import * as status from "./status.js"
+import * as glossary from "./terms.js"
 import * as units from "./units.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
-// looks: {preset: text}; usual: {preset: values} as JSON; nodes: {state: how it is drawn}; positions: {slider: values}; index: Bokeh's index of views
-export function start({ wire, figures, slots, looks, nodes, usual, positions, index }) {
+// looks: {preset: text}; usual: {preset: values} as JSON; nodes: {state: how it is drawn}; terms: {form of a word: term} as JSON; positions: {slider: values}; index: Bokeh's index of views
+export function start({ wire, figures, slots, looks, nodes, terms, usual, positions, index }) {
   useIndex(index)
   figures = plain(figures)
   positions = plain(positions)
   useNodes(nodes)
   for (const name in figures) adopt(name, figures[name])
   channel.connect(wire)
+  glossary.connect(terms)
   status.connect({ looks: plain(looks), positions })
   pages.connect(plain(slots))
   accuracy.connect()

@@ -5,6 +5,7 @@ import { heard as acknowledged, latest, order } from "./channel.js"
 import { by, fixed, minus, on, say } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { me } from "./state.js"
+import { explain } from "./terms.js"
 import { checkTruth } from "./truth.js"
 
 let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
@@ -32,7 +33,7 @@ export function heard(text) {
     if (frames > 0 && !me.dragging) writeAddress()
     say("profile-error", errors.profile)
     namePreset()
-    by("look").textContent = presetSaid()
+    tellLook(presetSaid())
   }
   checkTruth()
   drawMarks(me.status.marks, positions)
@@ -73,6 +74,10 @@ function namePreset() {
   const title = menu.querySelector(`[value="${preset}"]`).textContent
   menu.options[0].textContent = `${title.replace(/ \(.*/, "")} – changed`
   menu.value = changes().length ? "" : preset
+}
+
+function tellLook(text) {
+  if (by("look").textContent !== text) explain(by("look"), text)
 }
 
 // What to look for, where the scene is still that of the preset

@@ -129,7 +129,7 @@ function drawEdges(view) {
   const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
   const room = Math.min(right, box.left + box.width - wide(view, told[1]) - 12) - Math.max(left, box.left + wide(view, told[0]) + 12)
   const fits = wide(view, repelled) < room
-  if (!fits) y = Math.min(y, bottom - 3 * size()) // on a line of its own
+  if (!fits) y = Math.min(y, bottom - 2.65 * size()) // on a line of its own
   pen.strokeStyle = ink.area
   pen.lineWidth = 2
   pen.beginPath()

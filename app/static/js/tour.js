@@ -7,6 +7,7 @@ import { by, readdress } from "./dom.js"
 import { figures } from "./figures.js"
 import { goto, play } from "./player.js"
 import { me } from "./state.js"
+import { explain } from "./terms.js"
 
 // preset and values: the scene; to: nm of the path at which a stop ends; answers: the right one first, shown shuffled
 // in an order of its own; sketch: the view on which the curve may be drawn beforehand; turn: the slider to play with
@@ -161,7 +162,9 @@ function write() {
   card.replaceChildren(make("div", { className: "top" }, title, end))
   if (phase === "wait") card.append(make("p", { textContent: "getting ready …" }))
   else {
-    card.append(make("p", { textContent: stop.question }))
+    const question = make("p")
+    explain(question, stop.question)
+    card.append(question)
     if (stop.sketch && phase === "ask") card.append(make("p", { className: "said", textContent: "Draw the curve you expect into the view “Contact area” if you like, then choose:" }))
     const row = make("div", { className: "answers" })
     for (const i of stop.order) {
@@ -175,7 +178,9 @@ function write() {
   }
   if (phase === "show") card.append(make("p", { className: "said", textContent: "Watch …" }))
   if (phase === "why") {
-    const said = make("p", {}, make("b", { textContent: chosen === 0 ? "Yes. " : "Not so. " }), stop.why)
+    const why = make("span")
+    explain(why, stop.why)
+    const said = make("p", {}, make("b", { textContent: chosen === 0 ? "Yes. " : "Not so. " }), why)
     said.setAttribute("role", "status")
     const next = make("button", { type: "button", textContent: at + 1 < STOPS.length ? `Next: ${STOPS[at + 1].name}` : "End tour", onclick: () => (at + 1 < STOPS.length ? openTour(at + 2) : close()) })
     const turn = make("button", { type: "button", textContent: "Your turn", onclick: () => by(stop.turn).focus() })

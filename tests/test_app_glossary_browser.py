@@ -1,0 +1,67 @@
+"""Terms of the field, explained where they appear: by mouse, keyboard and touch, and all of them below the theory."""
+
+import pytest
+from test_app_layout_browser import FAULTS, laid_out
+from test_app_serving import finished
+
+from app.glossary import forms
+
+pytestmark = pytest.mark.browser
+pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
+FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('glossary.html')).length"
+
+
+def test_a_term_is_explained_on_hover_and_nothing_is_loaded_before(visit):
+    page = visit()
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    assert page.evaluate(FETCHED) == 0
+    page.locator(".term", has_text="Traction").hover()
+    tip = page.get_by_role("tooltip").filter(has_text="Force per area")
+    tip.wait_for()
+    tip.hover()  # it can be reached and read
+    assert tip.is_visible() and page.evaluate(FETCHED) == 1
+    page.locator("#readout").hover()
+    tip.wait_for(state="hidden")
+
+
+def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_out(visit):
+    page = visit("?theme=dark")
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    term = page.locator("#look .term").first
+    term.focus()
+    tip = page.locator("#term")
+    tip.wait_for()
+    assert term.get_attribute("aria-describedby") == "term"
+    page.keyboard.press("Enter")
+    page.wait_for_function(
+        "document.getElementById('told').textContent === document.getElementById('term').textContent"
+    )
+    page.keyboard.press("Escape")
+    tip.wait_for(state="hidden")
+    assert page.evaluate("document.activeElement.className") == "term"
+
+
+def test_a_touch_keeps_it_until_the_next_elsewhere_and_it_stays_on_the_screen(visit):
+    page = visit(has_touch=True)
+    page.set_viewport_size({"width": 390, "height": 844})
+    finished(page)
+    page.locator("#look .term").last.tap()
+    tip = page.locator("#term")
+    tip.wait_for()
+    laid_out(page)
+    box = tip.bounding_box()
+    assert box["x"] >= 0 and box["x"] + box["width"] <= 390 and box["y"] >= 0 and box["y"] + box["height"] <= 844
+    assert not page.evaluate(FAULTS)
+    page.locator("h1").tap()
+    tip.wait_for(state="hidden")
+
+
+def test_every_term_is_listed_with_the_theory(visit):
+    page = visit()
+    finished(page)
+    page.locator("#open-theory").click()
+    page.locator("#theory .glossary").wait_for()
+    listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")
+    assert set(listed) == set(forms().values()) >= {"traction", "gap", "work", "branch", "fold", "flutter", "peel"}
