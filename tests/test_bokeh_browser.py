@@ -85,6 +85,14 @@ def test_an_image_is_of_the_kind_that_came_from_the_server_and_has_its_shape(sti
     assert list(shape) == [2, 3]
 
 
+def test_what_a_part_has_drawn_can_be_read_from_it(still):
+    assert still.evaluate("bokeh.drawnBy(parts.forces.F).x.length === bokeh.drawnBy(parts.forces.F).y.length")
+    assert still.evaluate(
+        "(({ image, rows, columns }) => image.length === rows * columns)(bokeh.drawnBy(parts.map.map))"
+    )
+    assert still.evaluate("bokeh.drawnBy(parts.forces.cursor)") is None
+
+
 def test_a_figure_knows_its_size_on_screen(still):
     assert still.evaluate("bokeh.stretch(figures.punch)") > 1
     assert still.evaluate("bokeh.stretch(undefined)") is None

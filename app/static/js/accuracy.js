@@ -1,7 +1,7 @@
 // The dialog "Accuracy": asks for a measurement, shows its progress, and draws what is measured as it comes.
 
 import { order } from "./channel.js"
-import { by, minus, on } from "./dom.js"
+import { by, minus, offerTable, on } from "./dom.js"
 import { me } from "./state.js"
 
 // series: [class in style.css, outline of the marker around 0, 0, place of the text beside it: x, y, anchor]
@@ -138,5 +138,8 @@ function drawSeries(into, points, place) {
 
 export function connect() {
   for (const what of ["measure", "cancel"]) on(what, "click", () => order(what))
+  for (const figure of by("bench-plots").querySelectorAll("figure")) {
+    offerTable(figure, "bench", figure.querySelector("figcaption").textContent, (tables) => tables.openMeasured(measurement.points))
+  }
   new ResizeObserver(drawBench).observe(by("bench-plots"))
 }

@@ -17,3 +17,12 @@ export function readdress(change) {
   change(address.searchParams)
   if (address.href !== location.href) history.replaceState(history.state, "", address)
 }
+
+// A button in a figure's caption that opens its numbers
+export function offerTable(figure, view, name, open) {
+  const button = Object.assign(document.createElement("button"), { type: "button", className: "as-table", title: "As a table", textContent: "▦" })
+  button.dataset.view = view
+  button.setAttribute("aria-label", `${name}, as a table`)
+  button.addEventListener("click", async () => open(await import("./tables.js")))
+  figure.querySelector("figcaption")?.append(button)
+}

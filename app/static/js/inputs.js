@@ -5,7 +5,7 @@ import { moved, redo, undo, writeAddress } from "./address.js"
 import { onEvent } from "./bokeh.js"
 import { order } from "./channel.js"
 import { theme } from "./colours.js"
-import { by, on, readdress, say } from "./dom.js"
+import { by, offerTable, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
@@ -120,15 +120,6 @@ function connectCurve(figure) {
   onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
 }
 
-// A button that opens the numbers of a plot
-function offerTable(figure, view) {
-  const button = Object.assign(document.createElement("button"), { type: "button", className: "as-table", title: "As a table", textContent: "▦" })
-  button.dataset.view = view
-  button.setAttribute("aria-label", `${figure.getAttribute("aria-label")}, as a table`)
-  button.addEventListener("click", async () => (await import("./tables.js")).openTable(view))
-  figure.querySelector("figcaption").append(button)
-}
-
 export function connect(positions, usual) {
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
@@ -164,7 +155,10 @@ export function connect(positions, usual) {
     on(menu, "change", () => { chosen = menu })
     on(menu, "blur", () => { chosen = "" })
   }
-  document.querySelectorAll("main figure").forEach((figure, i) => offerTable(figure, Object.keys(figures)[i]))
+  document.querySelectorAll("main figure").forEach((figure, i) => {
+    const view = Object.keys(figures)[i]
+    offerTable(figure, view, figure.getAttribute("aria-label"), (tables) => tables.openTable(view))
+  })
   on("theme", "click", switchTheme)
   on("projector", "click", project)
   if (projected()) project(true)

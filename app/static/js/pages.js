@@ -2,8 +2,8 @@
 // a module, with any of connect(), opened(), told(news), frame(run, k), painted(), pictured(buffer), closed().
 
 import { order } from "./channel.js"
-import { by, readdress } from "./dom.js"
-import { adopt, drawn, forget, paint, shade } from "./figures.js"
+import { by, offerTable, readdress } from "./dom.js"
+import { adopt, drawn, figures, forget, paint, shade } from "./figures.js"
 import * as arealaws from "./pages/arealaws.js"
 import * as law from "./pages/law.js"
 import * as solid from "./pages/solid.js"
@@ -20,6 +20,15 @@ const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 export function connect(given) {
   slots = given
   for (const name in modules) modules[name].connect?.()
+  for (const section of document.querySelectorAll(".sheet")) {
+    const names = Object.keys(slots).filter((name) => name.startsWith(`${section.id}_`))
+    section.querySelectorAll(".figures figure").forEach((figure, i) => {
+      const title = () => figure.querySelector("figcaption b").textContent
+      offerTable(figure, names[i], title() || section.querySelector("h2").firstChild.textContent.trim(), (tables) => {
+        if (names[i] in figures) tables.openData(names[i], title())
+      })
+    })
+  }
 }
 
 export function openAsked() {

@@ -1,10 +1,12 @@
 // What a plot shows as a table, built from the frames that are here; opened with its button, and only then loaded.
 
+import { drawnBy } from "./bokeh.js"
 import { by, fixed, minus } from "./dom.js"
+import { figures, parts } from "./figures.js"
 import { me } from "./state.js"
 
 // A number in some four digits
-const short = (value) => minus(Number(value.toPrecision(4)))
+const short = (value) => (Number.isFinite(value) ? minus(Number(value.toPrecision(4))) : "–")
 
 // title, headings and rows of a plot of a run, at frame k where it shows one
 const TABLES = {
@@ -48,8 +50,52 @@ function acting(values, { first, spacing, middle }, run, k) {
 }
 
 export function openTable(view) {
-  if (!me.run?.length) return
-  const { title, headings, rows } = TABLES[view](me.run, Math.max(0, Math.min(me.drawn, me.run.length - 1)))
+  if (me.run?.length) open(TABLES[view](me.run, Math.max(0, Math.min(me.drawn, me.run.length - 1))))
+}
+
+const GRID = [9, 9] // values of an image in its table, across and down
+const UNSAID = ["zero"] // lines that only guide the eye
+const SAID = { // what is drawn on a page, where its label is not what it is called
+  own: "on screen", low: "ultra low friction", stick: "nodes that stick", slip: "nodes past the peak", open: "free nodes",
+  law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8", onsets: "onset", exact: "exact",
+}
+const MARKS = "●■▲◆★" // of the series on the page Area laws (app/views/arealaws.py)
+const called = (label) => SAID[label]
+  ?? label.replace(/^(line|points|beyond)(\d)$/, (_, what, k) => `${MARKS[k]} ${{ line: "Eq. 9", points: "runs", beyond: "beyond the fit" }[what]}`)
+
+// All that a figure of a page shows: points of curves and dots, and of an image values on a grid
+export function openData(name, title) {
+  const { below: [across], left: [up] } = figures[name], rows = []
+  for (const [label, part] of Object.entries(parts[name])) {
+    const drawn = UNSAID.includes(label) ? null : drawnBy(part)
+    if (drawn?.image) rows.push(...grid(drawn).map((cells) => [called(label), ...cells]))
+    else for (let i = 0; i < (drawn?.x.length ?? 0); i++) rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), ""])
+  }
+  const valued = rows.some((cells) => cells[3])
+  const headings = ["what", across.axis_label, up.axis_label, ...(valued ? ["value"] : [])]
+  open({ title, headings, rows: valued ? rows : rows.map((cells) => cells.slice(0, 3)) })
+}
+
+function grid({ image, rows, columns, x, y, dw, dh }) {
+  const cells = []
+  for (let r = 0; r < GRID[1]; r++) {
+    for (let c = 0; c < GRID[0]; c++) {
+      const i = Math.floor(((r + 0.5) * rows) / GRID[1]), j = Math.floor(((c + 0.5) * columns) / GRID[0])
+      cells.push([short(x + ((j + 0.5) * dw) / columns), short(y + ((i + 0.5) * dh) / rows), short(image[i * columns + j])])
+    }
+  }
+  return cells
+}
+
+// What was measured of accuracy
+export function openMeasured(points) {
+  open({
+    title: "Accuracy", headings: ["method", "tolerance (nm)", "relative error", "seconds", "force evaluations"],
+    rows: points.map((p) => [p.series, p.tolerance.toExponential(0), p.error.toExponential(1), short(p.seconds), p.evaluations]),
+  })
+}
+
+function open({ title, headings, rows }) {
   const table = document.createElement("table")
   const head = table.createTHead().insertRow()
   for (const text of headings) head.append(Object.assign(document.createElement("th"), { scope: "col", textContent: text }))
