@@ -1,5 +1,7 @@
 """For everyone: by keyboard alone, for those who hear the page, and nothing that axe finds."""
 
+import re
+
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from served import PATIENCE, finished
@@ -31,12 +33,30 @@ def test_axe_finds_nothing(visit, theme):
     page.locator("#nodes-error").wait_for(state="visible")
     assert not found_by_axe(page)
     page.keyboard.press("Escape")
+    for button, sheet in (
+        ("#take", "#share"),
+        ("#compare", "#numbers"),
+        ("#open-theory", "#theory"),
+        ("#help", "#keys"),
+    ):
+        page.locator(button).click()
+        page.locator(f"{sheet}[open] :is(td, dt, #share-qr[src])").first.wait_for()
+        assert not found_by_axe(page), sheet
+        page.keyboard.press("Escape")
+    page.locator("figcaption .term").first.focus()
+    page.locator("#term").wait_for()
+    assert not found_by_axe(page)
+    page.keyboard.press("Escape")
     for view in ("punch", "map"):
         page.locator(f".as-table[data-view={view}]").click()
         page.locator("#table tbody tr").first.wait_for()
         assert not found_by_axe(page)
         page.keyboard.press("Escape")
     page.set_viewport_size({"width": 390, "height": 844})
+    assert not found_by_axe(page)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.locator("#tour").click()
+    page.locator("button.answer").first.wait_for()
     assert not found_by_axe(page)
 
 
@@ -103,6 +123,124 @@ def test_every_plot_has_its_numbers_as_a_table(visit):
     F = page.evaluate("punch.run.values(punch.run.length - 1).F_bar * punch.run.head.force")
     assert last[0] == "shear" and float(last[1]) == pytest.approx(40.0)
     assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
+
+
+WHOLE = {  # page: what is there when it has drawn everything
+    "law": "document.getElementById('law-stick').textContent",
+    "stickslip": "document.getElementById('stickslip-said').textContent"
+    " && document.querySelector('#stickslip progress').hidden",
+    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length === 10",
+    "solid": "document.getElementById('solid-name').textContent",
+}
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_every_plot_of_a_page_has_its_numbers_as_a_table(visit, name):
+    page = visit(f"?page={name}")
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function(f"() => {WHOLE[name]}", timeout=PATIENCE)
+    figures = page.locator(f"#{name} .figures figure")
+    assert figures.count() == page.locator(f"#{name} .as-table").count() > 0
+    for i in range(figures.count()):
+        button = figures.nth(i).get_by_role("button", name="as a table")
+        button.click()
+        rows = page.locator("#table tbody tr")
+        rows.nth(4).wait_for()
+        cells = rows.first.locator("td").all_inner_texts()
+        assert cells[0] and all(re.fullmatch(r"[−\d.e+–-]+", cell) for cell in cells[1:]), cells
+        assert page.locator("#table th").count() == len(cells) and page.locator("#table-title").inner_text()
+        page.keyboard.press("Escape")
+        page.locator("#table").wait_for(state="hidden")
+
+
+STOP = """() => {
+    const e = document.activeElement
+    if (e === document.body) return null
+    const box = e.getBoundingClientRect(), look = getComputedStyle(e)
+    const top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2)
+    const name = e.getAttribute("aria-label") || e.labels?.[0]?.textContent || e.textContent
+    return { id: e.id, name: name.trim(), ring: look.outlineStyle === "solid" ? parseFloat(look.outlineWidth) : 0,
+        seen: e === top || e.contains(top) || Boolean(top?.closest("label")?.contains(e)) }
+}"""
+
+
+def to(page, stop, most=70):
+    """Tab on to the element with this id."""
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.id") == stop:
+            return
+    raise AssertionError(f"{stop} is not reached by the tab key")
+
+
+def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
+    page = visit()
+    finished(page)
+    page.locator("body").press("Space")
+    stops = []
+    for _ in range(70):
+        page.keyboard.press("Tab")
+        stop = page.evaluate(STOP)
+        if stop is None:
+            break
+        stops.append(stop)
+    else:
+        raise AssertionError("the tab key does not leave the page")
+    assert 40 < len(stops) < 60
+    assert not [stop for stop in stops if not (stop["name"] and stop["seen"] and stop["ring"] >= 2)]
+    wanted = ["tour", "open-theory", "more", "projector", "preset", "pin", "take", "delta_bar", "lens", "play", "scrub"]
+    found = [stop["id"] for stop in stops if stop["id"] in wanted]
+    assert found == wanted  # in the order of the page
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate("document.activeElement.id") == "speed"
+
+
+def test_everything_is_done_with_the_keyboard_alone(visit):
+    page = visit()
+    finished(page)
+    press = page.keyboard.press
+    press("Space")
+    to(page, "open-theory")
+    press("Enter")
+    page.locator("#theory math").first.wait_for()
+    press("Escape")
+    to(page, "more")
+    press("Enter")
+    page.get_by_label("Find a parameter").wait_for()
+    press("Escape")
+    page.wait_for_function("document.activeElement.id === 'more'")
+    to(page, "pin")
+    press("Enter")
+    page.locator(".chip").wait_for()
+    to(page, "take")
+    press("Enter")
+    page.wait_for_function("document.getElementById('share-python').value.includes('Scene')", timeout=PATIENCE)
+    press("Escape")
+    to(page, "delta_bar")  # the punch itself: down
+    press("ArrowRight")
+    finished(page, run=2)
+    to(page, "lens")
+    before = page.get_attribute("#lens", "aria-valuenow")
+    press("ArrowRight")
+    page.wait_for_function(f"document.getElementById('lens').getAttribute('aria-valuenow') !== '{before}'")
+    to(page, "scrub")  # and along the run
+    press("Home")
+    page.wait_for_function("punch.drawn === 0")
+    press("Escape")
+    page.evaluate("document.activeElement.blur()")
+    press("]")
+    page.wait_for_function("punch.run.values(punch.drawn).slip")
+    press("p")
+    page.wait_for_function("document.documentElement.dataset.view === 'projector'")
+    press("p")
+    to(page, "tour")
+    press("Enter")
+    page.wait_for_function("document.activeElement.className === 'answer'", timeout=PATIENCE)
+    press("Enter")
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    press("Escape")
+    page.wait_for_function("document.activeElement.id === 'tour'")
 
 
 def test_the_menu_says_when_the_scene_is_no_longer_its_preset_and_brings_it_back(visit):

@@ -1,13 +1,11 @@
 """Terms of the field, explained where they appear: by mouse, keyboard and touch, and all of them below the theory."""
 
 import pytest
-from test_app_layout_browser import FAULTS, laid_out
-from test_app_serving import finished
+from served import FAULTS, finished, laid_out
 
 from app.glossary import forms
 
 pytestmark = pytest.mark.browser
-pytest_plugins = ["test_app_serving"]  # its fixtures: server, visit
 FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('glossary.html')).length"
 
 

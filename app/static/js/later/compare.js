@@ -28,7 +28,7 @@ function row(name, mark, run, surface, leadTo) {
 }
 
 function fill() {
-  const head = element("tr", element("th"), ...Object.values(MEASURES).map(([text, unit, what]) => {
+  const head = element("tr", Object.assign(element("th", "run"), { scope: "col" }), ...Object.values(MEASURES).map(([text, unit, what]) => {
     const cell = element("th", text, element("small", unit))
     Object.assign(cell, { scope: "col", title: what })
     return cell
