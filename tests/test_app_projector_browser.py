@@ -1,5 +1,7 @@
 """Projector mode: text and lines for the back row, three views, nothing of the solver."""
 
+import re
+
 import pytest
 from served import FAULTS, finished, laid_out
 
@@ -34,6 +36,18 @@ def test_the_address_opens_it_with_large_values_and_no_words_of_the_solver(visit
     shown = page.inner_text("#large")
     assert float(shown.split("F =")[1].split()[0].replace("−", "-")) == pytest.approx(F, rel=0.01)
     assert float(shown.split("A =")[1].split()[0]) == pytest.approx(A * width, abs=0.6)
+    page.select_option("#preset", "unload")  # nothing slides there
+    finished(page, run=2)
+    page.keyboard.press("Escape")
+    assert re.fullmatch(r"load L = [−\d.]+ N/m", page.locator("#large span").first.inner_text())
+    page.select_option("#preset", "rough")
+    finished(page, run=3)
+    page.wait_for_function("punch.mapped")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.keyboard.press("]")  # 'slip: so many of so many nodes ...'
+    slip, view = page.locator("#slip").bounding_box(), page.locator("#punch-view").bounding_box()
+    assert view["x"] <= slip["x"] and slip["x"] + slip["width"] <= view["x"] + view["width"]
     said = page.inner_text(".page")
     assert not any(word in said for word in ("increments", "residual", "evaluations"))
     small = page.evaluate(
