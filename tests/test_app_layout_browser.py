@@ -1,7 +1,7 @@
 """The page at every size of screen: nothing cut, nothing over something else, no plot too low to be read."""
 
 import pytest
-from served import FAULTS, finished, laid_out
+from served import FAULTS, PATIENCE, finished, laid_out
 
 pytestmark = pytest.mark.browser
 
@@ -68,6 +68,8 @@ def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     finished(page)
     page.get_by_role("button", name=title).click()
     page.wait_for_function("() => document.querySelector('.sheet:not([hidden]):not([data-drawing])')")
+    if title == "Area laws":
+        page.wait_for_function("() => document.querySelectorAll('#arealaws-rows tr').length === 10", timeout=PATIENCE)
     assert not faults_at_every_size(page)
 
 
