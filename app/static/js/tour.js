@@ -122,7 +122,7 @@ function watch() {
     card.querySelector("button.answer")?.focus()
   }
   if (phase === "show" && me.run.along[Math.max(0, me.drawn)] >= STOPS[at].to) {
-    play(false)
+    goto(me.run.along.findIndex((place, k) => k >= me.run.sheared && place >= STOPS[at].to)) // a slow machine plays in leaps
     phase = "why"
     write()
   }
