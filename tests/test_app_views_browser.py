@@ -61,6 +61,10 @@ def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_
 def test_each_view_says_which_x_it_has(visit):
     page = visit()
     finished(page)
+    short = f"{FIGURE.format('map')}.left[0].axis_label"
+    assert page.evaluate(short) == "x (nm)"  # for a low view
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.wait_for_function(f"{short} !== 'x (nm)'")
     for view, axis, said in (
         ("punch", "below", "substrate"),
         ("traction", "below", "substrate"),
