@@ -35,6 +35,34 @@ def test_the_index_finds_the_view_of_a_figure_and_says_when_it_is_drawn(still):
     still.wait_for_function("() => Object.values(figures).every(bokeh.isDrawn)")
 
 
+def test_a_painting_asks_for_no_style_of_the_page_and_leaves_style_sheets_as_they_are(still):
+    asked, written = still.evaluate(
+        """async () => {
+            let asked = 0, written = 0
+            const ask = CSSStyleDeclaration.prototype.getPropertyValue
+            CSSStyleDeclaration.prototype.getPropertyValue = function (name) {
+                asked += name.startsWith("--bk-")
+                return ask.call(this, name)
+            }
+            const sheets = [...function* find(node) {
+                if (node.tagName === "STYLE") yield node
+                for (const child of [...node.children ?? [], ...node.shadowRoot?.children ?? []]) yield* find(child)
+            }(document.body)]
+            if (!sheets.length) throw new Error("no style sheets")
+            const watch = new MutationObserver((changes) => { written += changes.length })
+            for (const sheet of sheets) watch.observe(sheet, { childList: true, characterData: true })
+            const before = pixels()
+            await bokeh.paintedTogether(Object.values(figures), () => {
+                bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] })
+            })
+            await screen2()
+            CSSStyleDeclaration.prototype.getPropertyValue = ask
+            return pixels() === before ? null : [asked, written]
+        }"""
+    )
+    assert asked == 0 and written < 5  # and not one for each of some 30 things that are drawn
+
+
 def test_changes_of_a_paused_view_are_painted_at_once_when_it_goes_on(still):
     painted = still.evaluate(
         """async () => {

@@ -6,15 +6,16 @@ Packing here rather than in the server keeps the event loop free: the server han
 import json
 import os
 import struct
-import time
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import e, inf
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 import pyfftw
 
+from app.service.approach import walked
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
 from solver.analysis.raster import QUANTITIES, picture
@@ -112,7 +113,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     last: that of the Slice before; history: ((Scene, frames), ...) of the runs that this one goes on from; limit: s of
     processor time for an increment. One that takes longer is left out, and may be tried again with more.
     """
-    begun = time.perf_counter()
+    begun = perf_counter()
     try:
         if history and (checkpoint is None or isinstance(checkpoint, Carrying)):
             checkpoint = carried((*history, (scene, 0)), checkpoint or Carrying(), begun + budget, limit)
@@ -123,8 +124,11 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
             return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
         return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
     latest = begun + APPROACH * budget
-    frames, checkpoint = advance(scene, checkpoint, budget, limit=limit)
-    while checkpoint.stage == "approach" and not checkpoint.done and time.perf_counter() < latest:
+    frames, checkpoint = walked(scene, latest, limit) if checkpoint is None else ([], checkpoint)
+    if checkpoint is None or not (checkpoint.done or (frames and perf_counter() > begun + budget)):
+        more, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
+        frames += more
+    while checkpoint.stage == "approach" and not checkpoint.done and perf_counter() < latest:
         more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
         frames += more
     heavy = checkpoint.late or (limit == SLOW and _slow(begun, budget))
@@ -152,14 +156,14 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
 
 def _slow(begun, budget):
     """Whether a slice took so much longer than its budget that its run would be in the way of others."""
-    return time.perf_counter() > begun + budget + QUICK
+    return perf_counter() > begun + budget + QUICK
 
 
 def carried(history, way=None, until=inf, limit=inf):
     """The checkpoint from which a run goes on as the last scene of history [(scene, frames), ...]: see `carry_on`.
 
     Every run before is computed again up to the frame at which its successor took over: nothing has to be kept of it.
-    Or the Carrying that it has come to by `until`, of time.perf_counter.
+    Or the Carrying that it has come to by `until`, of perf_counter.
     """
     way = way or Carrying()
     checkpoint, moved = owned(way.checkpoint), False
@@ -167,7 +171,7 @@ def carried(history, way=None, until=inf, limit=inf):
         if k < way.legs:
             continue
         for frames in range(way.frames if k == way.legs else 0, count):
-            if moved and time.perf_counter() > until:
+            if moved and perf_counter() > until:
                 return Carrying(k, frames, checkpoint)
             if checkpoint.done:
                 raise NotInShear("the run ended before the increment from which this one should go on")

@@ -17,9 +17,13 @@ FIRST = 0.025  # s of work in the first slice: the approach and a little of the 
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one grows before one's eyes
 SPARE = 0.2  # s that a superseded run may still need: it is finished, for whole curves in a drag
 PATIENCE = 0.25  # s for which a slice in flight may keep a newer scene waiting
-PATIENTLY = 4  # times that if nothing of its run was seen
+PATIENTLY = 4, 8  # times that if nothing of its run was seen; if it is a coarse one: given up, it would hold its worker
+COARSE = 0.6  # s of work in the first slice of a coarse run, which nearly always is the whole of it
+ITS_TIME = 1.2  # s that a coarse run has to itself: most of its work is in few increments, a late curve beats none
+LONGER = 1.5  # s that it may still need then, to be finished all the same
 STEP = 0.5  # delta_t, delta_n: of the increments while a slider is held; slips are located all the same
 SHORTEST = 40  # such increments at least
+LOOSE = 1e-6  # nm, tolerance of such a run
 REST = 0.12  # s for which a slider rests before its scene is computed with its own increments
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
 WAITS = 1.0  # s in the queue, after which a visitor is told its place
@@ -30,7 +34,7 @@ def coarse(scene):
     if scene.surface == "flat":
         return scene
     step = max(scene.du_x, min(STEP, scene.u_x_max / (SHORTEST * scene.delta_t)))
-    return scene.changed(du_x=step, du_z=max(scene.du_z, STEP))
+    return scene.changed(du_x=step, du_z=max(scene.du_z, STEP), tolerance=max(scene.tolerance, LOOSE))
 
 
 class Computing:
@@ -87,7 +91,7 @@ class Computing:
             self._begin(scene, after, held)
             return
         if self.wanted is None:
-            self._wait(self.run.number, PATIENTLY)
+            self._wait(self.run.number, PATIENTLY[self.run.coarse])
         self.wanted = scene, after, held
 
     def _wait(self, number, times):
@@ -96,15 +100,18 @@ class Computing:
     def _lose_patience(self, number, times):
         """The run had its time: its slice may end unseen, rather sooner if something of it is on screen."""
         if not self.session.closed and self.wanted is not None and self.run.number == number:
-            if self.run.seen or times == 0:
+            if times == 0 or (self.run.seen and not self.run.coarse):
                 self._begin(*self.wanted)
             else:
                 self._wait(number, times)
 
     def _far_from_done(self):
-        """Whether at its pace until now the run would need much longer than SPARE; False before its first slice."""
+        """Whether at its pace until now the run would need too long; False before its first slice."""
         run = self.run
-        return run.seconds * (run.total - run.frames) > 2 * SPARE * run.frames
+        if run.coarse and run.seconds < ITS_TIME:
+            return False
+        spare = LONGER if run.coarse else 2 * SPARE
+        return run.seconds * (run.total - run.frames) > spare * run.frames
 
     def _gives_way(self):
         """Whether the run ends here for a newer scene."""
@@ -133,7 +140,7 @@ class Computing:
         if known is not None:
             self._show_known(known)
         else:
-            self._submit(BUDGET if self.run.coarse or refines else FIRST)
+            self._submit(COARSE if self.run.coarse else BUDGET if refines else FIRST)
         self._follow_up()
         self.session.publish()
 

@@ -13,17 +13,18 @@ import time
 
 from playwright.sync_api import sync_playwright
 
+from app.session.computing import coarse
+from solver import Scene, advance
+
 WATCH = """
 () => {
   const slider = document.getElementById("delta_bar")
   window.marks = []
   const entry = document.getElementById("delta_bar-entry")
   window.curves = []  // whole new ones: when painted, and how long after their value was chosen
-  slider.addEventListener("input", () => {
-    const mark = { at: performance.now(), run: punch.run.number }
-    marks.push(mark)
-    setTimeout(() => { mark.value = Number(entry.value) })
-  }, true)
+  slider.addEventListener("input", (event) => { // after the page, which writes the value into the entry
+    marks.push({ at: event.timeStamp, run: punch.run.number, value: Number(entry.value) })
+  })
   const watch = () => {
     const now = performance.now(), run = punch.run, shown = marks.find(({ value }) => value === run.scene?.delta_bar)
     const painted = run.whole && !punch.fresh && shown && curves.at(-1)?.run !== run.number
@@ -54,13 +55,23 @@ def measure(page, moves, drag):
     page.evaluate(WATCH)
     page.focus("#delta_bar")
     for _ in range(moves):
-        page.keyboard.press("ArrowRight")
-        if drag:
+        if drag:  # the key stays down, and repeats
+            page.keyboard.down("ArrowRight")
             page.wait_for_timeout(30)  # the rhythm of a hand, not a wait for a state
         else:
+            page.keyboard.press("ArrowRight")
             page.wait_for_function(SETTLED, timeout=60_000)
+    page.keyboard.up("ArrowRight")
     page.wait_for_function(SETTLED, timeout=60_000)
     return page.evaluate("[marks, curves]")
+
+
+def bare_run():
+    """Milliseconds of a coarse run by itself, in this process, the second one of two."""
+    for E in (70.0, 70.1):
+        begun = time.perf_counter()
+        advance(coarse(Scene(E=E)), None, float("inf"))
+    return 1000 * (time.perf_counter() - begun)
 
 
 def main():
@@ -85,6 +96,7 @@ def main():
         times = [mark[what] for mark in marks]
         print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")
     if options.drag:
+        print(f"a coarse run by itself: {bare_run():.0f} ms")
         held = [curve for curve in curves if curve["at"] <= marks[-1]["at"] + 250]
         seconds = (marks[-1]["at"] - marks[0]["at"]) / 1000
         ages = [curve["age"] for curve in held] or [float("inf")]

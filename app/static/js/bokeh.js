@@ -48,11 +48,33 @@ export function image(renderer, values, shape) {
   return [new array(values, shape)]
 }
 
+// What Bokeh does with the page's styles at every painting, and nothing comes of: for each colour, font and width it asks
+// for a style of the page that goes first (--bk-*, of which there are none here), and for each thing drawn it writes the
+// same style sheet anew, so that all styles are worked out again. Together that was most of a painting.
+const STYLES = "_get_css_value", REWRITE = "_update" // methods of a visual, and of a style sheet
+let unburdened = false
+function unburden(view) {
+  const [renderer] = view.renderer_views.values()
+  const visual = own(view.visuals?.outline_line, STYLES), sheet = own(renderer?.position, REWRITE)
+  unburdened = true
+  if (!visual || !sheet) return
+  visual[STYLES] = () => ""
+  const rewrite = sheet[REWRITE]
+  sheet[REWRITE] = function (css) { if (this.el.textContent !== css) rewrite.call(this, css) }
+}
+
+// The prototype of an object that has a method
+function own(object, method) {
+  while (object && !Object.hasOwn(object, method)) object = Object.getPrototypeOf(object)
+  return object
+}
+
 // Make several changes, then paint each figure that has any: once, and before the next frame instead of after it.
 // Bokeh takes new data in through a short chain of promises, which must have come to its end.
 export const CHAIN = 64
 export async function paintedTogether(figures, change) {
   const views = figures.map(viewOf).filter((view) => view?.canvas_view)
+  if (!unburdened && views.length) unburden(views[0])
   for (const view of views) {
     view.canvas_view.events_el.tabIndex = -1 // nothing to be done there with keys
     view.pause()
