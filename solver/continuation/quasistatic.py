@@ -18,13 +18,14 @@ REPORTED = 0.05  # of the unit, beyond twice the rest of the increment: a state 
 class QuasiStatic:
     """Advances States of one problem along its load; holds no state between calls but scratch.
 
-    Attributes: problem, replaced by a wider one where the states need it.
+    Attributes: problem, replaced by a wider one where the states need it; film, None or a list that takes the states of
+    motions, as `slip.motion_to_rest` gives them.
     """
 
     def __init__(self, problem, damping, closed):
         """damping: of the motion, over critical; closed: stiffness of the interaction at its closed place, GPa/nm."""
         self.problem, self.damping, self.closed = problem, damping, closed
-        self.watch, self.corrector = Watch(damping), Corrector(problem)
+        self.watch, self.corrector, self.film = Watch(damping), Corrector(problem), None
 
     def start(self, load):
         """The State of unknowns that nothing acts on."""
@@ -79,7 +80,7 @@ class QuasiStatic:
 
     def _through(self, end):
         """The State in which the motion from the end of a branch comes to rest."""
-        problem, state = motion_to_rest(self.problem, self.watch, self.damping, end, self.closed)
+        problem, state = motion_to_rest(self.problem, self.watch, self.damping, end, self.closed, self.film)
         if problem is not self.problem:
             self.problem, self.corrector = problem, Corrector(problem)
         return state

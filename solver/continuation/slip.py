@@ -26,7 +26,7 @@ class Limits:
     patience: periods of the slowest mode (over damping below one), and at least `steps` steps, `creep_steps` in the
     overdamped limit, after which a motion counts as one that does not come to rest under this load; then the load goes
     on, by `raise_` in every look, until it does, or for `farthest`. budget: force evaluations. diverged: displacement,
-    or stiffness over the closed one.
+    or stiffness over the closed one. filmed: way between two states that a film takes.
     """
 
     check: int = 8
@@ -49,6 +49,7 @@ class Limits:
     farthest: float = 5.0
     budget: int = 300_000
     diverged: float = 1e9
+    filmed: float = 0.01
 
 
 LIMITS = Limits()
@@ -58,24 +59,30 @@ class Diverged(NotConverged):
     """Steps of the motion were too long."""
 
 
-def motion_to_rest(problem, watch, damping, end, closed):
+def motion_to_rest(problem, watch, damping, end, closed, film=None):
     """(problem, State) at which the motion from a LimitPoint comes to rest; raises NotConverged.
 
     At the load of the LimitPoint, or, if there the motion goes on for ever, at the next load at which it does not.
     damping: over critical; closed: stiffness of the interaction at its closed place. The problem grows where it must.
+    film: a list that takes (problem, v, active, load) of states on the way, from the end of the branch to rest.
     """
+    begun = len(film) if film is not None else 0
     for finer in LIMITS.finer:
         try:
-            return _moved(problem, watch, damping, end, closed, 1.0 / finer)
+            return _moved(problem, watch, damping, end, closed, 1.0 / finer, film)
         except Diverged as failure:
             diverged = failure
+            if film is not None:
+                del film[begun:]
     raise diverged
 
 
-def _moved(problem, watch, damping, end, closed, pace):
+def _moved(problem, watch, damping, end, closed, pace, film=None):
     """`motion_to_rest` with steps `pace` times the usual ones; raises Diverged where these are too long."""
     load, v, unit, end_v = end.load, end.v + end.away, problem.unit, end.v
     end_active = end.active
+    if film is not None:
+        film.append((problem, end_v, end_active, load))
     active = problem.active_of(v, load)
     dynamics = problem.motion()
     motion = motion_of(dynamics, dynamics.start(v, active, load), load, damping, closed)
@@ -96,7 +103,10 @@ def _moved(problem, watch, damping, end, closed, pace):
         if not isfinite(damping):  # without inertia, steps may follow the speed
             crawl = slow = _longer(crawl, np.abs(ahead).max() / unit)
         motion.soften(stiffness, pace * slow)
-        motion.advance(active, LIMITS.check)
+        if film is None:
+            motion.advance(active, LIMITS.check)
+        else:
+            _filmed(film, problem, motion, active, load)
         looks, elapsed, before = looks + 1, elapsed + LIMITS.check * motion.time, v
         v = dynamics.unknowns(motion.y, load)
         if not np.abs(v).max() < LIMITS.diverged * unit:  # nan is not, either
@@ -119,6 +129,8 @@ def _moved(problem, watch, damping, end, closed, pace):
             if calm or np.abs(dynamics.displacement(motion.swing())).max() < small:
                 state = _landed(problem, watch, v, active, load)
                 if state is not None and not (end.located and np.abs(state.v - end_v).max() < LIMITS.shortest * unit):
+                    if film is not None:
+                        film.append((problem, state.v, state.active, load))
                     return problem, state
                 short, landing = (0.3 * short, landing) if near else (short, 0.3 * landing)
         returned = near and worst <= problem.tolerance  # the end of the branch lies a little farther
@@ -130,6 +142,15 @@ def _moved(problem, watch, damping, end, closed, pace):
             raise NotConverged(f"the surface does not come to rest: it flutters, residual {worst:.2g} nm")
         if problem.evaluations > limit:
             raise NotConverged(f"still moving, residual {worst:.2g} nm, after {LIMITS.budget} force evaluations")
+
+
+def _filmed(film, problem, motion, active, load):
+    """The steps between two looks, with the states that are some way from the last in the film added to it."""
+    for _ in range(LIMITS.check):
+        motion.advance(active, 1)
+        v, last = motion.dynamics.unknowns(motion.y, load), film[-1][1]
+        if v.size != last.size or np.abs(v - last).max() > LIMITS.filmed * problem.unit:
+            film.append((problem, v, active, load))
 
 
 def _longer(slow, moved):

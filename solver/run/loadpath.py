@@ -125,6 +125,7 @@ class Run:
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
+        self.film = None  # a list that takes the states of motions (see `film.through`)
         self._fast = method == "fast"
         self._limit = self._end = self._latest = inf  # of an increment, s; what the clocks show when it must end
         self._stepper = self._place = None  # of the load step and patch that are computed at present
@@ -196,6 +197,8 @@ class Run:
         problem = Equilibrium(contact, step.loading, held)
         kind = METHODS.get(self.method, self.method) if isinstance(self.method, str) else self.method
         stepper = kind(problem, scene.damping, closed_stiffness(scene))
+        if self.film is not None:
+            stepper.film = self.film
         if self._fast and "translation" in self.leave_out and step.loading.direction[0]:
             stepper = Replay(stepper, scene.spacing)
         self._stepper, self._place = stepper, place

@@ -1,0 +1,66 @@
+"""Slow motion through a slip: the motion that decides where it ends, from the end of the branch to the next rest."""
+
+import numpy as np
+import pytest
+
+from solver import Scene, load_path
+from solver.presets import preset
+from solver.run.film import through
+from solver.run.frame import NORMAL
+
+
+def slips_of(scene, stage):
+    """(frame before, frame) of every slip in a stage, its load."""
+    before = None
+    for frame in load_path(scene):
+        if frame.slip and frame.stage == stage and frame.index:
+            sign = -1.0 if stage in ("unload", "back") else 1.0
+            yield before, frame, sign * (frame.delta if stage in NORMAL else frame.U_x)
+        before = frame
+
+
+def shown(frame):
+    """The frame as a browser has it: displacements as int16 of their largest."""
+    scale = np.abs(frame.u).max() / 32767
+    return type(frame)(**{**vars(frame), "u": np.rint(frame.u / scale) * scale})
+
+
+CASES = [
+    (Scene(u_x_max=14.0), "shear"),
+    (Scene(delta_bar=0.1), "approach"),
+    (Scene(delta_bar=0.4, phi_ratio=0.1, hold="load", u_x_max=12.0), "shear"),
+    (preset("loop").scene, "back"),
+    (preset("unload").scene, "unload"),
+    (preset("fig4a-blue").scene, "shear"),
+]
+
+
+@pytest.mark.parametrize(("scene", "stage"), CASES)
+def test_it_leads_from_the_end_of_the_branch_to_the_rest_that_the_frame_shows(scene, stage):
+    before, frame, load = next(slips_of(scene, stage))
+    film, end = through(scene, shown(before), stage, load)
+    event = frame.slips[0]
+    assert 10 < len(film) <= 60
+    # the same end of the same branch, and the same rest
+    assert (film[0].F_bar, film[0].A_bar) == pytest.approx((event.F_bar, event.A_bar), rel=1e-3, abs=1e-5)
+    assert film[0].residual < 1e-4 and film[-1].residual <= scene.tolerance
+    assert max(state.residual for state in film) > 0.05 * scene.delta_t  # in between it is not at rest
+    assert end.F_bar == pytest.approx(frame.F_bar, rel=1e-4, abs=1e-8)
+    assert end.L_bar == pytest.approx(frame.L_bar, rel=1e-4, abs=1e-8)
+    top = [(state.U_x, state.delta) if scene.hold == "delta" else state.U_x for state in film]
+    assert np.ptp(top, axis=0) == pytest.approx(0.0, abs=1e-9)  # the top stands still, or carries its weight
+
+
+def test_its_states_are_spaced_evenly_in_the_way_of_the_node_that_moves_most():
+    scene = Scene(u_x_max=14.0)
+    before, _, load = next(slips_of(scene, "shear"))
+    film, _ = through(scene, before, "shear", load, most=30)
+    assert len({state.u.shape for state in film}) == 1
+    steps = np.abs(np.diff([state.u for state in film], axis=0)).max(axis=(1, 2))
+    assert 20 < len(film) <= 30 and steps.sum() > scene.spacing and steps.max() < 3.0 * np.median(steps)
+
+
+def test_where_nothing_slips_there_is_no_motion():
+    frames = [frame for frame in load_path(Scene(u_x_max=3.0)) if frame.stage == "shear"]
+    film, end = through(Scene(), frames[9], "shear", frames[10].U_x)
+    assert film == [] and end.F_bar == pytest.approx(frames[10].F_bar, rel=1e-6)
