@@ -161,3 +161,22 @@ def test_the_python_lines_of_a_preset_make_its_scene(name):
     scene = presets()[name].scene
     call = python_lines(scene).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
     assert eval(call, {"Scene": Scene}) == scene
+
+
+def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says_why(page):
+    page.session.scene = Scene(u_x_max=12.0)
+    page.order("hello")
+    page.until("finished")
+    slips, run = page.curve("slip"), page.session.computing.run.number
+    k = len(slips) - 1 - int(np.argmax(slips[::-1] > 0))
+    page.order("film", run=run, frame=k)
+    while page.chunks[-1][0] != 2_000_000 + k:
+        page.calls.get(timeout=PATIENCE)()
+    film = page.curve("U_x")
+    assert len(film) > 40 and np.ptp(film) == 0.0 and film[0] == pytest.approx(10.8036, abs=1e-3)
+    page.order("film", run=run, frame=k - 5)
+    while not page.status()["notes"]:
+        page.calls.get(timeout=PATIENCE)()
+    assert page.status()["notes"] == ["Slow motion: no branch ends here."]
+    page.order("film", run=run, frame=5000)
+    assert "no longer at hand" in page.status()["notes"][0]

@@ -89,3 +89,44 @@ def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_anot
     page.mouse.up()
     page.wait_for_function(f"() => punch.run.number > {run} && punch.status.values.delta_bar > 0.2")
     assert "delta_bar=" in page.url
+
+
+def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_the_increment_it_led_to(paused):
+    page = paused("?preset=fig6")
+    assert page.locator("#slow").is_hidden()
+    at_first_slip(page)
+    assert page.evaluate("performance.getEntriesByType('resource').every(({ name }) => !name.includes('film.js'))")
+    page.evaluate(
+        """() => {
+            window.seen = []
+            new MutationObserver(() => {
+                const text = document.getElementById("film").textContent
+                if (text.startsWith("slow")) seen.push([text, document.getElementById("slip").hidden])
+            }).observe(document.getElementById("film"), { childList: true })
+        }"""
+    )
+    k = page.evaluate("punch.drawn")
+    page.get_by_role("button", name="Slow motion").click()
+    page.wait_for_function("seen.length > 3")
+    assert page.locator("#slow").inner_text() == "Stop"
+    page.locator("#film").wait_for(state="hidden")  # it has come to its end
+    said = page.evaluate("seen")
+    assert {text.split(":")[0] for text, _ in said} == {"slow motion at Uₓ = 10.80 nm"}  # not 10.9, of the increment
+    assert all("not at rest" in text for text, _ in said) and said[-1][0].endswith("100 %")
+    assert page.evaluate("punch.drawn") == k and page.locator("#slip").is_visible()
+    assert page.locator("#slow").inner_text() == "Slow motion"
+
+
+def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_ends_it(paused):
+    page = paused("?preset=loop")
+    at_first_slip(page)
+    k = page.evaluate("punch.drawn")
+    for _ in range(20):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function(f"() => punch.drawn === {k + 20}")
+    page.keyboard.press("m")
+    page.locator("#film").filter(has_text="slow motion").wait_for()
+    assert page.evaluate("punch.drawn") == k
+    page.keyboard.press("ArrowRight")
+    page.locator("#film").wait_for(state="hidden")
+    page.wait_for_function(f"() => punch.drawn === {k + 1}")

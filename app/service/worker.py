@@ -137,8 +137,8 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     widest = max((_width(scene, frame) for frame in frames), default=0.0)
     works, last = _works(scene, frames, last)
     if scene.surface == "flat":
-        frames = [_middle(scene, frame) for frame in frames]
-    blocks = list(_same_patch(list(zip(frames, works, strict=True))))
+        frames = [middle(scene, frame) for frame in frames]
+    blocks = list(same_patch(list(zip(frames, works, strict=True))))
     return Slice(
         blocks=tuple(pack(scene, block, checkpoint.done and block[-1][0] is frames[-1]) for block in blocks),
         frames=len(frames),
@@ -209,7 +209,7 @@ def _ahead(scene, checkpoint):
     return sum(step.increments + 1 for step in load_steps[place:]) - checkpoint.index
 
 
-def _middle(scene, frame):
+def middle(scene, frame):
     """The same frame with the fields of the nodes in the middle only."""
     first = max(0, (scene.nodes - FLAT) // 2)
     part = slice(first, first + min(FLAT, scene.nodes))
@@ -223,7 +223,7 @@ def _width(scene, frame):
     return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0
 
 
-def _same_patch(rows):
+def same_patch(rows):
     """Cut a list of (frame, work) where the patch changes, so that every block is a rectangle."""
     block = []
     for frame, work in rows:

@@ -66,6 +66,12 @@ def read(text):
         return checked
     if do == "beside" and type(values.get("beside")) is int and _is_scene(values, "beside"):
         return checked
+    if (
+        do == "film"
+        and values.keys() == {"run", "frame"}
+        and all(type(v) is int and 0 < v < 1e6 for v in values.values())
+    ):
+        return checked
     if do == "share" and isinstance(values.get("link"), str):
         return checked
     if do == "take" and values.get("kind") in ("npz", "json"):

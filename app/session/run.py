@@ -43,15 +43,20 @@ class Run:
         """Whether the run that was asked for is still to come, and one with coarser increments on screen."""
         return (self.refines and self.state == "running") or (self.coarse and self.state == "finished")
 
-    def tractions(self, k, blocks):
-        """(first node, T (2, m) GPa) of frame k as the browser numbers them, from packed blocks; None if it is gone."""
+    def place(self, k, blocks):
+        """(packed block, row) of frame k as the browser numbers them, among packed blocks; None if it is gone."""
         k -= sum(frames for _, frames in self.history)  # those of the runs before are not kept
         for block in blocks:
-            head = worker.header(block)
-            if 0 <= k < head["frames"]:
-                return head["first"], worker.tractions(block, k)
-            k -= head["frames"]
+            frames = worker.header(block)["frames"]
+            if 0 <= k < frames:
+                return block, k
+            k -= frames
         return None
+
+    def tractions(self, k, blocks):
+        """(first node, T (2, m) GPa) of frame k, as `place` finds it; None if it is gone."""
+        found = self.place(k, blocks)
+        return found and (worker.header(found[0])["first"], worker.tractions(*found))
 
     def status(self):
         """The numbers for the browser, as plain data."""

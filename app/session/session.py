@@ -21,6 +21,7 @@ from app.session.controls import (
     scene_from_address,
     values_of,
 )
+from app.session.film import Film
 from app.session.marks import Marks
 from app.session.share import Share
 from app.session.wire import Wire
@@ -45,7 +46,7 @@ class Session:
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
         self.beside, self.share = Beside(self), Share(self)
-        self.marks = Marks(self)
+        self.film, self.marks = Film(self), Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
         self.reading = None  # the task that reads a profile
@@ -66,6 +67,7 @@ class Session:
             self.pages.close()
             self.beside.close()
             self.share.close()
+            self.film.close()
             self.marks.close()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -97,8 +99,9 @@ class Session:
             self.choose(values["preset"])
         elif name == "restore":
             self.restore(values)
-        elif name in ("beside", "share", "take"):
-            todo = {"beside": self.beside.want, "share": self.share.sheet, "take": self.share.take}
+        elif name in ("beside", "film", "share", "take"):
+            todo = {"beside": self.beside.want, "film": self.film.want, "share": self.share.sheet}
+            todo |= {"take": self.share.take}
             todo[name](values)
             self.publish()
         elif name == "ask":

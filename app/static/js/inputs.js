@@ -99,18 +99,20 @@ function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)")
   if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
   const at = (what) => event.target.matches?.(what)
-  const taken = at("input[type=text], input[type=search]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rRpPfF".includes(event.key)) || (at("button") && event.key === " ")
+  const taken = at("input[type=text], input[type=search]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rRpPfFmM".includes(event.key)) || (at("button") && event.key === " ")
   if (event.ctrlKey || event.metaKey || event.altKey || taken || open) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
     Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(),
-    p: project, P: project, f: fillScreen, F: fillScreen,
+    p: project, P: project, m: slowMotion, M: slowMotion, f: fillScreen, F: fillScreen,
   }
   if (!keys[event.key]) return
   event.preventDefault()
   keys[event.key]()
 }
+
+const slowMotion = async () => (await import("./later/film.js")).slowMotion()
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
@@ -143,6 +145,7 @@ export function connect(positions, usual) {
   on("reset", "click", reset)
   on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
   on("take", "click", async () => (await import("./later/share.js")).open())
+  on("slow", "click", slowMotion)
   on("compare", "click", async () => (await import("./later/compare.js")).open())
   on("help", "click", () => by("keys").showModal())
   on("accuracy", "click", openBench)

@@ -5,7 +5,7 @@ import { by, fixed, minus } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
 import { tellLarge } from "./large.js"
 import { framePage } from "./pages.js"
-import { BESIDE, Run, unpack } from "./run.js"
+import { BESIDE, FILM, Run, unpack } from "./run.js"
 import { me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
@@ -16,6 +16,7 @@ const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves 
 
 export function receive(buffer) {
   const chunk = unpack(buffer)
+  if (chunk.run > FILM) return me.filmed?.(chunk)
   if (chunk.run > BESIDE) return me.beside?.(chunk)
   if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head), me.status.run === chunk.run ? me.status.after : null)
   me.run.add(chunk)
@@ -106,7 +107,7 @@ function showFrame() {
   tellStretch()
 }
 
-function tellFrame(run, k) {
+export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
   const slipped = v.slip ? (run.normal ? ", JUMP" : ", SLIP") : ""

@@ -3,6 +3,7 @@
 import { opened } from "./channel.js"
 
 export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/beside.py
+export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/film.py
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 const NORMAL = ["approach", "unload", "reload", "press"] // stages in which delta changes

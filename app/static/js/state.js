@@ -11,6 +11,7 @@ export const me = {
   lost: false, stale: false, place: null, // no server; the sliders say another scene; the place of the path to go to once it is there
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   fresh: false, mapped: true, begun: 0, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
+  filmed: null, // takes the frames of a motion through a slip
   beside: null, // takes the frames of runs that are not on screen
   also: [], // what else is drawn with every frame: functions of the run and the frame
   drawnAt: 0, freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing

@@ -210,8 +210,14 @@ export function slipSaid(run, at) {
 }
 
 function tellSlip({ run, slip }) {
-  by("slip").hidden = !slip
+  by("slip").hidden = by("slow").hidden = !slip
   if (slip) by("slip").textContent = slipSaid(run, slip.at)
+}
+
+// The frame of the last slip up to frame k, or null
+export function slipAt(run, k) {
+  const at = run.curves.slip.findLastIndex((slipped, i) => slipped && i <= k && i > 0)
+  return at < 0 ? null : at
 }
 
 // The frame of the next slip that way, or k itself

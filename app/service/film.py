@@ -1,0 +1,42 @@
+"""The motion through a slip, from the packed frames on either side of it, packed as those of a run are."""
+
+import numpy as np
+
+from app.service import worker
+from solver import NotConverged
+from solver.run.film import through
+from solver.run.frame import NORMAL, Frame
+
+
+def slow_motion(scene, before, after):
+    """Packed blocks of the motion between two frames, each (packed block, row); or why there is none."""
+    stage, load = load_of(*after)
+    try:
+        film, _ = through(scene, frame_of(scene, *before), stage, load, limit=worker.SLOW)
+    except (NotConverged, ValueError) as error:
+        return str(error)
+    if not film:
+        return "no branch ends here"
+    if scene.surface == "flat":
+        film = [worker.middle(scene, frame) for frame in film]
+    blocks = list(worker.same_patch([(frame, 0.0) for frame in film]))
+    return tuple(worker.pack(scene, block, block is blocks[-1]) for block in blocks)
+
+
+def frame_of(scene, block, row):
+    """The Frame of a row of a packed block, in the digits that it has there."""
+    head, columns, fields = worker.unpack(block)
+    u_x, gap = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap"))
+    profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
+    known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
+    place = {"stage": worker.STAGES[int(columns["stage"][row])], "index": int(columns["index"][row])}
+    u, T = np.array([u_x, gap - profile]), worker.tractions(block, row)
+    return Frame(**place, **known, first=head["first"], u=u, T=T, evaluations=0)
+
+
+def load_of(block, row):
+    """(stage, load along it in nm) of a row of a packed block."""
+    _, columns, _ = worker.unpack(block)
+    stage = worker.STAGES[int(columns["stage"][row])]
+    load = float(columns["delta" if stage in NORMAL else "U_x"][row])
+    return stage, -load if stage in ("unload", "back") else load

@@ -1,0 +1,50 @@
+"""Slow motion through a slip of the run on screen, when its visitor asks for it."""
+
+from app.service import worker
+from app.service.film import slow_motion
+from app.service.pool import LATER
+
+FIRST = 2_000_000  # numbers of films lie above, as FILM in run.js: the frame that the slip led to is added
+MOST = 4 * 5 * worker.SLOW  # s that it may take
+
+
+class Film:
+    """The motion that the visitor waits for; every method runs under the lock of the document."""
+
+    def __init__(self, session):
+        self.session, self.task = session, None
+
+    def want(self, values):
+        """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
+        self.close()
+        session, run, k = self.session, self.session.computing.run, values["frame"]
+        if run is None or run.number != values["run"]:
+            return
+        known = session.shelf.get(run.scene)
+        blocks = run.blocks or (known.blocks if known else ())
+        places = [run.place(frame, blocks) for frame in (k - 1, k)]
+        if None in places:
+            session.notes = ["Slow motion: the increment before this slip belongs to a run that is no longer at hand."]
+            return
+        call = (slow_motion, run.scene, *places)
+        task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=MOST)
+        task.add_done_callback(
+            lambda task: session.closed or session.doc.add_next_tick_callback(lambda: self._made(task, k))
+        )
+
+    def close(self):
+        """Wait for nothing any longer."""
+        if self.task is not None:
+            self.session.pool.abandon(self.task)
+            self.task = None
+
+    def _made(self, task, k):
+        if task is not self.task:
+            return
+        self.task = None
+        made = "it could not be computed" if task.cancelled() or task.exception() else task.result()
+        if isinstance(made, str):
+            self.session.notes = [f"Slow motion: {made}."]
+            return self.session.publish()
+        for block in made:
+            self.session.wire.chunk = worker.numbered(FIRST + k, block)

@@ -1,0 +1,88 @@
+// Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
+
+import { set } from "../bokeh.js"
+import { order } from "../channel.js"
+import { by, fixed } from "../dom.js"
+import { drawFrame, figures, painted } from "../figures.js"
+import { tellLarge } from "../large.js"
+import { goto, show, tellFrame } from "../player.js"
+import { FILM, Run } from "../run.js"
+import { me } from "../state.js"
+import { drawStory, slipAt } from "../story.js"
+
+const SECONDS = 5 // of a film
+const REST = 1.2 // s at its end
+let film = null // {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
+
+// Begin, or end
+export function slowMotion() {
+  if (film) return end()
+  const { run } = me, k = run?.length ? slipAt(run, Math.min(Math.floor(me.at), run.length - 1)) : null
+  if (k === null) return
+  goto(k)
+  film = { run, k, frames: null, at: -1, begun: 0 }
+  tell("solving the motion …")
+  order("film", { run: run.number, frame: k })
+}
+
+function tell(text) {
+  by("film").hidden = !text
+  by("film").textContent = text
+  by("slow").textContent = film ? "Stop" : "Slow motion"
+  if (film) by("slow").hidden = false
+}
+
+// Its frames follow those of the run, up to the one before the slip: so they are drawn as all others are
+function receive(chunk) {
+  if (!film || chunk.run !== FILM + film.k || me.run !== film.run) return
+  if (!film.frames) {
+    film.frames = new Run(chunk.run, chunk.head)
+    film.frames.takeOver(film.run, film.k - 1)
+  }
+  film.frames.add(chunk)
+  if (!film.frames.whole) return
+  film.begun = performance.now()
+  const range = figures.traction.y_range, { T_least, T_most } = film.frames // of the motion as well, which is rougher
+  film.range = { start: range.start, end: range.end }
+  set(range, { start: Math.min(range.start, 1.1 * T_least), end: Math.max(range.end, 1.1 * T_most) })
+  by("told").textContent = "Slow motion through the slip: the surface is not at rest."
+  requestAnimationFrame(step)
+}
+
+function step(now) {
+  if (!film?.frames) return
+  const { frames, k } = film, passed = (now - film.begun) / 1000
+  if (passed > SECONDS + REST) return end()
+  const at = Math.max(k, Math.min(frames.length - 1, k + Math.floor((passed / SECONDS) * (frames.length - k))))
+  if (at !== film.at) {
+    film.at = at
+    painted(() => {
+      drawFrame(frames, at)
+      drawStory(frames, at)
+      const { U_x, delta } = frames.values(at), normal = frames.normal || frames.sheared < 0 || at < frames.sheared
+      const top = normal ? `δ = ${fixed(delta, 2)} nm` : `Uₓ = ${fixed(U_x, 2)} nm`
+      tell(`slow motion at ${top}: not at rest, ${Math.round((100 * (at - k)) / Math.max(1, frames.length - 1 - k))} %`)
+      tellFrame(frames, at)
+      tellLarge(frames, at)
+      by("slip").hidden = true
+    })
+  }
+  requestAnimationFrame(step)
+}
+
+function leave() {
+  if (film.range) set(figures.traction.y_range, film.range)
+  film = null
+  tell("")
+}
+
+function end() {
+  leave()
+  show()
+}
+
+me.filmed = receive
+me.also.push(() => { // something else is drawn: it goes on from there
+  if (!film || (!film.frames && me.run === film.run && Math.floor(me.at) === film.k)) return
+  leave()
+})
