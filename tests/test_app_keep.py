@@ -173,6 +173,7 @@ def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says
     while page.chunks[-1][0] != 2_000_000 + k:
         page.calls.get(timeout=PATIENCE)()
     film = page.curve("U_x")
+    assert set(page.curve("index")) == {108} or set(page.curve("index")) == {109}
     assert len(film) > 40 and np.ptp(film) == 0.0 and film[0] == pytest.approx(10.8036, abs=1e-3)
     page.order("film", run=run, frame=k - 5)
     while not page.status()["notes"]:

@@ -1,5 +1,7 @@
 """What is on screen is true: it says whose run it is, and a lost server is told, waited for and made good."""
 
+import time
+
 import pytest
 from served import PATIENCE, Server, finished
 
@@ -97,3 +99,55 @@ def test_a_lost_server_is_told_waited_for_and_the_scene_restored_with_the_last_c
     again.stop()
     mortal.process.wait(30)
     assert not problems
+
+
+WATCHED = """() => {
+    // what is on screen from now on: [whether the loss is told, whether it is grey, E of the run, E of the controls]
+    window.watched = []
+    const look = () => {
+        if (window.punch?.run && punch.status.values) {
+            const grey = document.querySelector(".page").dataset.stale === "true"
+            const lost = !document.getElementById("lost").hidden
+            const [of, entry] = [punch.run.scene?.E, Number(document.getElementById("E-entry").value)]
+            watched.push([lost, grey, of, entry])
+        }
+        requestAnimationFrame(look)
+    }
+    look()
+}"""
+
+
+def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(server, browser):
+    """No clock: between what was seen and what was done lie the page's own attempts, 2 s apart at most."""
+    mortal = Server()
+    mortal.wait_for("workers are warm")
+    page = browser.new_page()
+    page.add_init_script(f"addEventListener('DOMContentLoaded', {WATCHED})")
+    page.goto(f"{mortal.address}?E=300")
+    finished(page)
+    told = time.monotonic()
+    mortal.process.kill()
+    page.locator("#lost").wait_for(timeout=PATIENCE)
+    print(f"told {time.monotonic() - told:.1f} s after the server was killed")
+    page.locator("#E-entry").evaluate("(entry) => { entry.value = 310; entry.dispatchEvent(new Event('change')) }")
+    page.wait_for_function(GREY)
+    before = page.evaluate("watched")
+    attempts = []
+    page.on("request", lambda request: attempts.append(request.method))
+    while attempts.count("HEAD") < 4:  # it goes on trying, as long as it takes
+        page.wait_for_event("request", timeout=PATIENCE)
+    begun = time.monotonic()
+    again = Server(port=mortal.port)
+    again.wait_for("Bokeh app running")
+    up = time.monotonic()
+    page.wait_for_function("window.punch?.status.values?.E === 310", timeout=PATIENCE)
+    page.wait_for_function("punch.run?.scene?.E === 310 && punch.run.whole", timeout=PATIENCE)
+    print(f"back {time.monotonic() - begun:.1f} s after the restart, {time.monotonic() - up:.1f} s after it serves")
+    after = page.evaluate("watched")
+    page.close()
+    again.stop()
+    mortal.process.wait(30)
+    assert {tuple(row[2:]) for row in before if not row[0]} == {(300, 300)}
+    # a run that is not that of the sliders is grey, before and after
+    assert not [row for row in before + after if row[2] not in (None, row[3]) and not row[1]]
+    assert any(grey for _, grey, *_ in before) and after[-1] == [False, False, 310, 310]

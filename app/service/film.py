@@ -1,5 +1,7 @@
 """The motion through a slip, from the packed frames on either side of it, packed as those of a run are."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from app.service import worker
@@ -10,13 +12,14 @@ from solver.run.frame import NORMAL, Frame
 
 def slow_motion(scene, before, after):
     """Packed blocks of the motion between two frames, each (packed block, row); or why there is none."""
-    stage, load = load_of(*after)
+    stage, index, load = place_of(*after)
     try:
         film, _ = through(scene, frame_of(scene, *before), stage, load, limit=worker.SLOW)
     except (NotConverged, ValueError) as error:
         return str(error)
     if not film:
         return "no branch ends here"
+    film = [replace(frame, index=index) for frame in film]
     if scene.surface == "flat":
         film = [worker.middle(scene, frame) for frame in film]
     blocks = list(worker.same_patch([(frame, 0.0) for frame in film]))
@@ -34,9 +37,9 @@ def frame_of(scene, block, row):
     return Frame(**place, **known, first=head["first"], u=u, T=T, evaluations=0)
 
 
-def load_of(block, row):
-    """(stage, load along it in nm) of a row of a packed block."""
+def place_of(block, row):
+    """(stage, index, load along it in nm) of a row of a packed block."""
     _, columns, _ = worker.unpack(block)
     stage = worker.STAGES[int(columns["stage"][row])]
     load = float(columns["delta" if stage in NORMAL else "U_x"][row])
-    return stage, -load if stage in ("unload", "back") else load
+    return stage, int(columns["index"][row]), -load if stage in ("unload", "back") else load

@@ -10,7 +10,7 @@ const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there
 const DEAF = 12000 // ms: it is, but this page is not heard any more
 const PATIENCE = 3000 // ms it has to say so
-const PAUSES = [500, 1000, 2000, 4000] // ms between attempts, the last again and again
+const PAUSES = [500, 1000, 2000] // ms between attempts, the last again and again: a class must not wait long, nor a server be stormed
 const AS_IT_WAS = "as it was"
 
 let attempts = 0
