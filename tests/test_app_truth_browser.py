@@ -151,3 +151,27 @@ def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(serv
     # a run that is not that of the sliders is grey, before and after
     assert not [row for row in before + after if row[2] not in (None, row[3]) and not row[1]]
     assert any(grey for _, grey, *_ in before) and after[-1] == [False, False, 310, 310]
+
+
+def test_a_long_run_says_how_long_and_can_be_skipped_with_what_it_has(visit):
+    # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
+    page = visit(
+        "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200"
+    )
+    page.get_by_role("button", name="Skip").wait_for(timeout=PATIENCE)
+    said = page.locator("#status")
+    page.wait_for_function(
+        """() => /^\\d+ of \\d+ increments · (solving a (slip|jump) near .* for \\d+ s|about \\d+ s left)/.test(
+            document.querySelector("#status span").textContent)"""
+    )
+    assert page.evaluate("punch.status.frames < punch.status.total && punch.run.sheared >= 0")
+    page.get_by_role("button", name="Skip").click()
+    page.wait_for_function("punch.status.state === 'skipped'")
+    assert page.locator("#skip").is_hidden() and "what was computed stays" in said.inner_text()
+    frames = page.evaluate("punch.run.length")
+    assert frames == page.evaluate("punch.status.frames")
+    page.locator("body").press("End")
+    page.wait_for_function(f"punch.drawn === {frames - 1}")
+    page.select_option("#preset", "fig6")  # and the server is free for what comes next
+    finished(page, run=2)
+    assert page.evaluate("punch.run.length") == page.evaluate("punch.status.total")
