@@ -7,6 +7,7 @@ import pytest
 from plain_gfmd import Plain
 
 from solver import NotConverged, Scene, load_path, whole_surface
+from solver.run.loadpath import Checkpoint, Run
 from solver.verification.spectrum import growth
 
 CASES = [{}, {"delta_bar": -0.15}, {"delta_bar": 0.4, "phi_ratio": 0.1}]
@@ -134,6 +135,34 @@ def test_infinite_damping_is_the_limit_of_much_damping():
     loads = [[e.load for e in events(scene.changed(damping=d))] for d in (4.0, inf, 1.0)]
     assert loads[0] == pytest.approx(loads[1], abs=1e-6) and len(loads[0]) >= 2
     assert len(loads[2]) != len(loads[0]) or loads[2] != pytest.approx(loads[0], abs=1e-3)
+
+
+def test_the_motion_starts_from_the_state_it_is_given():
+    """Also where that is no equilibrium: started from its image under U + C T, nodes let go that should not have."""
+    run, checkpoint = Run(Scene(u_x_max=1.0)), Checkpoint()
+    while not checkpoint.done:
+        _, checkpoint = run.next_frame(checkpoint)
+    state, problem = checkpoint.state, run._stepper.problem
+    away = state.v + 0.05 * np.random.default_rng(0).uniform(-1.0, 1.0, state.v.size)
+    y = problem.motion().start(away, state.active, state.load)
+    assert problem.motion().unknowns(y, state.load) == pytest.approx(away, abs=1e-12)
+
+
+def test_a_soft_layer_at_high_friction_lets_go_as_many_nodes_as_gfmd():
+    """30 or 31 of 1024, by GFMD at half and a quarter of its largest step from 0.05 nm beyond the end of the branch."""
+    scene = Scene(E=14.0, delta_bar=-0.15, phi_ratio=2.0, u_x_max=25.5)
+    before, frame, event = first_slip(scene)
+    start, there = whole_surface(scene, before), whole_surface(scene, frame)
+    assert event.load == pytest.approx(25.4726, abs=1e-3)
+    assert 25 < int((there[0] - start[0] > 1.5).sum()) < 35  # 162 nodes from another start
+
+
+def test_a_surface_that_begins_to_flutter_slips_before_the_load_has_gone_far():
+    """Its oscillation takes long to grow; plain GFMD slips within 0.015 nm, where the load rose by 0.3 meanwhile."""
+    scene = Scene(E=10.0, delta_bar=0.2, u_x_max=27.9, du_x=0.1)
+    *_, last = load_path(scene)
+    assert last.slips and last.slips[0].kind == "flutter"
+    assert last.U_x == pytest.approx(27.9)
 
 
 # Approach

@@ -17,16 +17,19 @@ class Limits:
     check: steps between two looks at where the motion has got. left: distance from the end of the branch from which on
     the slow start of the motion is over, for which its steps are `slow` times longer. crawl: least and most way between
     two looks at which steps of the overdamped limit stay as they are, and how much longer they may get. finer:
-    divisions of the steps, each where surfaces clashed so that the ones before diverged. shortest: slip; short: the
-    landing, as follows, of one that ends before the surface has left.
+    divisions of the steps, each where the ones before diverged, as surfaces clashed; from a fold, whole steps that do
+    not lead to rest are not believed either: a soft layer may swing on and on at one step, and at no other.
+    shortest: slip; short: the landing, as follows, of one that ends before the surface has left.
     landing: swing and residual below which Anderson steps may finish, less each time they fail; from 0.1 on they reach
     other rests than the motion. From damping `creeps` on, a residual of `crept` times that is enough. drawn: how far
     these steps may lead; landing_steps: of them. come_and_go: changes of a node at the edge of the window, after which
     it stays as it is.
     patience: periods of the slowest mode (over damping below one), and at least `steps` steps, `creep_steps` in the
     overdamped limit, after which a motion counts as one that does not come to rest under this load; then the load goes
-    on, by `raise_` in every look, until it does, or for `farthest`. budget: force evaluations. diverged: displacement,
-    or stiffness over the closed one. filmed: way between two states that a film takes.
+    on until it does, or for `farthest`: in every look by the share `raise_[1]` of the way that it has gone, between the
+    other two; oscillations grow slowly where they begin to: raised ten times as fast, the load went 0.3 nm too far,
+    and where it is raised faster than the last, the surface slides on and on. budget: force evaluations. diverged:
+    displacement, or stiffness over the closed one. filmed: way between two states that a film takes.
     """
 
     check: int = 8
@@ -35,7 +38,7 @@ class Limits:
     short: float = 1e-5
     slow: float = 3.0
     crawl: tuple = (0.02, 0.08, 256.0)
-    finer: tuple = (1, 4, 16)
+    finer: tuple = (1, 2, 4, 16)
     creeps: float = 0.5
     crept: float = 0.1
     landing: float = 0.03
@@ -45,7 +48,7 @@ class Limits:
     patience: float = 8.0
     steps: int = 4000
     creep_steps: int = 40_000
-    raise_: float = 1e-3
+    raise_: tuple = (1e-4, 1e-2, 1e-3)
     farthest: float = 5.0
     budget: int = 300_000
     diverged: float = 1e9
@@ -55,8 +58,8 @@ class Limits:
 LIMITS = Limits()
 
 
-class Diverged(NotConverged):
-    """Steps of the motion were too long."""
+class TooLong(NotConverged):
+    """Steps of the motion were too long, or seem so."""
 
 
 def motion_to_rest(problem, watch, damping, end, closed, film=None):
@@ -69,16 +72,16 @@ def motion_to_rest(problem, watch, damping, end, closed, film=None):
     begun = len(film) if film is not None else 0
     for finer in LIMITS.finer:
         try:
-            return _moved(problem, watch, damping, end, closed, 1.0 / finer, film)
-        except Diverged as failure:
-            diverged = failure
+            return _moved(problem, watch, damping, end, closed, finer, film)
+        except TooLong as failure:
+            last = failure
             if film is not None:
                 del film[begun:]
-    raise diverged
+    raise last
 
 
-def _moved(problem, watch, damping, end, closed, pace, film=None):
-    """`motion_to_rest` with steps `pace` times the usual ones; raises Diverged where these are too long."""
+def _moved(problem, watch, damping, end, closed, finer, film=None):
+    """`motion_to_rest` with the usual steps divided by `finer`; raises TooLong."""
     load, v, unit, end_v = end.load, end.v + end.away, problem.unit, end.v
     end_active = end.active
     if film is not None:
@@ -98,11 +101,11 @@ def _moved(problem, watch, damping, end, closed, pace, film=None):
         # surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(v, active), dynamics.interface(v + ahead, active))
         if not stiffness < LIMITS.diverged * closed:
-            raise Diverged("the motion diverges")
+            raise TooLong("the motion diverges")
         slow = LIMITS.slow if near else 1.0
         if not isfinite(damping):  # without inertia, steps may follow the speed
             crawl = slow = _longer(crawl, np.abs(ahead).max() / unit)
-        motion.soften(stiffness, pace * slow)
+        motion.soften(stiffness, slow / finer)
         if film is None:
             motion.advance(active, LIMITS.check)
         else:
@@ -110,7 +113,7 @@ def _moved(problem, watch, damping, end, closed, pace, film=None):
         looks, elapsed, before = looks + 1, elapsed + LIMITS.check * motion.time, v
         v = dynamics.unknowns(motion.y, load)
         if not np.abs(v).max() < LIMITS.diverged * unit:  # nan is not, either
-            raise Diverged("the motion diverges")
+            raise TooLong("the motion diverges")
         ahead = v - before
         now = problem.active_of(v, load)
         changed = now != active
@@ -134,8 +137,12 @@ def _moved(problem, watch, damping, end, closed, pace, film=None):
                     return problem, state
                 short, landing = (0.3 * short, landing) if near else (short, 0.3 * landing)
         returned = near and worst <= problem.tolerance  # the end of the branch lies a little farther
-        if returned or (elapsed > patience and looks * LIMITS.check > least):
-            load += LIMITS.raise_ * unit
+        restless = elapsed > patience and looks * LIMITS.check > least
+        if restless and finer == 1 and end.kind == "fold":
+            raise TooLong("the motion does not come to rest")
+        if returned or restless:
+            least, share, most = LIMITS.raise_
+            load += min(max(least * unit, share * (load - end.load)), most * unit)
             landing = LIMITS.landing * unit
             motion.drive(load)
         if load > end.load + LIMITS.farthest * unit:

@@ -234,7 +234,7 @@ class Surface:
         return self._disturbances.at(v, active)
 
     def start(self, v, active, s):
-        """y of the surface at rest in v, complex (2, modes)."""
+        """y of the surface held in v, complex (2, modes); outside the patch it follows from the traction inside."""
         problem = self.problem
         T, (U_x, U_z) = problem.traction(v, active), problem.top(v, s)
         if self._uniform:
@@ -245,7 +245,9 @@ class Surface:
         y = problem.contact.modes.displacement(self._spectrum)
         y[0, 0] += U_x * self._count
         y[1, 0] += U_z * self._count
-        return y
+        self._traction[:, self._patch] = problem.surface(v) - self.displacement(y)  # v is no equilibrium: which rest
+        self._forward()  # comes next may depend on a tenth of how far it is from one
+        return y + self._spectrum
 
     def displacement(self, y):
         """u (2, m) on the patch, nm; a buffer."""
