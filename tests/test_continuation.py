@@ -386,7 +386,7 @@ def test_secant_pairs_kept_from_one_load_serve_at_the_next():
     assert v == pytest.approx(expected, abs=1e-10)
 
 
-def test_where_anderson_steps_do_not_suffice_newton_s_do():
+def test_where_anderson_steps_do_not_suffice_those_with_an_inverse_do():
     problem = Linear()
     corrector, v = Corrector(problem), np.zeros(problem.size)
     assert corrector.solve(v, ACTIVE, 0.0, corrector.secants(), 3)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import newton
 from .anderson import dot
 from .interpolation import combine, lagrange
 from .state import LimitPoint, State
@@ -136,7 +135,7 @@ class _Arc:
         state = self.state
         if len(state.past) >= 2:
             return state.past[:3]
-        along = newton.direction(self.problem, state.v, state.active, self.corrector.smooth)
+        along = self.corrector.direction(state)
         back = LIMITS.short * self.unit / max(np.abs(along).max(), 1.0)
         return [state.past[0], (state.load - back, state.v - back * along)]
 

@@ -1,15 +1,15 @@
 """From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
 
 Anderson steps as a rule; where they fail, the same steps on top of the inverse of a tangent nearby, which then need
-but a few; Newton steps where that is too dear.
+but a few: formed by the problem, or where that is too dear by iterations whose products are kept.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from . import newton
 from .anderson import Secants, advance, dot
+from .inverse import Inverse
 
 
 @dataclass(frozen=True)
@@ -19,13 +19,15 @@ class Limits:
     memory: secant pairs; with fewer, soft layers need more evaluations, with more, each takes longer than it saves.
     longest: of one step of any unknown; longer ones land on other branches.
     runaway: growth of the residual at which the steps have failed. sharp_steps: with an inverse, 2 to 10 are needed
-    where there is an equilibrium, and where there is none they lead nowhere.
+    where there is an equilibrium, and where there is none they lead nowhere. iterated: accuracy of an inverse that is
+    not formed; secants do the rest, and a better one takes longer.
     """
 
     memory: int = 40
     longest: float = 0.15
     runaway: float = 1e3
     sharp_steps: int = 15
+    iterated: float = 0.3
 
 
 LIMITS = Limits()
@@ -41,6 +43,7 @@ class Corrector:
         self._r = np.empty(problem.size)
         self.sharp = None  # (v, active) where the inverse at hand was formed
         self._origin = None  # (v, active) of the equilibrium found last
+        self._iterated = None, None  # v, and the iterations that invert the tangent there
 
     def secants(self):
         """Room for secant pairs of this problem."""
@@ -48,8 +51,8 @@ class Corrector:
 
     @property
     def inverse(self):
-        """The inverse of a tangent that solves start with, or None."""
-        return self.smooth if self.sharp else None
+        """The formed inverse of a tangent that solves start with, or None: iterations would serve no others."""
+        return self.smooth if self.sharp and self.sharp[0] is not self._iterated[0] else None
 
     def residual(self, v, active, s):
         """Largest magnitude of R."""
@@ -75,25 +78,38 @@ class Corrector:
             active = again
 
     def solve(self, v, active, s, secants, most):
-        """Solve for v, in place, at fixed load; whether the residual came below the tolerance.
-
-        By so many Anderson steps at most, and where these fail by Newton steps.
-        """
+        """Solve for v, in place, at fixed load, by so many Anderson steps at most; whether that succeeded."""
         return self._solved(v, active, s, secants, most, self._anderson) is not None
 
     def begin(self, state):
         """Get ready to go on from a State, with the inverse that helped to reach it, if one did."""
         self.sharp, self._origin = state.sharp, (state.v, state.active)
-        self.smooth = self.sharp and self.problem.inverse(*self.sharp)
-        if self.smooth is None:
-            self.sharp, self.smooth = None, self.problem.smoother(*self._origin)
+        self.smooth = self._inverse(*self.sharp) if self.sharp else self.problem.smoother(*self._origin)
+
+    def direction(self, state):
+        """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
+        return -self._iterations(state.v, state.active).solve(self.problem.direction)
+
+    def _iterations(self, v, active):
+        tangent, smooth = self.problem.tangent(v, active), self.problem.smoother(v, active)
+        return Inverse(self.problem.size).of_tangent(tangent, smooth, None)
+
+    def _inverse(self, v, active):
+        """The inverse of -dR/dv at an equilibrium, or a function close to it."""
+        formed = self.problem.inverse(v, active)
+        if formed is not None:
+            return formed
+        if self._iterated[0] is not v:
+            self._iterated = v, self._iterations(v, active)
+        return lambda r: -self._iterated[1].solve(r, LIMITS.iterated)
 
     def _solved(self, v, active, s, secants, most, steps, *arc):
         """The load at which v, changed in place, solves, or None: by `steps`, where these fail with an inverse.
 
-        That is formed at the equilibrium found last, unless it was already; Newton steps, where it is too dear.
+        That is the one at the equilibrium found last, unless it was already.
         """
         guess, known = v.copy(), secants.copy()
+        self._origin = self._origin or (guess, active)
         while True:
             found = steps(v, active, s, secants, LIMITS.sharp_steps if self.sharp else most, *arc)
             if found is not None:
@@ -103,17 +119,9 @@ class Corrector:
             secants.restore(known)
             if self.sharp and self.sharp[0] is self._origin[0]:
                 return None
-            inverse = self._origin and self.problem.inverse(*self._origin)
-            if inverse is None:
-                break
-            self.sharp, self.smooth = self._origin, inverse
+            self.sharp, self.smooth = self._origin, self._inverse(*self._origin)
             secants.forget()
             known = secants.copy()
-        found = newton.solve(self.problem, guess, active, s, self.smooth, *arc)
-        if found is None:
-            return None
-        v[:], s, self.worst = found
-        return s
 
     def _anderson(self, v, active, s, secants, most):
         problem, r = self.problem, self._r

@@ -27,11 +27,11 @@ class Inverse:
         """The whole-surface x with (K - J) x = force."""
         return maps.spread(self.solve(-maps.load(force)), force)
 
-    def solve(self, b):
-        """w with A w = b, to ACCURACY."""
+    def solve(self, b, accuracy=ACCURACY):
+        """w with A w = b, to that accuracy."""
         w, r = np.zeros(self.size), b.copy()
         _share(self._z, self._q, 0, self.rows, w, r)
-        bound = ACCURACY**2 * dot(b, b)
+        bound = accuracy**2 * dot(b, b)
         while dot(r, r) > bound and self.rows < MOST:
             z = r.copy() if self._smooth is None else self._smooth(r)
             if self._secants is not None:

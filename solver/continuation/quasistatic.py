@@ -1,6 +1,6 @@
 """The quasi-static stepper: a branch is followed to its end, and the damped motion leads on from there."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +11,18 @@ from .slip import motion_to_rest
 from .stability import Watch
 from .state import Increment, LimitPoint, NotConverged, Slip, State
 
-MOST_SLIPS = 100  # in one increment
-REPORTED = 0.05  # of the unit, beyond twice the rest of the increment: a state that moved less has not slipped
+
+@dataclass(frozen=True)
+class Limits:
+    """slips: in one increment; soft layers drawn in make some ten. moved: in units of the problem, beyond twice
+    the rest of the increment; a state that could not be followed and moved less has not slipped.
+    """
+
+    slips: int = 100
+    moved: float = 0.5
+
+
+LIMITS = Limits()
 
 
 class QuasiStatic:
@@ -50,10 +60,9 @@ class QuasiStatic:
             place = self.problem.place
             landed = self._through(found)
             self._report(slips, state, found, landed, place)
-            if len(slips) > MOST_SLIPS:
-                raise NotConverged(
-                    f"more than {MOST_SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm"
-                )
+            if len(slips) > LIMITS.slips:
+                residual = f"residual {self.corrector.worst:.2g} nm"
+                raise NotConverged(f"more than {LIMITS.slips} slips in one increment, {residual}")
             state = landed
             hidden = self.problem.hides(state.v, state.active)
             arrived = state.load == target and not (hidden or self.problem.crowded(state.v, state.active, target))
@@ -89,6 +98,6 @@ class QuasiStatic:
         """Add the Slip from the end of a branch to the state landed in, unless it merely could not be followed."""
         if not end.located and landed.v.size == before.v.size:
             moved = np.abs(landed.v - before.v).max()
-            if moved < BRANCH.farthest * self.problem.unit + 2.0 * abs(end.load - before.load):
+            if moved < LIMITS.moved * self.problem.unit + 2.0 * abs(end.load - before.load):
                 return
         slips.append(Slip(end.load, end.v, end.active, end.kind, end.located, landed, place))

@@ -4,10 +4,23 @@ Only active nodes have a tangent; what the others do follows from these. It cost
 square at every use, and pays where layers are soft: there an iteration needs a hundred products with the tangent.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 
-LEAF = 96  # rows below which LAPACK inverts faster than products of blocks
+
+@dataclass(frozen=True)
+class Limits:
+    """most: active nodes, beyond which iterations take less time than to form an inverse. leaf: rows below which LAPACK
+    inverts faster than products of blocks.
+    """
+
+    most: int = 1200
+    leaf: int = 96
+
+
+LIMITS = Limits()
 
 
 class DenseInverse:
@@ -45,7 +58,7 @@ class DenseInverse:
 def inverted(a):
     """a^-1 by halves, so that nearly all of it are matrix products; overwrites a. Raises LinAlgError as numpy does."""
     n = len(a)
-    if n <= LEAF:
+    if n <= LIMITS.leaf:
         return np.linalg.inv(a)
     k = n // 2
     first = inverted(a[:k, :k])

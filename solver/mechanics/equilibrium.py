@@ -17,13 +17,13 @@ from numba import njit
 
 from ..continuation.state import PulledOff
 from . import cohesive_law
+from .dense import LIMITS as DENSE
 from .dense import DenseInverse
 from .disturbance import Disturbances, UniformDisturbance, uniform_growth
 from .layer import transforms
 
 UNSTABLE = 1e-6  # growth, 1/time, of a wave that one node hides
 STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
-DENSE = 1200  # active nodes up to which the inverse of a tangent is formed
 
 
 class Equilibrium:
@@ -143,7 +143,7 @@ class Equilibrium:
         return self._inverse[1]
 
     def _new_inverse(self, v, active):
-        if self.contact.uniform or not 0 < active.sum() <= DENSE:
+        if self.contact.uniform or not 0 < active.sum() <= DENSE.most:
             return None
         try:
             return DenseInverse(self, v, active)
