@@ -149,7 +149,7 @@ def test_the_motion_starts_from_the_state_it_is_given():
 
 
 def test_a_soft_layer_at_high_friction_lets_go_as_many_nodes_as_gfmd():
-    """30 or 31 of 1024, by GFMD at half and a quarter of its largest step from 0.05 nm beyond the end of the branch."""
+    """30 or 29 of 1024, by GFMD with even steps of 1/8 and 1/16 of the largest stable one; at longer ones others."""
     scene = Scene(E=14.0, delta_bar=-0.15, phi_ratio=2.0, u_x_max=25.5)
     before, frame, event = first_slip(scene)
     start, there = whole_surface(scene, before), whole_surface(scene, frame)
