@@ -83,6 +83,7 @@ async def lesson(server, options):
     found, over = {name: [] for name in names}, asyncio.Event()
     lag = asyncio.create_task(server.lag(over))
     before, start = server.processor_time(), time.monotonic()
+    computed, known = sum(map(server.processor_time, server.workers())), server.metrics()
     work = [visit(server.port, k, options, found) for k in range(options.visitors)]
     work += [hog(server.port, k, options, found) for k in range(options.heavy)]
     await asyncio.gather(*work, killer(server, options, found))
@@ -94,6 +95,10 @@ async def lesson(server, options):
         report[f"{name}whole run"] = summary([whole for _, whole in found[where]])
     report["loop lag"] = summary(await lag)
     report["server"] = round((server.processor_time() - before) / (time.monotonic() - start), 3)
+    if not options.kill:  # what limits a machine that has nothing else to do
+        new, now = sum(map(server.processor_time, server.workers())) - computed, server.metrics()
+        runs = now["shelf_misses_total"] - known["shelf_misses_total"]
+        report |= {"runs computed": round(runs), "s of workers per run": round(new / max(1, runs), 3)}
     report |= {"memory": round(server.memory()), "tracebacks": server.tracebacks()}
     report |= {"errors": found["errors"], "failed": found["failed"], "hogs": sorted(set(found["hogs"]))}
     if options.kill:

@@ -151,9 +151,9 @@ class Server:
         told = dict(line.removeprefix("contact_").split() for line in text.splitlines() if not line.startswith("#"))
         return {name: float(value) for name, value in told.items()}
 
-    def processor_time(self):
-        """Seconds of processor time of the server, so far (Linux)."""
-        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    def processor_time(self, pid=None):
+        """Seconds of processor time of the server, or of a worker, so far (Linux)."""
+        fields = Path(f"/proc/{pid or self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def tracebacks(self):
