@@ -150,18 +150,23 @@ def test_a_browser_that_has_gone_is_not_heard_any_more_and_leaves_no_traceback(v
     visit.gate.on_close()
 
 
-def test_who_costs_much_waits_and_the_more_visitors_there_are_the_longer(monkeypatch):
-    now = [0.0]
+def test_who_costs_much_waits_and_the_more_visitors_are_active_the_longer(monkeypatch):
+    now = [1000.0]
     monkeypatch.setattr(allowance, "monotonic", lambda: now[0])
+    monkeypatch.setattr(allowance, "active", {})
     waits = []
-    for count in (1, 10):
-        monkeypatch.setattr(allowance, "visitors", range(count))
-        mine = Allowance()
-        assert mine.spend(allowance.PURSE) == 0.0  # to open a page, or to drag for a while
-        waits.append(mine.spend(0.06))
+    for others in (0, 9):
+        mine, *all_others = [Allowance() for _ in range(1 + others)]
+        for each in all_others:
+            each.spend(0.0)
+        assert mine.spend(allowance.PURSE) == 0.0
+        waits.append(mine.spend(0.03))
         now[0] += waits[-1]
         assert mine.spend(0.0) == pytest.approx(0.0, abs=1e-12)  # it has waited for it
-    assert waits == pytest.approx([0.06 / allowance.MOST, 0.06 / (allowance.ALL / 10)])
+        now[0] += 2.0 * allowance.LATELY  # those who say nothing do not count
+    assert waits == pytest.approx([0.03 / allowance.MOST, 0.03 / (allowance.ALL / 10)])
+    mine.spend(0.0)
+    assert list(allowance.active) == [mine]
 
 
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
