@@ -4,6 +4,7 @@ import gc
 import logging
 from pathlib import Path
 
+import numpy as np
 from tornado.ioloop import PeriodicCallback
 
 from app import telling, web
@@ -13,12 +14,15 @@ from app.service.finished import shelf
 from app.service.pool import pool
 from app.session.session import visitors
 from app.views.pages import compose_all
+from solver import Scene
+from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two looks at who waits
 log = logging.getLogger("app")
 web.install()
 compose_all()  # before anybody can wait for it
 shared(f"/{Path(__file__).parent.name}")
+cohesive_law.traction(Scene(), np.zeros(1), 0.0)  # of which the page on the law makes use: the kernel is here then
 metrics.gauge("visitors", "visitors who are here", lambda: len(visitors))
 metrics.gauge("queue", "tasks that wait or run for somebody", lambda: pool.in_flight)
 metrics.gauge("workers", "workers that are ready", lambda: pool.ready)
