@@ -8,8 +8,6 @@ methods of `solver.isolated.Caller` that are used here: with APP_SCHEDULER a wor
 import atexit
 import logging
 import os
-from collections import OrderedDict, deque
-from concurrent.futures import Future
 from math import inf
 from multiprocessing import Pipe
 from multiprocessing.connection import wait
@@ -17,75 +15,22 @@ from threading import Event, RLock, Thread
 from time import monotonic
 
 from app.service import metrics, worker
+from app.service.line import HEAVY, LATER, PATIENCE, SCREEN, Line, Task
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
-PATIENCE = 5.0  # s without a result, beyond what a task asks for, after which its process is killed
+__all__ = ["HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # how often in a row no worker may get ready before those who wait are told,
 SILENT = 30.0  # s without an answer of any worker, after which the pool counts as dead
 HOPE = 60.0  # s, and how long after one was
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed; s
-SCREEN, HEAVY, LATER = range(3)  # what a task is for: somebody's screen; the same, but it takes long; anything else
 
 
 def default_size():
     """One worker per core this process may use, at least two, so that a stale slice never blocks a fresh one."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 2
     return int(os.environ.get("APP_WORKERS", max(2, cores)))
-
-
-class Task(Future):
-    """A call to be made by a worker, for an owner: raises Lost if it was, and if not for an error it may be made again.
-
-    `seat` is where it runs or ran, `abandoned` says that nobody waits for it.
-    """
-
-    def __init__(self, call, owner=None, rank=SCREEN, limit=PATIENCE):
-        super().__init__()
-        self.call, self.owner, self.rank, self.limit = call, owner, rank, limit
-        self.seat, self.abandoned = None, False
-
-
-class Line:
-    """Waiting tasks, whose owners take turns."""
-
-    def __init__(self):
-        self._of = OrderedDict()  # owner: deque of tasks
-
-    def __len__(self):
-        return sum(map(len, self._of.values()))
-
-    def __iter__(self):
-        return (task for tasks in self._of.values() for task in tasks)
-
-    def add(self, task, first=False):
-        """At the end of its owner's tasks; first: it has lost its turn through no fault of its own."""
-        tasks = self._of.setdefault(task.owner, deque())
-        if first:
-            tasks.appendleft(task)
-            self._of.move_to_end(task.owner, last=False)
-        else:
-            tasks.append(task)
-
-    def take(self):
-        """The task whose turn it is."""
-        owner, tasks = next(iter(self._of.items()))
-        task = tasks.popleft()
-        self._of.move_to_end(owner)
-        if not tasks:
-            del self._of[owner]
-        return task
-
-    def place(self, task):
-        """How many have their turn before this task; None if it does not wait here."""
-        tasks = self._of.get(task.owner, ())
-        if task not in tasks:
-            return None
-        before = tasks.index(task)
-        owners = list(self._of)
-        ahead = owners.index(task.owner)
-        return sum(min(len(self._of[owner]), before + (k < ahead)) for k, owner in enumerate(owners))
 
 
 class Seat:
