@@ -32,9 +32,10 @@ PATHS = [
 
 @pytest.mark.parametrize("values", PATHS)
 def test_every_leg_begins_where_the_one_before_ended(values):
-    frames = list(load_path(SMALL.changed(**values)))
+    scene = SMALL.changed(u_x_max=4.0, **values)
+    frames = list(load_path(scene))
     names = list(dict.fromkeys(f.stage for f in frames))
-    assert names == [step.stage for step in load_steps_of(SMALL.changed(**values))]
+    assert names == [step.stage for step in load_steps_of(scene)]
     for before, after in pairwise(names):
         end, start = stage(frames, before)[-1], stage(frames, after)[0]
         assert (start.index, start.U_x, start.delta) == (0, end.U_x, end.delta)

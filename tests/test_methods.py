@@ -204,7 +204,7 @@ ODD = [
      "seed": 644, "du_z": 1.0, "tolerance": 1e-10, "damping": 0.5},
     # D11: a runaway
     {"surface": "flat", "hold": "load", "delta_bar": 0.82, "phi_ratio": 0.0021, "E": 9637, "nu": 0.4999, "nodes": 129},
-    {"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 10.0},
+    {"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 5.0},
     {"surface": "flat", "nodes": 16, "width": 40.0, "delta_bar": 1.0, "du_x": 0.5},
     {"E": 0.01, "nodes": 256, "width": 625.0, "u_x_max": 0.0},
 ]  # fmt: skip
