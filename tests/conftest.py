@@ -11,6 +11,7 @@ from served import PATIENCE, TROUBLE, Server
 from solver import Scene, load_path
 
 
+@pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
 def pytest_collection_modifyitems(items):
     """For `pytest -n`: one process drives the browser, and a module's tests stay together, as do its fixtures."""
     for item in items:
