@@ -4,6 +4,8 @@ import os
 import re
 import shutil
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads that wait for each other eat both cores
+
 import numpy as np
 import pytest
 from served import PATIENCE, TROUBLE, Server
