@@ -12,15 +12,6 @@ from served import PATIENCE, TROUBLE, Server
 
 from solver import Scene, load_path
 
-
-@pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
-def pytest_collection_modifyitems(items):
-    """For `pytest -n`: one process drives the browser, and a module's tests stay together, as do its fixtures."""
-    for item in items:
-        name = "browser" if item.get_closest_marker("browser") else item.path.name
-        item.add_marker(pytest.mark.xdist_group(name))
-
-
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 

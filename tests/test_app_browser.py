@@ -116,43 +116,6 @@ def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(vi
     help_.wait_for(state="hidden")
 
 
-def test_every_tab_stop_is_a_control(visit):
-    page = visit()
-    finished(page)
-    stops = []
-    while "speed" not in stops:
-        page.keyboard.press("Tab")
-        stops.append(page.evaluate("document.activeElement.id || document.activeElement.className"))
-        assert len(stops) < 60
-    entered = [stop for name in ("delta_bar", "phi_ratio", "E") for stop in ("hint", f"{name}-entry", name)]
-    pages = [""] * 5  # the buttons of the pages
-    assert stops == [
-        *pages,
-        "tour",
-        "open-theory",
-        "more",
-        "accuracy",
-        "projector",
-        "help",
-        "theme",
-        "preset",
-        "pin",
-        "compare",
-        "take",
-        "solver-figures",
-        *entered,
-        *("lens-on", "as-table", "lens"),
-        *("as-table", "bar", "as-table", "as-table", "as-table"),
-        "reset",
-        "back",
-        "play",
-        "step",
-        "scrub",
-        "carry",
-        "speed",
-    ]
-
-
 def test_the_speed_chosen_is_that_of_the_top(visit):
     page = visit()
     finished(page)

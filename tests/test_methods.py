@@ -207,6 +207,9 @@ ODD = [
     {"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 5.0},
     {"surface": "flat", "nodes": 16, "width": 40.0, "delta_bar": 1.0, "du_x": 0.5},
     {"E": 0.01, "nodes": 256, "width": 625.0, "u_x_max": 0.0},
+    # points along the arc that are one, and all zero
+    {"E": 4.919, "delta_bar": 3.0, "nu": 0.187, "height": 16.43, "radius": 0.1, "nodes": 8, "surface": "flat",
+     "delta_n": 0.1, "width": 19.52, "du_z": 1.0, "du_x": 1.0},
 ]  # fmt: skip
 
 

@@ -122,7 +122,7 @@ class _Arc:
     def _at(self, chord, arc, here):
         """The point (load, v) of the branch with <chord, v> = arc, or None; predicted through here [(arc, load, v)]."""
         arcs = [point[0] for point in here]
-        if np.abs(np.diff(sorted(arcs))).min() < 1e-12 * max(map(abs, arcs)):  # states that are one, to round-off
+        if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # states that are one, to round-off
             return None
         weights = lagrange(arcs, arc)
         load = sum(weight * point[1] for weight, point in zip(weights, here, strict=True))
