@@ -181,6 +181,7 @@ def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
     stops = []
     for _ in range(70):
         page.keyboard.press("Tab")
+        page.wait_for_function(f"() => {{ const stop = ({STOP})(); return !stop || stop.seen }}", timeout=PATIENCE)
         stop = page.evaluate(STOP)
         if stop is None:
             break
@@ -188,7 +189,7 @@ def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
     else:
         raise AssertionError("the tab key does not leave the page")
     assert 40 < len(stops) < 60
-    assert not [stop for stop in stops if not (stop["name"] and stop["seen"] and stop["ring"] >= 2)]
+    assert not [stop for stop in stops if not (stop["name"] and stop["ring"] >= 2)]
     wanted = ["tour", "open-theory", "more", "projector", "preset", "pin", "take", "delta_bar", "lens", "play", "scrub"]
     found = [stop["id"] for stop in stops if stop["id"] in wanted]
     assert found == wanted  # in the order of the page

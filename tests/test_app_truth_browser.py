@@ -130,7 +130,7 @@ def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(serv
     page.locator("#lost").wait_for(timeout=PATIENCE)
     print(f"told {time.monotonic() - told:.1f} s after the server was killed")
     page.locator("#E-entry").evaluate("(entry) => { entry.value = 310; entry.dispatchEvent(new Event('change')) }")
-    page.wait_for_function(GREY)
+    page.wait_for_function("watched.at(-1)[1]")
     before = page.evaluate("watched")
     attempts = []
     page.on("request", lambda request: attempts.append(request.method))
