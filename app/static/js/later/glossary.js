@@ -22,6 +22,7 @@ export async function show(button) {
   at = button
   const [name, meaning] = await said(button.dataset.term).catch(() => ["", "The explanation could not be loaded."])
   if (at !== button) return
+  if (!button.matches(":hover, :focus")) return hide() // by now pointer and keyboard are elsewhere
   box ??= make()
   box.replaceChildren(Object.assign(document.createElement("b"), { textContent: name }), ` ${meaning}`)
   button.setAttribute("aria-describedby", "term")
@@ -59,6 +60,7 @@ function make() {
     clearTimeout(leaving)
     if (at && !kept && !on(event) && document.activeElement !== at) leaving = setTimeout(hide, AWAY)
   })
+  document.addEventListener("focusin", (event) => { if (at && !kept && !on(event) && !at.matches(":hover")) hide() })
   document.addEventListener("focusout", (event) => { if (event.target === at && !kept) hide() })
   document.addEventListener("pointerdown", (event) => { if (at && !on(event)) hide() })
   document.addEventListener("keydown", (event) => { if (event.key === "Escape" && at) { hide(); event.stopPropagation() } }, true)
