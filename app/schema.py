@@ -1,12 +1,12 @@
 """What Python draws, templates explain and scripts change, declared once: names, marks and colours.
 
 Colours are variables of style.css, marks are classes of it; dashes and markers are Bokeh's. Columns and fields of
-packed frames are declared in service/worker.py and travel by name.
+packed frames are declared in service/packing.py and travel by name.
 """
 
 from dataclasses import dataclass
 
-from app.service.worker import FREE
+from app.service.packing import FREE
 
 WEAK = f"attraction below {100 * FREE:g} % of its peak"
 

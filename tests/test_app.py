@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from visitor import PATIENCE, SHORT, Page, unpacked
 
-from app.service import worker
+from app.service import packing, worker
 from app.session import computing
 from app.session import session as session_module
 from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, drawer, scene_from_address
@@ -117,8 +117,8 @@ def test_the_drawer_holds_every_parameter_without_a_slider_once():
 def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     frames, _ = advance(scene, None, 60.0)
-    _, head, _, fields = unpacked(worker.numbered(1, worker.compute(scene, None, 60.0).blocks[-1]))
-    assert head["nodes"] == worker.FLAT and head["first"] == (scene.nodes - worker.FLAT) // 2
+    _, head, _, fields = unpacked(packing.numbered(1, worker.compute(scene, None, 60.0).blocks[-1]))
+    assert head["nodes"] == packing.FLAT and head["first"] == (scene.nodes - packing.FLAT) // 2
     assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
 
@@ -126,7 +126,7 @@ def test_packed_frames_hold_the_solver_s_numbers():
     scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
     frames, _ = advance(scene, None, 60.0)
     blocks = worker.compute(scene, None, 60.0).blocks
-    run, head, curves, fields = unpacked(worker.numbered(3, blocks[-1]))
+    run, head, curves, fields = unpacked(packing.numbered(3, blocks[-1]))
     frame, nodes = frames[-1], head["nodes"]
     assert run == 3 and head["first"] == frame.first and nodes == frame.u.shape[1]
     assert curves["F_bar"][-1] == np.float32(frame.F_bar)
@@ -250,7 +250,7 @@ def submit_exit(computing):
     """Submit a task that ends its worker."""
     if computing.flight is None:
         computing.flight = computing.last = computing.session.pool.submit(os._exit, 1)
-        computing.flight.add_done_callback(computing._arrived)
+        computing.session.when_done(computing.flight, computing._take)
 
 
 def test_a_visitor_who_leaves_is_forgotten(pool):

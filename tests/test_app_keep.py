@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from visitor import PATIENCE, Page
 
-from app.service import worker
+from app.service import packing
 from app.session import orders, share
 from app.session.controls import address_of, scene_from_address
 from app.session.profiles import LONGEST, Profiles
@@ -142,7 +142,7 @@ def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_
     page.until("finished")
     run, shelf = page.session.run, page.session.shelf
     assert run.history and run.blocks == [] and page.session.scene not in shelf
-    assert sum(worker.header(block)["frames"] for block in shelf.get(run.kept_as).blocks) == run.frames - 121
+    assert sum(packing.header(block)["frames"] for block in shelf.get(run.kept_as).blocks) == run.frames - 121
 
 
 def test_a_run_goes_on_from_another_so_often_only(session):

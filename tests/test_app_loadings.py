@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from visitor import Page
 
-from app.service import worker
+from app.service import packing, worker
 from app.session.controls import values_of
 from solver import Checkpoint, Scene, load_path
 from solver.analysis.energy_balance import work_of
@@ -85,7 +85,7 @@ def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
         piece = worker.compute(scene, checkpoint, 0.005, last)
         checkpoint, last = piece.checkpoint, piece.last
         for block in piece.blocks:
-            works += list(worker.unpack(block)[1]["work"])
+            works += list(packing.unpack(block)[1]["work"])
     assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 

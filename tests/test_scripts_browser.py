@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.service import worker
+from app.service import packing, worker
 from solver import Scene, load_path
 
 pytestmark = pytest.mark.browser
@@ -41,7 +41,7 @@ def run_of(tab, scene):
     while checkpoint is None or not checkpoint.done:
         piece = worker.compute(scene, checkpoint, 0.01, last)
         checkpoint, last = piece.checkpoint, piece.last
-        blocks += [base64.b64encode(worker.numbered(7, block)).decode() for block in piece.blocks]
+        blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
     tab.evaluate(
         """async (blocks) => {
             const { Run, unpack } = await import("http://scripts/js/run.js")
@@ -114,8 +114,8 @@ def test_the_map_holds_the_traction_where_it_acts_and_nothing_where_it_does_not(
         own = image[row : row + frame.u.shape[1], column]
         nodes = frame.first + np.arange(frame.u.shape[1])
         gap = WIDE.profile[nodes % WIDE.nodes] + frame.u[1]
-        acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -worker.FREE * peak)
-        sure = np.abs(frame.T[1] + worker.FREE * peak) > 1e-3 * peak  # not on the limit, where int16 decides
+        acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -packing.FREE * peak)
+        sure = np.abs(frame.T[1] + packing.FREE * peak) > 1e-3 * peak  # not on the limit, where int16 decides
         assert (np.isfinite(own) == acts)[sure].all() and acts.any() and not acts.all()
         assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=1e-3 * np.abs(frame.T[1]).max())
 

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from app.service import worker
+from app.service import packing
 from app.service.finished import Shelf
 from app.service.pool import Task
 from app.session.session import Session
@@ -51,7 +51,7 @@ class Page:
 
 def unpacked(chunk):
     """(run, header, columns, fields in nm and GPa) of a packed block with its number, by name."""
-    head, columns, fields = worker.unpack(chunk[4:])
+    head, columns, fields = packing.unpack(chunk[4:])
     real = {name: field * head["scales"][name] for name, field in fields.items()}
     return struct.unpack_from("<I", chunk)[0], head, columns, real
 

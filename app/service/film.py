@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.service import worker
+from app.service import packing, worker
 from solver import NotConverged
 from solver.run.film import through
 from solver.run.frame import NORMAL, Frame
@@ -21,25 +21,25 @@ def slow_motion(scene, before, after):
         return "no branch ends here"
     film = [replace(frame, index=index) for frame in film]
     if scene.surface == "flat":
-        film = [worker.middle(scene, frame) for frame in film]
-    blocks = list(worker.same_patch([(frame, 0.0) for frame in film]))
-    return tuple(worker.pack(scene, block, block is blocks[-1]) for block in blocks)
+        film = [packing.middle(scene, frame) for frame in film]
+    blocks = list(packing.same_patch([(frame, 0.0) for frame in film]))
+    return tuple(packing.pack(scene, block, block is blocks[-1]) for block in blocks)
 
 
 def frame_of(scene, block, row):
     """The Frame of a row of a packed block, in the digits that it has there."""
-    head, columns, fields = worker.unpack(block)
+    head, columns, fields = packing.unpack(block)
     u_x, gap = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap"))
     profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
     known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
-    place = {"stage": worker.STAGES[int(columns["stage"][row])], "index": int(columns["index"][row])}
-    u, T = np.array([u_x, gap - profile]), worker.tractions(block, row)
+    place = {"stage": packing.STAGES[int(columns["stage"][row])], "index": int(columns["index"][row])}
+    u, T = np.array([u_x, gap - profile]), packing.tractions(block, row)
     return Frame(**place, **known, first=head["first"], u=u, T=T, evaluations=0)
 
 
 def place_of(block, row):
     """(stage, index, load along it in nm) of a row of a packed block."""
-    _, columns, _ = worker.unpack(block)
-    stage = worker.STAGES[int(columns["stage"][row])]
+    _, columns, _ = packing.unpack(block)
+    stage = packing.STAGES[int(columns["stage"][row])]
     load = float(columns["delta" if stage in NORMAL else "U_x"][row])
     return stage, int(columns["index"][row]), -load if stage in ("unload", "back") else load

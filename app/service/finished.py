@@ -10,7 +10,7 @@ BESIDE = 2000  # bytes that a run takes beside its frames: its Scene, and this r
 
 @dataclass(frozen=True)
 class Finished:
-    """A whole run, packed as `worker.pack` does: the blocks, and the sums over their frames."""
+    """A whole run, packed as `packing.pack` does: the blocks, and the sums over their frames."""
 
     blocks: tuple
     frames: int

@@ -1,12 +1,7 @@
-"""What runs inside a worker process: a slice of the load path, packed for the browser; imports NumPy and `solver` only.
+"""What runs inside a worker process: a slice of the load path, packed for the browser; NumPy and `solver` only."""
 
-Packing here rather than in the server keeps the event loop free: the server hands bytes on without looking into them.
-"""
-
-import json
 import os
-import struct
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import e, inf
 from time import perf_counter
@@ -16,6 +11,7 @@ import numpy as np
 import pyfftw
 
 from app.service.approach import walked
+from app.service.packing import middle, pack, same_patch
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
 from solver.analysis.raster import QUANTITIES, picture
@@ -26,18 +22,10 @@ from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import in_time, next_frame, owned
 
 NICENESS = 10  # the event loop must win against the physics
-COLUMNS = (  # of a packed block: a number each per frame
-    *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
-    *("residual", "evaluations", "slip", "slip_at", "slip_F", "slip_A", "work"),  # slips in it, and of the first
-)
-STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
-FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)
 QUICK, SLOW = 0.3, 2.5  # s of processor time for an increment: of a run that must not be in the way of others, of any
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
-FLAT = 160  # nodes sent of a flat surface, where all are alike
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as width that acts
-FREE = 0.05  # of the same: a node beyond the peak (gap > delta_n) that is attracted less is drawn as free
 
 
 @dataclass(frozen=True)
@@ -209,124 +197,8 @@ def _ahead(scene, checkpoint):
     return sum(step.increments + 1 for step in load_steps[place:]) - checkpoint.index
 
 
-def middle(scene, frame):
-    """The same frame with the fields of the nodes in the middle only."""
-    first = max(0, (scene.nodes - FLAT) // 2)
-    part = slice(first, first + min(FLAT, scene.nodes))
-    return replace(frame, first=first, u=frame.u[:, part], T=frame.T[:, part])
-
-
 def _width(scene, frame):
     """Part of w between the outermost nodes that repel or adhere."""
     normal = frame.T[1]
     acting = np.flatnonzero((normal > 0) | (normal < -REACH * scene.phi_n / (e * scene.delta_n)))
     return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0
-
-
-def same_patch(rows):
-    """Cut a list of (frame, work) where the patch changes, so that every block is a rectangle."""
-    block = []
-    for frame, work in rows:
-        if block and (frame.first, frame.u.shape[1]) != (block[0][0].first, block[0][0].u.shape[1]):
-            yield block
-            block = []
-        block.append((frame, work))
-    if block:
-        yield block
-
-
-def pack(scene, rows, last):
-    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
-
-    The header names the columns, and the fields with their scales, in the order in which they follow. What goes to a
-    browser has the number of its run in front (uint32, `numbered`).
-
-    Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
-    at half the bytes of float32. A default run takes 1.3 MB.
-    """
-    frames = [frame for frame, _ in rows]
-    first, nodes = frames[0].first, frames[0].u.shape[1]
-    profile = scene.profile[np.arange(first, first + nodes) % scene.nodes]
-    u = np.array([frame.u for frame in frames])
-    traction = np.array([frame.T for frame in frames])
-    fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
-    scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
-    curves = np.array([_numbers(frame, work) for frame, work in rows], dtype=np.float32).T
-    normal = scene.path == "unload"
-    header = {
-        "last": last,
-        "frames": len(frames),
-        "nodes": nodes,
-        "first": first,
-        "spacing": scene.spacing,
-        "middle": scene.width / 2,
-        "columns": COLUMNS,
-        "scales": dict(zip(FIELDS, scales, strict=True)),
-        "stages": STAGES,
-        "abscissa": "delta" if normal else "U_x",
-        "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
-        "span": _span(scene),
-        "approach": [-scene.delta_0, scene.delta, scene.du_z * scene.delta_n],  # from, to and step of delta
-        "adhesion": scene.phi_n / (e * scene.delta_n),
-        "free": FREE,
-        "delta_n": scene.delta_n,
-        "delta_t": scene.delta_t,
-        "force": scene.width * scene.E,  # N/m of force per unit of F_bar, L_bar
-        "flat": scene.surface == "flat",
-    }
-    head = json.dumps(header).encode()
-    head += b" " * (-len(head) % 4)
-    body = b"".join(np.rint(f / s).astype("<i2").tobytes() for f, s in zip(fields, scales, strict=True))
-    return struct.pack("<I", len(head)) + head + np.ascontiguousarray(curves, "<f4").tobytes() + body
-
-
-def header(block):
-    """What `pack` wrote in front of a block."""
-    length = struct.unpack_from("<I", block)[0]
-    return json.loads(block[4 : 4 + length])
-
-
-def unpack(block):
-    """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block; nothing is copied."""
-    head, start = header(block), 4 + struct.unpack_from("<I", block)[0]
-    n, m, count = head["frames"], head["nodes"], len(head["columns"])
-    columns = np.frombuffer(block, "<f4", count * n, start).reshape(count, n)
-    fields = np.frombuffer(block, "<i2", offset=start + columns.nbytes).reshape(-1, n, m)
-    return head, dict(zip(head["columns"], columns, strict=True)), dict(zip(head["scales"], fields, strict=True))
-
-
-def tractions(block, row):
-    """T (2, m), GPa, of a frame of a packed block."""
-    head, _, fields = unpack(block)
-    return np.array([fields[name][row] * head["scales"][name] for name in ("T_x", "T_z")])
-
-
-def numbered(run, block):
-    """A packed block as one of the visitor's run of that number: what is kept for all visitors knows no number."""
-    return struct.pack("<I", run) + block
-
-
-def _span(scene):
-    """[lowest, highest] of what is drawn along: U_x, or delta of a path that unloads; nm."""
-    if scene.path == "unload":
-        return [-scene.delta_0, scene.delta]
-    end = scene.shear_at(scene.shear_increments)
-    return [-end if scene.path == "loop" else 0.0, end]
-
-
-def _numbers(frame, work):
-    first = frame.slips[0] if frame.slips else None
-    return (
-        STAGES.index(frame.stage),
-        frame.index,
-        frame.U_x,
-        frame.delta,
-        frame.F_bar,
-        frame.L_bar,
-        frame.A_bar,
-        frame.residual,
-        frame.evaluations,
-        len(frame.slips),
-        *((first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)),
-        work,
-    )

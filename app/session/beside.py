@@ -1,6 +1,6 @@
 """Runs beside the one on screen: those pinned in an address, computed in the background and sent whole."""
 
-from app.service import worker
+from app.service import packing, worker
 from app.service.finished import Finished
 from app.service.pool import LATER
 from app.session.controls import scene_from_address
@@ -40,11 +40,7 @@ class Beside:
             self.session.pool.abandon(self.tasks[number])
         session = self.session
         task = self.tasks[number] = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=BUDGET)
-        task.add_done_callback(
-            lambda task: (
-                session.closed or session.doc.add_next_tick_callback(lambda: self._take(number, scene, task, pieces))
-            )
-        )
+        session.when_done(task, lambda task: self._take(number, scene, task, pieces))
 
     def _take(self, number, scene, task, pieces):
         if self.tasks.get(number) is not task:
@@ -64,4 +60,4 @@ class Beside:
 
     def _send(self, number, blocks):
         for block in blocks:
-            self.session.wire.chunk = worker.numbered(number, block)
+            self.session.wire.chunk = packing.numbered(number, block)

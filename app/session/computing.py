@@ -4,7 +4,7 @@ import logging
 import time
 from concurrent.futures import CancelledError
 
-from app.service import metrics, worker
+from app.service import metrics, packing, worker
 from app.service.finished import Finished
 from app.service.pool import HEAVY, SCREEN
 from app.session.controls import increments_of
@@ -38,7 +38,7 @@ def coarse(scene):
 
 
 class Computing:
-    """Computes the scene that one visitor wants last; every method but `_arrived` runs under the document's lock.
+    """Computes the scene that one visitor wants last; every method runs under the lock of the document.
 
     Frames live in the visitor's browser; here they are kept while a run lasts, and then on the shelf for all.
     At most one slice is in flight that the visitor waits for.
@@ -164,18 +164,13 @@ class Computing:
             how = {"owner": id(self.session), "rank": rank, "seconds": worker.APPROACH * budget}
             self.flight = self.last = self.session.pool.submit(*call, near=self.last, **how)
             self.since = time.monotonic()
-            self.flight.add_done_callback(self._arrived)
+            self.session.when_done(self.flight, self._take)
 
     @property
     def place(self):
         """How many have their turn before this visitor, or None: nobody, or it has not waited for long."""
         waits = self.flight is not None and time.monotonic() - self.since > WAITS
         return (self.session.pool.place(self.flight) or None) if waits else None
-
-    def _arrived(self, future):
-        """Called in a thread of the pool: hand over to the thread of the document."""
-        if not self.session.closed:
-            self.session.doc.add_next_tick_callback(lambda: self._take(future))
 
     def _take(self, future):
         """A slice is back: show it, and go on with this run or with the scene wanted since."""
@@ -248,7 +243,7 @@ class Computing:
 
     def _send(self, blocks):
         for block in blocks:
-            self.session.wire.chunk = worker.numbered(self.run.number, block)
+            self.session.wire.chunk = packing.numbered(self.run.number, block)
 
     def _lost(self, lost):
         """A worker was lost with a slice: it is pure, so it is computed again, unless that would be of no use."""

@@ -1,6 +1,6 @@
 """Slow motion through a slip of the run on screen, when its visitor asks for it."""
 
-from app.service import worker
+from app.service import packing, worker
 from app.service.film import slow_motion
 from app.service.pool import LATER
 
@@ -28,9 +28,7 @@ class Film:
             return
         call = (slow_motion, run.scene, *places)
         task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=MOST)
-        task.add_done_callback(
-            lambda task: session.closed or session.doc.add_next_tick_callback(lambda: self._made(task, k))
-        )
+        session.when_done(task, lambda task: self._made(task, k))
 
     def close(self):
         """Wait for nothing any longer."""
@@ -47,4 +45,4 @@ class Film:
             self.session.notes = [f"Slow motion: {made}."]
             return self.session.publish()
         for block in made:
-            self.session.wire.chunk = worker.numbered(FIRST + k, block)
+            self.session.wire.chunk = packing.numbered(FIRST + k, block)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from app.service import worker
+from app.service import packing
 from solver import Scene
 
 
@@ -47,7 +47,7 @@ class Run:
         """(packed block, row) of frame k as the browser numbers them, among packed blocks; None if it is gone."""
         k -= sum(frames for _, frames in self.history)  # those of the runs before are not kept
         for block in blocks:
-            frames = worker.header(block)["frames"]
+            frames = packing.header(block)["frames"]
             if 0 <= k < frames:
                 return block, k
             k -= frames
@@ -56,7 +56,7 @@ class Run:
     def tractions(self, k, blocks):
         """(first node, T (2, m) GPa) of frame k, as `place` finds it; None if it is gone."""
         found = self.place(k, blocks)
-        return found and (worker.header(found[0])["first"], worker.tractions(*found))
+        return found and (packing.header(found[0])["first"], packing.tractions(*found))
 
     def status(self):
         """The numbers for the browser, as plain data."""

@@ -72,6 +72,10 @@ class Session:
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
 
+    def when_done(self, task, take):
+        """Call `take(task)` under the lock of the document once a call of the pool is done, unless the visitor left."""
+        task.add_done_callback(lambda _: self.closed or self.doc.add_next_tick_callback(lambda: take(task)))
+
     # orders from the browser
 
     def _on_order(self, attribute, old, new):
@@ -165,7 +169,7 @@ class Session:
         if self.reading is not None:  # the newest counts
             self.pool.abandon(self.reading)
         task = self.reading = self.pool.submit(tasks.measured, self.scene, text, owner=id(self), rank=LATER)
-        task.add_done_callback(lambda task: self.closed or self.doc.add_next_tick_callback(lambda: self._read(task)))
+        self.when_done(task, self._read)
 
     def _read(self, task):
         if task is not self.reading:

@@ -36,9 +36,7 @@ class Share:
         session, kind = self.session, values["kind"]
         call = (tasks.file_of_run, session.scene, kind)
         task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=LONG)
-        task.add_done_callback(
-            lambda task: session.closed or session.doc.add_next_tick_callback(lambda: self._made(task, kind))
-        )
+        session.when_done(task, lambda task: self._made(task, kind))
 
     def close(self):
         """Wait for nothing any longer."""

@@ -79,7 +79,7 @@ class Page(Sheet):
         self.about = {"run": values["run"], "frame": values["frame"], "quantity": quantity}
         call = (tasks.stress_picture, scene, first, traction, quantity, window, SIZE, per_fringe, bool(values["mesh"]))
         self.task = self.session.pool.submit(*call, near=self.session.computing.last, owner=id(self.session))
-        self.task.add_done_callback(lambda task: self.session.doc.add_next_tick_callback(lambda: self._take(task)))
+        self.session.when_done(self.task, self._take)
 
     def _take(self, task):
         """A picture is back: show it, and ask for the one wanted since."""

@@ -6,12 +6,11 @@ visitors arrive evenly; each stays. Times are until the document is here, the co
 
 import argparse
 import asyncio
-import json
 import os
 import time
 from contextlib import suppress
 
-from client import Server, Tab, summary
+from client import Server, Tab, summary, tell
 
 
 async def arrive(port, number, wait, found):
@@ -68,11 +67,7 @@ def main():
     options.pages, options.within = min(options.pages, 300), min(options.within, 600.0)
     with Server() as server:
         report = asyncio.run(arrivals(server, options))
-    for name, value in report.items():
-        print(f"{name:26s} {value}")
-    if options.json:
-        with open(options.json, "w", encoding="utf-8") as file:
-            json.dump(report, file, indent=1)
+    tell(report, options.json)
 
 
 if __name__ == "__main__":

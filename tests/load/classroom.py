@@ -7,14 +7,13 @@ times are from the order to the arrival of the first and of the last frames. Col
 
 import argparse
 import asyncio
-import json
 import os
 import random
 import signal
 import time
 from contextlib import suppress
 
-from client import Server, Tab, summary
+from client import Server, Tab, summary, tell
 
 PRESETS = ("fig6", "fig7-case1", "fig7-case2", "fig7-case3")
 DEAREST = {"E": 10.0, "delta_bar": 1.0, "damping": 0.05}
@@ -121,11 +120,7 @@ def main():
     options.visitors, options.seconds = min(options.visitors, 200), min(options.seconds, 600.0)
     with Server() as server:
         report = asyncio.run(lesson(server, options))
-    for name, value in report.items():
-        print(f"{name:26s} {value}")
-    if options.json:
-        with open(options.json, "w", encoding="utf-8") as file:
-            json.dump(report, file, indent=1)
+    tell(report, options.json)
 
 
 if __name__ == "__main__":

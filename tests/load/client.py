@@ -184,3 +184,11 @@ def summary(values):
     """{p50, p95, p99, max} rounded to ms."""
     parts = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "max": 1.0}
     return {name: round(percentile(values, part), 3) for name, part in parts.items()} if values else {}
+
+
+def tell(report, path):
+    """Print what was measured, {name: value}, and write it as JSON to a file if there is a path."""
+    for name, value in report.items():
+        print(f"{name:26s} {value}")
+    if path:
+        Path(path).write_text(json.dumps(report, indent=1), encoding="utf-8")

@@ -15,7 +15,7 @@ import sys
 import time
 from contextlib import suppress
 
-from client import Server, Tab, summary
+from client import Server, Tab, summary, tell
 
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
        "<b>", "\ud800", "0x10", "1e999", [[[]]]]  # fmt: skip
@@ -193,11 +193,7 @@ def main():
         report = asyncio.run(attack(server, options))
         if report["tracebacks"]:
             print("".join(line for line in server.lines if "Traceback" in line))
-    for name, value in report.items():
-        print(f"{name:22s} {value}")
-    if options.json:
-        with open(options.json, "w", encoding="utf-8") as file:
-            json.dump(report, file, indent=1)
+    tell(report, options.json)
     sys.exit(bool(report["tracebacks"] or report["visitors stuck"]))
 
 

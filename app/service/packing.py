@@ -1,0 +1,136 @@
+"""A block: frames of one patch as they go to a browser, with a header that says what follows.
+
+Workers pack, the server hands the bytes on without looking into them, so that its event loop stays free.
+"""
+
+import json
+import struct
+from dataclasses import replace
+from math import e
+
+import numpy as np
+
+COLUMNS = (  # of a packed block: a number each per frame
+    *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
+    *("residual", "evaluations", "slip", "slip_at", "slip_F", "slip_A", "work"),  # slips in it, and of the first
+)
+STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
+FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
+FLAT = 160  # nodes sent of a flat surface, where all are alike
+FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
+
+
+def same_patch(rows):
+    """Cut a list of (frame, work) where the patch changes, so that every block is a rectangle."""
+    block = []
+    for frame, work in rows:
+        if block and (frame.first, frame.u.shape[1]) != (block[0][0].first, block[0][0].u.shape[1]):
+            yield block
+            block = []
+        block.append((frame, work))
+    if block:
+        yield block
+
+
+def pack(scene, rows, last):
+    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
+
+    The header names the columns, and the fields with their scales, in the order in which they follow. What goes to a
+    browser has the number of its run in front (uint32, `numbered`).
+
+    Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
+    at half the bytes of float32. A default run takes 1.3 MB.
+    """
+    frames = [frame for frame, _ in rows]
+    first, nodes = frames[0].first, frames[0].u.shape[1]
+    profile = scene.profile[np.arange(first, first + nodes) % scene.nodes]
+    u = np.array([frame.u for frame in frames])
+    traction = np.array([frame.T for frame in frames])
+    fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
+    scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
+    curves = np.array([_numbers(frame, work) for frame, work in rows], dtype=np.float32).T
+    normal = scene.path == "unload"
+    header = {
+        "last": last,
+        "frames": len(frames),
+        "nodes": nodes,
+        "first": first,
+        "spacing": scene.spacing,
+        "middle": scene.width / 2,
+        "columns": COLUMNS,
+        "scales": dict(zip(FIELDS, scales, strict=True)),
+        "stages": STAGES,
+        "abscissa": "delta" if normal else "U_x",
+        "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
+        "span": _span(scene),
+        "approach": [-scene.delta_0, scene.delta, scene.du_z * scene.delta_n],  # from, to and step of delta
+        "adhesion": scene.phi_n / (e * scene.delta_n),
+        "free": FREE,
+        "delta_n": scene.delta_n,
+        "delta_t": scene.delta_t,
+        "force": scene.width * scene.E,  # N/m of force per unit of F_bar, L_bar
+        "flat": scene.surface == "flat",
+    }
+    head = json.dumps(header).encode()
+    head += b" " * (-len(head) % 4)
+    body = b"".join(np.rint(f / s).astype("<i2").tobytes() for f, s in zip(fields, scales, strict=True))
+    return struct.pack("<I", len(head)) + head + np.ascontiguousarray(curves, "<f4").tobytes() + body
+
+
+def header(block):
+    """What `pack` wrote in front of a block."""
+    length = struct.unpack_from("<I", block)[0]
+    return json.loads(block[4 : 4 + length])
+
+
+def unpack(block):
+    """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block; nothing is copied."""
+    head, start = header(block), 4 + struct.unpack_from("<I", block)[0]
+    n, m, count = head["frames"], head["nodes"], len(head["columns"])
+    columns = np.frombuffer(block, "<f4", count * n, start).reshape(count, n)
+    fields = np.frombuffer(block, "<i2", offset=start + columns.nbytes).reshape(-1, n, m)
+    return head, dict(zip(head["columns"], columns, strict=True)), dict(zip(head["scales"], fields, strict=True))
+
+
+def tractions(block, row):
+    """T (2, m), GPa, of a frame of a packed block."""
+    head, _, fields = unpack(block)
+    return np.array([fields[name][row] * head["scales"][name] for name in ("T_x", "T_z")])
+
+
+def numbered(run, block):
+    """A packed block as one of the visitor's run of that number: what is kept for all visitors knows no number."""
+    return struct.pack("<I", run) + block
+
+
+def _span(scene):
+    """[lowest, highest] of what is drawn along: U_x, or delta of a path that unloads; nm."""
+    if scene.path == "unload":
+        return [-scene.delta_0, scene.delta]
+    end = scene.shear_at(scene.shear_increments)
+    return [-end if scene.path == "loop" else 0.0, end]
+
+
+def _numbers(frame, work):
+    first = frame.slips[0] if frame.slips else None
+    return (
+        STAGES.index(frame.stage),
+        frame.index,
+        frame.U_x,
+        frame.delta,
+        frame.F_bar,
+        frame.L_bar,
+        frame.A_bar,
+        frame.residual,
+        frame.evaluations,
+        len(frame.slips),
+        *((first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)),
+        work,
+    )
+
+
+def middle(scene, frame):
+    """The same frame with the fields of the nodes in the middle only."""
+    first = max(0, (scene.nodes - FLAT) // 2)
+    part = slice(first, first + min(FLAT, scene.nodes))
+    return replace(frame, first=first, u=frame.u[:, part], T=frame.T[:, part])
