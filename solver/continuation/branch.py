@@ -53,8 +53,31 @@ LIMITS = Limits()
 
 def continue_branch(corrector, watch, state, target):
     """The State at load `target` on the branch of `state`, or the LimitPoint that comes before it."""
-    found = _by_load(corrector, watch, state, target)
-    return found or _Arc(corrector, watch, state, target).followed()
+    found = _by_load(corrector, watch, state, target) or _Arc(corrector, watch, state, target).followed()
+    settled = np.zeros(state.active.size, bool)
+    while isinstance(found, LimitPoint) and found.located:
+        # nodes that crossed the edge of the window on the way belong to the branch that ends: it ends elsewhere
+        active = corrector.problem.admitted(found.v, found.active, settled)
+        if active is found.active:
+            break
+        settled |= active != found.active
+        state = _with_nodes(corrector, state, active)
+        again = state and _Arc(corrector, watch, state, target).followed()
+        if not again or (isinstance(again, LimitPoint) and not again.located):
+            break
+        found = again
+    return found
+
+
+def _with_nodes(corrector, state, active):
+    """The State, and those before it, had these nodes been within the window; None if it is none then."""
+    past = []
+    for load, v in state.past[:3]:
+        v = v.copy()
+        if not corrector.solve(v, active, load, state.secants, LIMITS.first_steps):
+            break
+        past.append((load, v))
+    return past and State(state.load, past[0][1], active, past, state.secants, corrector.sharp, state.modes)
 
 
 def on_branch(corrector, state, target, v, active, modes=None):
@@ -256,7 +279,7 @@ class _Arc:
         found = self._at(chord, arc, bracket)
         if found is not None and found[0] < load and np.abs(found[1] - v).max() < 2.0 * wanted:
             away = found[1] - v
-        return away * min(1.0, wanted / max(np.abs(away).max(), 1e-300))
+        return away * (wanted / max(np.abs(away).max(), 1e-300))
 
 
 def _chord(step):
