@@ -43,6 +43,10 @@ def test_axe_finds_nothing(visit, theme):
         page.locator(f"{sheet}[open] :is(td, dt, #share-qr[src])").first.wait_for()
         assert not found_by_axe(page), sheet
         page.keyboard.press("Escape")
+    page.locator("#pin").click()
+    page.locator(".chip [data-twin]").click()
+    page.wait_for_function("document.getElementById('twin-view').style.visibility === ''", timeout=PATIENCE)
+    assert not found_by_axe(page)
     page.locator("figcaption .term").first.focus()
     page.locator("#term").wait_for()
     assert not found_by_axe(page)

@@ -28,7 +28,7 @@ def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
 @pytest.mark.parametrize("name", PAGES)
 def test_every_page_fills_its_places_and_no_other(session, name):
     order(session, "page", page=name)
-    for slot, column in session.pages.slots.items():
+    for slot, column in session.pages.slots.items():  # nor the place for a second punch
         assert bool(column.children) == slot.startswith(f"{name}_")
 
 

@@ -113,6 +113,8 @@ class Session:
         elif name == "page":
             self.pages.open(values["page"])
             self.publish()
+        elif name == "twin":
+            self.pages.add_twin()
         elif name in ("measure", "cancel"):
             self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
             self.publish()

@@ -53,7 +53,7 @@ def live_figures():
     }
 
 
-def punch(x):
+def punch(x, name="punch"):
     """The deformed punch above the lattice sites of the rigid substrate, nodes by state."""
     said = [("x", "@x{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
     parts = [
@@ -62,10 +62,10 @@ def punch(x):
         _drawn("surface", Line(x="x", y="gap"), "--body"),
         _drawn("sites", Scatter(x="x", y="gap", marker="square", size=2), "--text"),
     ]
-    for name, node in reversed(NODES.items()):  # the first on top
+    for state, node in reversed(NODES.items()):  # the first on top
         glyph = Scatter(x="x", y="gap", marker=node.marker, size=node.size)
-        parts.append(_drawn(name, glyph, node.colour, [(name, node.meaning), *said], more=("T_n", "T_t")))
-    return _figure("punch", x, Range1d(-1.2, 7), POSITION, "height (nm)", [*parts, _pins()])
+        parts.append(_drawn(state, glyph, node.colour, [(state, node.meaning), *said], more=("T_n", "T_t")))
+    return _figure(name, x, Range1d(-1.2, 7), POSITION, "height (nm)", [*parts, _pins()])
 
 
 def traction(x):

@@ -11,8 +11,9 @@ import logging
 from importlib import import_module
 from pathlib import Path
 
-from bokeh.models import Column
+from bokeh.models import Column, Range1d
 
+from app.views.live import punch
 from app.views.plots import composed, views
 
 log = logging.getLogger("app")
@@ -39,8 +40,8 @@ def section(name):
 
 
 def places():
-    """{page_slot: where a figure of a page goes}, all empty."""
-    names = [f"{page}_{slot}" for page, (_, slots) in PAGES.items() for slot in slots]
+    """{page_slot: where a figure of a page goes}, and "twin" for a second punch, all empty."""
+    names = [f"{page}_{slot}" for page, (_, slots) in PAGES.items() for slot in slots] + ["twin"]
     return {name: Column(sizing_mode="stretch_both") for name in names}
 
 
@@ -110,6 +111,11 @@ class Pages:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name, self.published = "", {}
             self.session.wire.page = "{}"
+
+    def add_twin(self):
+        """A second punch, for a pinned run beside the one on screen; the browser fills it."""
+        if not self.slots["twin"].children:
+            self.slots["twin"].children = [punch(Range1d(), "twin")]
 
     def scene_changed(self):
         """The experiment shows another scene from now on."""

@@ -53,8 +53,8 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
   return [a, b]
 }, [0, 0])
 
-// Curves of other runs: their values, for the ranges, and what draws them
-export const overlays = { curves: () => [], drawn: () => {} }
+// What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame]
+export const overlays = { curves: () => [], drawn: () => {}, punches: () => [] }
 let drawnGhost = null, drawnUnit = "N/m", drawnApproach = false
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {
@@ -167,29 +167,40 @@ export function shade(view, label, low, high) {
   tellLimits(view, low, high)
 }
 
+// Ranges of all punches, which are the same
+const setPunches = (which, values) => {
+  for (const view of ["punch", "twin"]) if (figures[view]) set(figures[view][which], values)
+}
+
 export function drawFrame(run, k) {
-  const { x, gap, T_n, T_t } = run.frame(k)
+  const { x, T_n, T_t } = run.frame(k)
+  const punches = [["punch", run, k], ...overlays.punches(run, k)].map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
+  const lowest = punches.map(({ frame }) => frame.gap.reduce((a, b) => Math.min(a, b)))
+  const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
+  setPunches("y_range", { end: top })
+  for (const punch of punches) drawPunch(punch, top)
+  fill("traction", "T_n", { x, T: T_n })
+  fill("traction", "T_t", { x, T: T_t })
+  for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.curves[run.part(run.approaching(k)).abscissa][k] })
+}
+
+function drawPunch({ view, run, frame: { x, gap, T_n, T_t } }, top) {
   const n = x.length
-  const top = Math.max(7, gap.reduce((a, b) => Math.min(a, b)) + 3) // a punch still far away must be in view as well
-  set(figures.punch.y_range, { end: top })
   const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
   for (let i = 0; i < n; i++) {
     outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
     outline.y[i] = gap[i]
     outline.y[2 * n - 1 - i] = Math.max(top + 1, gap[i])
   }
-  fill("punch", "body", outline)
-  fill("punch", "surface", { x, gap })
+  fill(view, "body", outline)
+  fill(view, "surface", { x, gap })
   const found = Object.fromEntries(Object.keys(states).map((state) => [state, []]))
   for (let i = 0; i < n; i++) found[run.state(T_n[i], gap[i])].push(i)
-  if (run.head.flat) tellFlat(states[run.state(T_n[0], gap[0])])
+  if (run.head.flat && view === "punch") tellFlat(states[run.state(T_n[0], gap[0])])
   for (const label in found) {
     const pick = (list) => Float32Array.from(found[label], (i) => list[i])
-    fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
+    fill(view, label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
-  fill("traction", "T_n", { x, T: T_n })
-  fill("traction", "T_t", { x, T: T_t })
-  for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.curves[run.part(run.approaching(k)).abscissa][k] })
 }
 
 // The key of the nodes of a flat surface, which are all alike
@@ -198,25 +209,29 @@ function tellFlat({ mark, said }) {
   by("flat-state").textContent = said
 }
 
-let sites = 0 // how many are drawn on either side of the middle
+let sites = "" // how many are drawn on either side of the middle, and whether in two figures
 function drawSites({ spacing, middle }) {
   const half = Math.ceil(figures.punch.x_range.end / spacing) + 2
-  if (half === sites) return
-  sites = half
+  if (`${half} ${"twin" in figures}` === sites) return
+  sites = `${half} ${"twin" in figures}`
   const first = Math.round(middle / spacing)
   const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
-  fill("punch", "sites", { x, gap: x.map(() => 0) })
+  for (const view of ["punch", "twin"]) if (figures[view]) fill(view, "sites", { x, gap: x.map(() => 0) })
 }
+
+// How far from the middle the map of a run reaches, and its punch is seen, nm
+const reach = ({ head: { flat, nodes, spacing }, reach: acting }) => (flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((acting * 1.05) / 50)))
+const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spacing) : reach(run))
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
-  const { flat, nodes, spacing } = run.head
-  const half = flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((run.reach * 1.05) / 50))
+  const { flat } = run.head, half = reach(run)
   document.querySelector(".page").dataset.flat = flat
   set(figures.map.y_range, { start: -half, end: half })
-  const wide = flat ? Math.min(half, SITES * spacing) : half
-  set(figures.punch.x_range, { start: -wide, end: wide })
-  set(figures.punch.y_range, { start: Math.min(BELOW, 1.15 * run.lowest) })
+  const punches = [run, ...overlays.punches(run, 0).map(([, of]) => of)]
+  const wide = Math.max(...punches.map(seen))
+  setPunches("x_range", { start: -wide, end: wide })
+  setPunches("y_range", { start: Math.min(BELOW, ...punches.map((of) => 1.15 * of.lowest)) })
   fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)
 }

@@ -158,7 +158,7 @@ export function connect(positions, usual) {
     on(menu, "change", () => { chosen = menu })
     on(menu, "blur", () => { chosen = "" })
   }
-  document.querySelectorAll("main figure").forEach((figure, i) => {
+  document.querySelectorAll("main figure:not(#twin)").forEach((figure, i) => {
     const view = Object.keys(figures)[i]
     offerTable(figure, view, figure.getAttribute("aria-label"), (tables) => tables.openTable(view))
   })

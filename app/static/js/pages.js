@@ -15,6 +15,7 @@ const SETTLE = 120 // ms; of pages picked in quick succession the last one count
 let slots = {} // figure: where it goes
 let sheet = { open: "", figures: [] } // what the server said last of the page that is open
 let picking = 0
+export const slot = (name) => slots[name]
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
 export function connect(given) {

@@ -2,9 +2,10 @@
 
 import { frameBox } from "./bokeh.js"
 import { by, fixed, minus } from "./dom.js"
-import { figures } from "./figures.js"
+import { figures, overlays } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, size, wide, write } from "./pen.js"
+import { me } from "./state.js"
 
 const LINES = 24 // of the mesh in the body, from the surface to the top
 const BAR = 9 // px, height of the top of the layer
@@ -14,15 +15,15 @@ const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
 const LENS = 0.43 // of the width, to which the lens reaches as the page opens
 const GAIN = 0.005 // a change of the area by less is not told
 
-// Draw everything that belongs to frame k of a run
-export function drawStory(run, k) {
-  const box = frameBox(figures.punch), pen = cleared(by("story"))
+// Draw everything that belongs to frame k of a run: over the punch, or over that of a pinned run
+export function drawStory(run, k, canvas = by("story"), figure = figures.punch) {
+  const box = frameBox(figure), pen = cleared(canvas), main = figure === figures.punch
   if (!box || !pen) return
-  const { x_range, y_range } = figures.punch
+  const { x_range, y_range } = figure
   const X = (x) => box.left + ((x - x_range.start) / (x_range.end - x_range.start)) * box.width
   const Y = (y) => box.top + ((y_range.end - y) / (y_range.end - y_range.start)) * box.height
   const frame = run.frame(k), slip = lastSlip(run, k)
-  const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
+  const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, main, ink: inks() }
   pen.save()
   pen.beginPath()
   pen.rect(box.left, box.top, box.width, box.height)
@@ -36,8 +37,8 @@ export function drawStory(run, k) {
   drawTop(view)
   pen.restore()
   drawForces(view)
-  if (!run.head.flat) drawLens(view)
-  tellSlip(view)
+  if (main && !run.head.flat) drawLens(view)
+  if (main) tellSlip(view)
 }
 
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
@@ -57,7 +58,7 @@ function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
 }
 
 // The rigid top: a bar whose marks move with it, and what it does
-function drawTop({ pen, box, X, run, k, ink }) {
+function drawTop({ pen, box, X, run, k, slip, main, ink }) {
   const U_x = run.curves.U_x[k], delta = run.curves.delta[k], { x_range } = figures.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
@@ -74,26 +75,31 @@ function drawTop({ pen, box, X, run, k, ink }) {
     approach: `pushed down: δ = ${fixed(delta, 1)} nm ↓`, reload: `pushed down: δ = ${fixed(delta, 1)} nm ↓`,
     unload: `lifted: δ = ${fixed(delta, 1)} nm ↑`, back: `← pulled back: Uₓ = ${fixed(U_x, 1)} nm`,
   }[run.stage(k)] ?? `pulled: Uₓ = ${fixed(U_x, 1)} nm →`
-  write({ pen, ink, box }, told, box.left + box.width - 8, box.top + BAR + 12, { align: "right", bold: true })
+  const y = box.top + BAR + 12
+  if (main || !slip) write({ pen, ink, box }, told, box.left + box.width - 8, y, { align: "right", bold: true })
+  else write({ pen, ink, box }, slipSaid(run, slip.at), box.left + 8, y, { of: ink.slip, align: "left", bold: true })
 }
 
-// What the hand must do, at the top: F to the side, L down or up, in lengths over the largest of the run
+// What the hand must do, at the top: F to the side, L down or up, in lengths over the largest of the runs in view
 function drawForces(view) {
   const { box, narrow, run, k, ink } = view
   const { F_bar, L_bar } = run.curves, force = run.head.force
-  const most = run.strongest, long = Math.min(ARROW, 0.3 * box.height)
-  if (!(most > 0)) return
-  const F = F_bar[k] * force, L = L_bar[k] * force, full = most * force
+  const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest * of.head.force))
+  const long = Math.min(ARROW, 0.3 * box.height)
+  if (!(full > 0)) return
+  const F = F_bar[k] * force, L = L_bar[k] * force
   const top = box.top + BAR, line = 1.25 * size()
   const x = box.left + 0.82 * box.width, y = top + 2.6 * line
   arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
   const [left] = write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
   if (Math.abs(L) < 1e-6 * full) return
-  const at = box.left + (narrow ? 0.62 : 0.55) * box.width, deep = (Math.abs(L) / full) * long
-  const from = top + 3 + (narrow ? 2 * line : 0)
+  const text = narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "pushes" : "pulls"}`
+  const below = narrow ? write(view, text, x, y + 2 * line, { of: ink.normal })[0] : left // in a column with F, its arrow beside that
+  const at = narrow ? Math.min(left, below, x - 0.5 * long) - 12 : box.left + 0.55 * box.width
+  const from = narrow ? y : top + 3, deep = (Math.abs(L) / full) * long
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
-  const text = narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "pushes" : "pulls"}`
+  if (narrow) return
   // beside the lens where it is at first and what is said of F; where there is no room for that, below
   const half = wide(view, text) / 2, low = box.left + LENS * box.width + half, high = left - 8 - half
   const [x_L, y_L] = low < high ? [Math.min(Math.max(at, low), high), y] : [Math.max(at, low), y + 2.1 * line]
@@ -209,7 +215,8 @@ export function slipSaid(run, at) {
   return `slip: ${part}${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"} (${nm} nm)${run.head.flat ? "" : area}`
 }
 
-function tellSlip({ run, slip }) {
+function tellSlip({ run, slip, narrow, Y }) {
+  by("event").style.top = `${Y(0) - (narrow ? 0.5 : 2.2) * size()}px`
   by("slip").hidden = by("slow").hidden = !slip
   if (slip) by("slip").textContent = slipSaid(run, slip.at)
 }

@@ -15,7 +15,8 @@ const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4
 export const pins = [] // {run, scene, values, name, slot, shown}: scene {name: text} as in an address, slot 1 .. MOST
 
 const style = (slot) => ({ ink: colour(`--pin-${slot}`), dash: colour(`--pin-${slot}-dash`) })
-const drawable = (run) => pins.filter((pin) => pin.shown && pin.run?.sheared >= 0 && pin.run.head.abscissa === run.head.abscissa)
+export const walksAlong = ({ run: pinned }, run) => pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa
+const drawable = (run) => pins.filter((pin) => pin.shown && walksAlong(pin, run))
 
 // What the lines of some runs have in common: colours and dashes in columns
 function columns(lines) {
@@ -50,11 +51,12 @@ function outline(pin) {
   return run.head.flat ? [] : ends.map((y) => ({ pin, x, y, width: 2 }))
 }
 
-// The surfaces of pinned runs where the top has been pulled, or pressed, as far as that of the run on screen
+// The frame of a pinned run whose top has been pulled, or pressed, as far as that of the run on screen
+export const matched = ({ run: pinned }, run, k) => (k < run.sheared ? Math.min(k, pinned.sheared) : pinned.nearest(run.along[k], Math.max(k, pinned.sheared)))
+
 function drawSurfaces(run, k) {
   const lines = drawable(run).filter(({ run: of }) => !of.head.flat).map((pin) => {
-    const at = k < run.sheared ? Math.min(k, pin.run.sheared) : pin.run.nearest(run.along[k], Math.max(k, pin.run.sheared))
-    const { x, gap } = pin.run.frame(at)
+    const { x, gap } = pin.run.frame(matched(pin, run, k))
     return { pin, x, y: gap, width: 2 }
   })
   if (lines.length || drawnSurfaces) fill("punch", "pins", columns(lines))
@@ -88,7 +90,7 @@ function add(run, scene, values, name) {
 }
 
 // What differs from the preset, or the title of that
-function named(scene, preset) {
+export function named(scene, preset) {
   const said = Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
   return said.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
@@ -132,8 +134,15 @@ function chip(one) {
   show.setAttribute("aria-pressed", one.shown)
   show.append(swatch(one.slot), ` ${one.name}${one.run ? "" : " …"}`)
   const goTo = button("load", `Load ${one.name}`, () => load(one))
+  const twin = button("side by side", `Side by side with ${one.name}`, async () => {
+    (await import("./twin.js")).toggle(one)
+    tell()
+    chipOf(one).querySelector("[data-twin]").focus()
+  })
+  twin.setAttribute("aria-pressed", Boolean(one.twin))
+  twin.dataset.twin = ""
   const rename = button("rename", `Rename ${one.name}`, () => edit(one, show))
-  made.append(show, goTo, rename, button("×", `Remove ${one.name}`, () => remove(one)))
+  made.append(show, twin, goTo, rename, button("×", `Remove ${one.name}`, () => remove(one)))
   made.dataset.slot = one.slot
   return made
 }

@@ -27,7 +27,7 @@ const titleOf = (holder) => (captionOf(holder)?.querySelector("b") ?? captionOf(
 // What the marks above a view mean: [colour, text]
 function keyOf(holder) {
   const spans = [...captionOf(holder)?.querySelectorAll(".key span") ?? []].filter((span) => span.checkVisibility() && span.querySelector(":scope > i"))
-  const pinned = [...document.querySelectorAll(".chip button[aria-pressed=true]")].map((one) => [one.querySelector("path").getAttribute("stroke"), one.textContent.trim()])
+  const pinned = [...document.querySelectorAll(".chip button:first-child[aria-pressed=true]")].map((one) => [one.querySelector("path").getAttribute("stroke"), one.textContent.trim()])
   return [...spans.map((span) => {
     const look = getComputedStyle(span.querySelector("i")), clear = "rgba(0, 0, 0, 0)"
     const ink = [look.backgroundColor, look.borderTopColor].find((one, i) => one !== clear && (i === 0 || look.borderTopWidth !== "0px"))
