@@ -247,7 +247,8 @@ class _Arc:
                 high, rise = (load, v, found), found.growth
                 fall *= 0.5 if last == side else 1.0
             last = side
-        away = high[2].mode * (LIMITS.start * self.unit / max(np.abs(high[2].mode).max(), 1e-300))
+        mode = high[2].mode * np.copysign(1.0, dot(high[2].mode, after[1] - before[1]))  # the way the surface moves
+        away = mode * (LIMITS.start * self.unit / max(np.abs(mode).max(), 1e-300))
         return LimitPoint(high[0], high[1], state.active, away, high[2].kind)
 
     def _fold(self, points):

@@ -145,7 +145,7 @@ class Watch:
         kind = "flutter" if abs(mu.imag) > 1e-9 * abs(mu) else "bifurcation"
         way = np.abs(v - modes.v).max() if modes else 0.0
         rise = max(0.0, growth - modes.growth) / way if way > 0.0 else 0.0
-        return Stability(growth, kind, maps.seen(x.real), Modes(growth, v, speed, rise, 0, space, wave))
+        return Stability(growth, kind, maps.seen(_largest(x)), Modes(growth, v, speed, rise, 0, space, wave))
 
     def _start(self, problem, maps, v, active, space, secants, smooth):
         """The vectors to begin with; readies the memory for this equilibrium."""
@@ -155,6 +155,11 @@ class Watch:
         inverse = self._scratch[2]
         inverse.of_tangent(problem.tangent(v, active), smooth or problem.smoother(v, active), secants)
         return space if space is not None else np.array([maps.spread(w) for w in leading(inverse)])
+
+
+def _largest(x):
+    """The real part of a mode in the phase in which it is largest: that of an eigenvector is any."""
+    return (x * np.exp(-0.5j * np.angle((x * x).sum()))).real
 
 
 def _dense(maps, friction):
