@@ -54,6 +54,7 @@ def shear_frames(scene, series):
     return [f for f in frames(scene, series) if f.stage == "shear"]
 
 
+@pytest.mark.slow
 def test_error_falls_in_step_with_the_tolerance(report):
     points = report.of("tolerance", "fast")
     assert [p.value for p in points] == sorted(SWEEPS["tolerance"], reverse=True)
@@ -121,6 +122,7 @@ def underdamped():
     return scene, known, replace(run, series="underdamped"), finish(perform(run, known, 60.0))
 
 
+@pytest.mark.slow
 def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped):
     scene, _, _, astray = underdamped
     _, judgement = finish(judge(scene, astray, quick=True))
@@ -211,6 +213,7 @@ class Tags(HTMLParser):
         self.found.append((tag, dict(attributes)))
 
 
+@pytest.mark.slow
 def test_the_command_measures_a_scene_that_sticks_and_writes_a_page_and_numbers(tmp_path, capsys):
     page, numbers = tmp_path / "a.html", tmp_path / "a.json"
     files = ["--html", str(page), "--json", str(numbers)]
@@ -233,6 +236,7 @@ def test_bad_input_is_refused_in_one_line(capsys):
     assert "--html '/nowhere/a.html'" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_nothing_to_draw_with_is_imported_before_it_is_needed():
     code = (
         "import sys, solver.cli\n"

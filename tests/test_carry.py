@@ -70,12 +70,14 @@ def sites(scene, method="fast"):
     return [round(float(m) / scene.spacing) for m in moved]
 
 
+@pytest.mark.slow
 def test_inertia_carries_one_slip_over_two_sites():
     scene = Scene(u_x_max=16.5)
     assert sites(scene) == [1, 1, 1]
     assert sites(scene.changed(damping=0.25)) == [2, 2]
 
 
+@pytest.mark.slow
 def test_a_slip_with_inertia_is_one_slip():
     """Started too close to the end of the branch, the motion would fall back, and slip at the next increment."""
     shear = stage(list(load_path(Scene(u_x_max=13.0, hold="load", damping=0.25))), "shear")
@@ -91,15 +93,17 @@ def test_at_critical_damping_the_reference_method_slips_as_the_fast_one():
     assert all(same(a, b, 1e-6) for a, b in zip(fast, gfmd, strict=True))
 
 
+@pytest.mark.slow
 def test_below_critical_damping_branches_are_the_same_and_only_slips_differ():
     scene = SMALL.changed(u_x_max=3.0)
     for a, b in zip(load_path(scene), load_path(scene.changed(damping=0.2)), strict=True):
         assert same(a, b, 1e-6)
 
 
+@pytest.mark.slow
 def test_with_too_little_damping_the_message_says_so_or_every_frame_rests():
     """NP1 has no potential: with hardly any damping it may feed an oscillation for ever; then no frame is made up."""
-    scene = Scene(u_x_max=7.0, delta_bar=1.0, damping=0.05, nodes=128, width=312.5)
+    scene = Scene(u_x_max=3.0, delta_bar=1.0, damping=0.05, nodes=128, width=312.5)
     frames, checkpoint = [], None
     while checkpoint is None or not checkpoint.done:
         more, checkpoint = advance(scene, checkpoint)

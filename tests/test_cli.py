@@ -57,6 +57,7 @@ def strict(file):
     return json.loads(file.read_text(), parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
 
 
+@pytest.mark.slow
 def test_a_run_succeeds_with_a_summary_and_a_silent_error_stream(written):
     assert written.process.returncode == 0
     assert written.process.stderr == ""
@@ -147,6 +148,7 @@ def test_infinite_damping_is_taken_and_written_as_text(call, tmp_path):
     assert code == 0 and strict(tmp_path / "j")["scene"]["damping"] == "inf"
 
 
+@pytest.mark.slow
 def test_every_end_of_a_branch_is_an_event_with_its_kind_and_place(call, tmp_path):
     call("run", "--set", "du_x=0.5", "u_x_max=12", "--json", tmp_path / "j")
     events = strict(tmp_path / "j")["events"]

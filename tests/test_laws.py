@@ -150,6 +150,7 @@ def test_critical_modulus_is_proportional_to_the_work_and_to_the_height():
     assert critical_modulus(FLAT.changed(height=0.2)) == pytest.approx(0.2 * critical_modulus(FLAT))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("E", [70.0, 140.0, 1000.0, 2200.0, 3000.0])
 def test_exact_friction_is_that_of_a_run(E):
     scene = FLAT.changed(E=E, du_x=0.01, u_x_max=30.0)

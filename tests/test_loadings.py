@@ -30,6 +30,7 @@ PATHS = [
 # LoadSteps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", PATHS)
 def test_every_leg_begins_where_the_one_before_ended(values):
     scene = SMALL.changed(u_x_max=4.0, **values)
@@ -42,6 +43,7 @@ def test_every_leg_begins_where_the_one_before_ended(values):
         assert same(start, end, 10 * SMALL.tolerance) and not start.slip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", PATHS)
 def test_slices_of_every_path_give_the_frames_of_an_uninterrupted_run(values):
     scene = SMALL.changed(u_x_max=4.0, **values)
@@ -96,6 +98,7 @@ def pull_off(lam):
     return min(f.L_bar for f in load_path(scene) if f.stage == "unload") * scene.E * scene.width / unit
 
 
+@pytest.mark.slow
 def test_pull_off_follows_baney_and_hui_into_jkr_as_lambda_grows():
     """NP1 pulls over a tail where Maugis-Dugdale pulls evenly; the difference dies out as lambda grows."""
     lams = np.array([1.0, 2.0, 4.0])
@@ -108,6 +111,7 @@ def test_pull_off_follows_baney_and_hui_into_jkr_as_lambda_grows():
     assert off[0] > 2.0 * off[1] > 4.0 * off[2] and off[2] < 0.01
 
 
+@pytest.mark.slow
 def test_pull_off_runs_into_the_rigid_limit_as_lambda_falls():
     """A rigid cylinder's pull-off is the law integrated over the gap: in two dimensions it depends on the law (DMT).
 
@@ -148,6 +152,7 @@ def test_no_hysteresis_where_no_instability_exists():
     assert abs(area) < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("E", [20.0, 70.0])
 def test_hysteresis_where_jump_in_and_pull_off_differ(E):
     scene = Scene(path="unload", E=E)
@@ -159,6 +164,7 @@ def test_hysteresis_where_jump_in_and_pull_off_differ(E):
     assert area > 0.05
 
 
+@pytest.mark.slow
 def test_a_punch_that_holds_is_retracted_until_it_is_free():
     """At E = 10 it still adheres where the approach began."""
     scene = Scene(path="unload", E=10.0, du_z=0.5, nodes=512, width=1250.0)
@@ -266,6 +272,7 @@ def test_a_saddle_under_a_held_load_is_left_to_the_same_rest_with_and_without_sh
     assert np.array(ends[0]) == pytest.approx(np.array(ends[1]), abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", SADDLES[:2], ids=["default", "punch"])
 def test_frames_under_a_held_pull_rest_under_that_pull(values):
     """Under a massless top: the uniform normal mode has no stiffness."""

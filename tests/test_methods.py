@@ -19,6 +19,7 @@ def shear_frames(scene, method="fast"):
     return [f for f in load_path(scene, method) if f.stage == "shear"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"delta_bar": 0.4}, {"delta_bar": -0.15}])
 def test_both_methods_agree_before_at_and_after_the_first_slip(values):
     scene = Scene(u_x_max=13.4, **values)
@@ -33,6 +34,7 @@ def test_both_methods_agree_before_at_and_after_the_first_slip(values):
     assert np.abs(fast[first].u - gfmd[first].u).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_slices_give_the_frames_of_an_uninterrupted_run(method):
     scene = SMALL.changed(u_x_max=11.0 if method == "fast" else 1.0)
@@ -84,6 +86,7 @@ def test_every_frame_is_in_equilibrium_by_direct_sums(method, nodes):
         assert np.abs(elastic - tractions).max() < 10 * modes.k_zz.max() * scene.tolerance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_an_increment_out_of_time_says_where_and_the_run_goes_on_from_there_when_given_more(method):
     scene = SMALL.changed(u_x_max=11.0 if method == "fast" else 1.0)
@@ -125,6 +128,7 @@ def test_an_unknown_method_is_named():
         next(load_path(SMALL, "newton"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.3, 4.0, inf])
 def test_both_methods_agree_at_every_damping(damping):
     """A stroke with a slip; inf: both creep."""
@@ -213,6 +217,7 @@ ODD = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", ODD, ids=range(len(ODD)))
 def test_a_run_ends_with_frames_or_with_a_failure_that_says_what_to_do(values):
     scene, checkpoint, frames = Scene(**values), None, []

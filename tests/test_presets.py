@@ -37,6 +37,7 @@ def test_presets_are_told_apart():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_preset_runs(name):
     """To its end, and beyond the onset of sliding where there is one."""
@@ -53,17 +54,20 @@ def drops(name, **changed):
     return np.array([1e3 * (f.slips[0].F_bar - f.F_bar) for f in shear if f.slip])
 
 
+@pytest.mark.slow
 def test_inertia_doubles_the_drops_and_halves_their_number_as_its_preset_says():
     with_, without = drops("inertia"), drops("inertia", damping=1.0)
     assert len(with_) == pytest.approx(len(without) / 2, abs=1)
     assert with_.mean() == pytest.approx(2.2 * without.mean(), rel=0.1)
 
 
+@pytest.mark.slow
 def test_patches_of_the_rough_preset_slip_apart_as_it_says():
     large = drops("rough") > 0.15
     assert np.all(large[2:] != large[1:-1])  # a small drop, a large one, and so on
 
 
+@pytest.mark.slow
 def test_the_punch_of_the_unloading_preset_lets_go_farther_up_than_it_jumps_in():
     slips = {f.stage: f.slips[0].load for f in load_path(preset("unload").scene) if f.slip}
     assert slips["unload"] < slips["approach"] - 3.0 and slips["reload"] == pytest.approx(slips["approach"], abs=1e-4)

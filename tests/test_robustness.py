@@ -117,6 +117,7 @@ def judged(monkeypatch, frames):
     return robustness.judge(Case(0, "single", ("nodes",), values))
 
 
+@pytest.mark.slow
 def test_every_verdict_can_be_reached(monkeypatch, frame):
     u = frame.u.copy()
     u[1, 3] = np.nan
@@ -132,6 +133,7 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
     assert robustness.judge(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
 
 
+@pytest.mark.slow
 def test_a_call_that_crashes_or_hangs_costs_its_process_only():
     items = ["a", "die", "raise", "b", "hang", "c"]
     found = dict(outcomes(peculiar, items, 2, limit=20.0))

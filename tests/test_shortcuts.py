@@ -18,6 +18,7 @@ def evaluations(frames):
     return sum(f.evaluations for f in frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES)
 def test_frames_are_the_same_with_and_without(rule):
     scene = SCENES[rule]
@@ -35,6 +36,7 @@ def test_frames_are_the_same_with_and_without(rule):
         assert abs(a.A_bar - b.A_bar) * scene.nodes < 1e-3 or scene.surface == "flat"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES)
 def test_the_account_names_what_was_saved(rule):
     scene = SCENES[rule]
@@ -44,6 +46,7 @@ def test_the_account_names_what_was_saved(rule):
     assert rule not in account(scene, list(load_path(scene, leave_out=ALL - {rule})), ALL - {rule})
 
 
+@pytest.mark.slow
 def test_repeated_increments_cost_about_one_evaluation_and_say_so():
     frames = [f for f in load_path(Scene()) if f.stage == "shear"]
     repeated = [f for f in frames if f.repeated]

@@ -62,6 +62,7 @@ def test_load_at_zero_indentation_is_tensile_throughout():
     assert max(f.L_bar for f in shear(preset("fig6").scene)) < -3e-4
 
 
+@pytest.mark.slow
 def test_load_turns_compressive_at_an_indentation_of_about_a_fifth(figure):
     before = {d: figure[BLACK, d].L[0] for d in INDENTATIONS}
     assert all((load > 0.0) == (d >= 0.2) for d, load in before.items())
@@ -145,6 +146,7 @@ def test_reattachment_is_full_at_low_friction():
     assert after.A_bar == pytest.approx(frames[0].A_bar, rel=0.012)
 
 
+@pytest.mark.slow
 def test_reattachment_is_the_more_complete_the_lower_the_friction():
     restored = []
     for ratio in (1.0, 0.5, 0.2, 0.1, 0.05):

@@ -20,6 +20,7 @@ def slips(frames):
     return [i for i, f in enumerate(frames) if f.slip]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"E": 140.0}, {"height": 0.5}])
 def test_stick_is_linear_with_a_slope_set_by_modulus_and_height(values):
     """F/w over U_x is G/h, in series with the interface, which is 20 to 40 times stiffer in registry."""

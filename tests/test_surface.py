@@ -193,6 +193,7 @@ def test_text_names_surfaces_as_scenes_do():
         scene_from_text({"measured": "file.csv"})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [SMALL_ROUGH, SMALL_WAVE], ids=["rough", "wave"])
 def test_both_methods_find_the_same_equilibria_on_several_patches(scene):
     scene = scene.changed(u_x_max=9.0)
@@ -204,6 +205,7 @@ def test_both_methods_find_the_same_equilibria_on_several_patches(scene):
         assert patches(scene, one) == patches(scene, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [SMALL_ROUGH, SMALL_WAVE], ids=["rough", "wave"])
 def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
     """A profile moves with the layer: translation by a site stays exact, and known states may be moved on."""
@@ -215,6 +217,7 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
         assert one.slip == other.slip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "values", [{"surface": "rough", "rms_slope": 0.05, "cut_off": 0.1}, {"surface": "wave", "amplitude": 15.0}]
 )
@@ -238,6 +241,7 @@ def test_one_wave_stays_mirrored_until_shear_starts():
         assert np.abs(odd).max() < 1e-6 and np.abs(even).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_a_summit_apart_that_comes_within_the_window_is_not_overlooked():
     """A broad contact pressed into a nearly incompressible layer drives the free surface down, far from it as well."""
     x = (np.arange(256) + 0.5) / 256 * 625.0
@@ -253,6 +257,7 @@ def test_a_summit_apart_that_comes_within_the_window_is_not_overlooked():
         assert one.L_bar == pytest.approx(other.L_bar, abs=1e-9)  # overlooked: 2e-3
 
 
+@pytest.mark.slow
 def test_waves_far_apart_are_one_wave_repeated():
     """Three waves in a cell of three wavelengths and the same height in nm: the same pressure, share and force."""
     one = Scene(surface="wave", waves=1, nodes=128, width=312.5, amplitude=4.0, du_z=0.5, du_x=0.5, u_x_max=10.0)
