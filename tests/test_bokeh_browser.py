@@ -128,7 +128,7 @@ def test_a_figure_knows_its_size_on_screen(still):
 
 def test_a_figure_knows_where_its_axes_enclose_it(still):
     box = still.evaluate("bokeh.frameBox(figures.punch)")
-    view = still.locator("figure[aria-label^='The punch'] .view").bounding_box()
+    view = still.locator("#punch-view").bounding_box()
     assert 0 < box["left"] < box["left"] + box["width"] <= view["width"]
     assert 0 <= box["top"] < box["top"] + box["height"] <= view["height"]
 

@@ -235,7 +235,7 @@ STABLE = [
 @pytest.mark.slow
 @pytest.mark.parametrize("values", STABLE, ids=str)
 def test_every_frame_is_a_stable_equilibrium(values):
-    """All eigenvalues of the motion of the whole surface, complex pairs included; every sixteenth frame, all by slips.
+    """All eigenvalues of the motion of the whole surface, complex pairs included; some sixteen frames, and all by slips.
 
     Anderson steps know no stability: close to the end of a branch they may converge beyond it.
     """
@@ -247,7 +247,7 @@ def test_every_frame_is_a_stable_equilibrium(values):
     except NotConverged as failure:  # with so little damping it may flutter for ever, which is said
         assert scene.damping < 0.4 and "try a damping larger" in str(failure)
     near = {k + i for k, f in enumerate(frames) if f.slip for i in (-1, 0, 1)}
-    judged = [f for k, f in enumerate(frames) if k in near or k % 16 == 0]
+    judged = [f for k, f in enumerate(frames) if k in near or k % max(1, len(frames) // 16) == 0]
     assert len(judged) >= 10
     for frame in judged:
         held = scene.hold == "load" and frame.stage == "shear"

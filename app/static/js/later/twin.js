@@ -19,7 +19,19 @@ export function toggle(pin) {
   const one = chosen()
   if (one) one.twin = false
   pin.twin = pin !== one
-  if (!figures.twin) order("twin")
+  ask()
+}
+
+let asked = false
+function ask() {
+  if (asked) return
+  asked = true
+  onChange(slot("twin"), "children", () => {
+    adopt("twin", slot("twin").children[0])
+    paint()
+    again()
+  })
+  order("twin")
 }
 
 function tell() {
@@ -51,8 +63,3 @@ function draw(run, k) {
 overlays.punches = (run, k) => (drawable(run) ? [["twin", chosen().run, matched(chosen(), run, k)]] : [])
 me.also.push(draw)
 onPins(tell)
-onChange(slot("twin"), "children", () => {
-  adopt("twin", slot("twin").children[0])
-  paint()
-  again()
-})
