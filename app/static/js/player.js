@@ -128,7 +128,7 @@ export function tick(now) {
   const passed = Math.min((now - before) / 1000, 0.1)
   before = now
   if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) painted(() => drawFresh(now))
-  else if (!me.mapped && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
+  else if (!me.mapped && me.begun === me.run.number && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
   if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, now)
   requestAnimationFrame(tick)
 }
