@@ -16,6 +16,9 @@ from traceback import format_exc
 
 # One thread of linear algebra in each process: there are as many of these as cores, and threads would only wait
 ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"
+# A plain fork copies threads' locks in whatever state they are. A server of forks has one thread, and holds what was
+# imported with `multiprocessing.set_forkserver_preload`: a process is there at once. Not every system bears it.
+START = "forkserver" if sys.platform == "linux" else "spawn"
 spawning = RLock()
 
 
@@ -36,7 +39,7 @@ class Caller:
     def __init__(self):
         for name in ONE_THREAD:
             os.environ.setdefault(name, "1")
-        context = get_context("spawn")  # fork copies threads' locks in whatever state they are
+        context = get_context(START)
         self._pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with theirs, _bare_main():  # their end is closed here, so that the pipe ends with the process

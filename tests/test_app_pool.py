@@ -9,7 +9,7 @@ import pytest
 from app.service import worker
 from app.service.finished import BESIDE, Finished, Shelf
 from app.service.pool import HEAVY, LATER, Line, Pool, Task
-from solver import Scene
+from solver import Scene, isolated
 
 PATIENCE = 60  # s; a limit against hanging, not a claim about speed
 
@@ -28,6 +28,17 @@ def test_a_worker_killed_while_it_is_idle_is_replaced_before_anybody_asks():
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)
     os.kill(first, signal.SIGKILL)
+    while workers.processes() in ([], [first]) or workers.status != "ready":
+        time.sleep(0.01)
+    assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
+    workers.close()
+
+
+@pytest.mark.skipif(isolated.START != "forkserver", reason="processes are not forked here")
+def test_workers_are_replaced_though_the_process_they_are_forked_from_has_ended_with_all_of_them():
+    workers = Pool(size=1)
+    first = workers.submit(os.getpid).result(PATIENCE)
+    os.kill(workers.submit(os.getppid).result(PATIENCE), signal.SIGKILL)
     while workers.processes() in ([], [first]) or workers.status != "ready":
         time.sleep(0.01)
     assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first

@@ -45,17 +45,21 @@ def test_stopping_the_server_ends_its_workers(chromium):
     running = Server()
     running.wait_for("workers are warm")
     urllib.request.urlopen(running.address).read()
-    children = list(Path(f"/proc/{running.process.pid}/task").glob("*/children"))  # of each of its threads
-    if not children:
-        running.stop()
-        pytest.skip("this system does not list the children of a process in /proc")
-    workers = " ".join(path.read_text() for path in children).split()
-    assert workers
+    helpers = children(running.process.pid)
+    workers = [*helpers, *(pid for helper in helpers for pid in children(helper))]
     running.stop()
+    if not workers:
+        pytest.skip("this system does not list the children of a process in /proc")
+    assert len(workers) > len(helpers)
     deadline = time.monotonic() + PATIENCE / 1000
     while any(map(alive, workers)):
         assert time.monotonic() < deadline, "workers outlived their server"
         os.sched_yield()
+
+
+def children(pid):
+    """Of each of its threads."""
+    return [child for path in Path(f"/proc/{pid}/task").glob("*/children") for child in path.read_text().split()]
 
 
 def alive(pid):

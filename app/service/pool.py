@@ -9,7 +9,7 @@ import atexit
 import logging
 import os
 from math import inf
-from multiprocessing import Pipe
+from multiprocessing import Pipe, set_forkserver_preload
 from multiprocessing.connection import wait
 from threading import Event, RLock, Thread
 from time import monotonic
@@ -19,6 +19,7 @@ from app.service.line import HEAVY, LATER, PATIENCE, SCREEN, Line, Task
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
+set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
 __all__ = ["HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # how often in a row no worker may get ready before those who wait are told,

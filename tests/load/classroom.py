@@ -11,6 +11,7 @@ import os
 import random
 import signal
 import time
+from collections import Counter
 from contextlib import suppress
 
 from client import Server, Tab, summary, tell
@@ -99,7 +100,7 @@ async def lesson(server, options):
         runs = now["shelf_misses_total"] - known["shelf_misses_total"]
         report |= {"runs computed": round(runs), "s of workers per run": round(new / max(1, runs), 3)}
     report |= {"memory": round(server.memory()), "tracebacks": server.tracebacks()}
-    report |= {"errors": found["errors"], "failed": found["failed"], "hogs": sorted(set(found["hogs"]))}
+    report |= {"errors": found["errors"], "failed": dict(Counter(found["failed"])), "hogs": sorted(set(found["hogs"]))}
     if options.kill:
         end = time.monotonic() + 20.0
         while len(server.workers()) < max(found["seats"], default=0) and time.monotonic() < end:

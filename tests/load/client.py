@@ -12,6 +12,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from contextlib import suppress
 from pathlib import Path
 
 from bokeh.protocol import Protocol
@@ -131,14 +132,9 @@ class Server:
         self.process.terminate()
         self.process.wait(30)
 
-    def children(self):
-        """Process ids of what the server has started: its workers, and Python's own helper (Linux)."""
-        tasks = Path(f"/proc/{self.process.pid}/task").glob("*/children")
-        return [int(pid) for path in tasks for pid in path.read_text().split()]
-
     def workers(self):
-        """Process ids of the children that compute."""
-        return [pid for pid in self.children() if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        """Process ids of those that compute (Linux): forked by a child of the server."""
+        return [pid for child in children(self.process.pid) for pid in children(child)]
 
     def memory(self):
         """MB that the server itself holds (Linux)."""
@@ -168,6 +164,14 @@ class Server:
             times.append(time.perf_counter() - start)
             await asyncio.sleep(every)
         return times
+
+
+def children(pid):
+    """Process ids of what a process has started, in whatever thread (Linux)."""
+    with suppress(FileNotFoundError):  # it has just ended
+        tasks = Path(f"/proc/{pid}/task").glob("*/children")
+        return [int(child) for path in tasks for child in path.read_text().split()]
+    return []
 
 
 def _ask(address):
