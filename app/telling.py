@@ -65,8 +65,10 @@ def say_where(arguments=None):
     port = (_option(given, "--port") or ["5006"])[-1]
     known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]
     hosts = [host for host in known if host.strip("*")]
+    scheme = "https" if "--use-xheaders" in given else "http"  # then a proxy is in front, with TLS as a rule
+    page = "/".join(["", *filter(None, _option(given, "--prefix")[-1:]), "app"]).replace("//", "/")
     for host in hosts:
-        log.info("visitors open http://%s/app", host)
+        log.info("visitors open %s://%s%s", scheme, host, page)
     for address in addresses() if not hosts else ():
         host = f"{address}:{port}"
         command = f"panel serve app --address 0.0.0.0 --port {port} --allow-websocket-origin={host} {ALWAYS}"

@@ -84,7 +84,8 @@ class Page(Plain, DocHandler):
     async def get(self, *_):
         self.set_header("Cache-Control", "no-store")  # it holds the token
         if self.request.path.endswith("/"):
-            return self.redirect(self.request.uri.replace("/?", "?", 1).rstrip("/"))
+            page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have taken a prefix away
+            return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
         nonce, embedded = secrets.token_urlsafe(16), self.get_argument("embed", "") == "1"
         host, frames = self.request.host, FRAMES if embedded else "'self'"
         self.set_header("Content-Security-Policy", policy(host, nonce, frames))

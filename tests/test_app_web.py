@@ -2,6 +2,7 @@
 
 import asyncio
 import gzip
+import http.client
 import json
 import logging
 import re
@@ -161,6 +162,13 @@ def test_no_other_file_is_given(address, name):
     assert get(f"{address}/{name}")[0] in (403, 404)
 
 
+def test_an_address_with_a_slash_behind_it_is_led_to_the_page_by_a_relative_way(address):
+    asked = http.client.HTTPConnection(address.removeprefix("http://"), timeout=60)
+    asked.request("GET", "/app/?E=80")
+    assert asked.getresponse().headers["Location"] == "../app?E=80"  # a proxy may have taken a prefix away
+    asked.close()
+
+
 def test_there_is_no_other_way_to_a_document(address):
     assert get(f"{address}/app/autoload.js?bokeh-autoload-element=1")[0] == 404
 
@@ -221,3 +229,5 @@ def test_the_log_says_how_a_class_gets_here(monkeypatch, caplog):
     monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example")
     telling.say_where(["serve", "app"])
     assert caplog.messages[-1] == "visitors open http://contact.example/app"
+    telling.say_where(["serve", "app", "--use-xheaders", "--prefix", "/lab/"])
+    assert caplog.messages[-1] == "visitors open https://contact.example/lab/app"
