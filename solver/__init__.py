@@ -14,8 +14,8 @@ mechanics/      the physics: NP1 law, elastic layer, contact
 continuation/   branches of equilibria, their ends, the motion between them; knows nothing of contacts
 run/            load steps, increments, frames
 cautions        when a result depends on a choice
-cli, files      the command line and what it writes
-isolated        calls with a deadline in processes of their own
+cli, bulk, command, files                   the command line and what it writes
+isolated, cluster                           calls with a deadline in processes of their own, or on a cluster
 analysis/  verification/  work_precision/    not needed to run anything: stress inside, proofs, error against run time
 """
 

@@ -1,25 +1,33 @@
 """The command line: `python -m solver run` computes one experiment; see `--help`."""
 
 import argparse
-import os
 import sys
 from collections import deque
 from contextlib import suppress
 from dataclasses import asdict, replace
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
-from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, scene_from_text, summarize
+from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, summarize
+from .bulk import add_map, add_stability
 from .cautions import cautions
+from .cluster import ClusterError
+from .command import (
+    BAD_INPUT,
+    INTERRUPTED,
+    NOT_CONVERGED,
+    InputError,
+    check_writable,
+    parameter_table,
+    progress,
+    scene_of,
+    settings,
+)
 from .files import write_csv, write_json, write_npz
 from .presets import PresetError, preset, presets
-from .profile import ProfileError, read_profile
 from .run.load_steps import load_steps_of
 from .run.shortcuts import account
-from .scene import CHOICES, PARAMETERS
-from .text import number_from_text
 
 # Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
 # arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
@@ -28,11 +36,6 @@ WARM_UP = [
     Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0),
 ]
 NO_FIELD = np.empty((2, 0))
-NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
-
-
-class InputError(ValueError):
-    """Bad input on the command line; the message is one line that names it and says what is allowed."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -48,11 +51,11 @@ def main(argv=None):
         parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
         parser.add_argument("--version", action="version", version=__version__)
         commands = parser.add_subparsers(required=True, metavar="COMMAND")
-        for add in (add_run, add_accuracy, add_stability):
+        for add in (add_run, add_accuracy, add_stability, add_map):
             add(commands)
         arguments = parser.parse_args(argv)
         return arguments.command(arguments)
-    except (InputError, PresetError, SceneError) as error:
+    except (ClusterError, InputError, PresetError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
 
@@ -123,62 +126,6 @@ def accuracy(arguments):
     return 0
 
 
-def add_stability(commands):
-    """Adds `stability` to the subcommands."""
-    text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
-    parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
-    parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
-    parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="those numbers only, without closed forms")
-    parser.add_argument("--json", metavar="FILE", help="write every number")
-    parser.add_argument("--html", metavar="FILE", help="write the report as a page that opens offline")
-    parser.set_defaults(command=stability)
-
-
-def stability(arguments):
-    """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
-    from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
-    from .verification.atlas import cases
-    from .verification.robustness import atlas
-
-    asked = cases(arguments.quick)
-    if strange := set(arguments.scenes or ()) - {case.number for case in asked}:
-        raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
-    for option in ("json", "html"):
-        check_writable(option, getattr(arguments, option))
-    try:
-        with progress(100, "%") as bar:
-            asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
-            results = atlas(asked, progress=lambda part: bar.update(int(100 * part) - bar.n))
-        forms = closed_forms.closed_forms() if arguments.scenes is None else []
-        report = results, forms, conditioning.conditioning()
-    except KeyboardInterrupt:
-        print("Interrupted; run again to finish", file=sys.stderr)
-        return INTERRUPTED
-    print(atlas_report.text(*report))
-    try:
-        if arguments.json is not None:
-            write_json(arguments.json, {"version": __version__} | atlas_report.data(*report))
-        if arguments.html is not None:
-            atlas_report.write_page(arguments.html, *report)
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
-    return NOT_CONVERGED if atlas_report.failed(*report) else 0
-
-
-def parameter_table():
-    """Every parameter with its range, default, unit and meaning, as text."""
-    lines = ["parameters:"]
-    for name, known in PARAMETERS.items():
-        if name in CHOICES:
-            span = " | ".join(known.choices)
-            meaning = f"{known.meaning}; " + "; ".join(f"{word}: {what}" for word, what in known.choices.items())
-        else:
-            span, meaning = known.span, known.meaning
-        lines.append(f"  {name:<11} {span}, default {getattr(Scene, name):{'' if name in CHOICES else 'g'}}: {meaning}")
-    lines += ["  profile     a file of x, z in nm for surface=measured, over all its length or over the width given"]
-    return "\n".join(lines)
-
-
 def preset_table():
     """Every preset with its title, as text."""
     lines = [f"  {name:<11} {known.label}" for name, known in presets().items()]
@@ -225,47 +172,6 @@ def report_of(scene, frames, method, seconds, failure):
     return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
 
 
-def scene_of(texts):
-    """The Scene of {'name': 'text'}, where profile=FILE reads a measured surface; raises SceneError or InputError."""
-    file, notes, profile = texts.pop("profile", None), [], None
-    if file is not None:
-        width = number_from_text("width", texts["width"]) if "width" in texts else None
-        try:
-            profile = read_profile(Path(file), width)
-        except ProfileError as error:
-            raise InputError(f"profile = {file!r}: {error}") from None
-    scene = scene_from_text(texts, profile, notes)
-    for note in notes:
-        print(note)
-    return scene
-
-
-def settings(pairs):
-    """{'name': 'text'} from NAME=VALUE arguments; raises InputError."""
-    texts = {}
-    for pair in pairs:
-        name, equals, text = pair.partition("=")
-        if not equals:
-            raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {', '.join([*PARAMETERS, 'profile'])}")
-        texts[name.strip()] = text.strip()
-    return texts
-
-
-def check_writable(option, file):
-    """Raises InputError where the file of --option cannot be written; leaves what is there as it is."""
-    if file is None:
-        return
-    new = not os.path.lexists(file)
-    try:
-        with open(file, "ab"):
-            pass
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"--{option} {file!r}: {reason}; allowed: a writable file in an existing directory") from None
-    if new:
-        os.remove(file)
-
-
 def compute(scene, method, fields_too):
     """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
     frames = []
@@ -284,13 +190,6 @@ def compute(scene, method, fields_too):
         place = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
         return frames, f"Interrupted {place}; run again to finish", INTERRUPTED
     return frames, None, 0
-
-
-def progress(total, unit):
-    """A bar of one line that wipes itself, on a terminal only."""
-    from tqdm import tqdm  # which a caller of functions does not need
-
-    return tqdm(total=total, unit=unit, leave=False, disable=None)
 
 
 def unfinished(scene, frame):

@@ -106,7 +106,15 @@ def _bare_main():
 
 
 def outcomes(call, items, workers, limit):
-    """Yield (index, call(item) or Lost) as they come; call importable, items picklable, limit in seconds for each."""
+    """Yield (index, call(item) or Lost) as they come; call importable, items picklable, limit in seconds for each.
+
+    workers: how many processes of this machine, or the address of a dask cluster's scheduler; then raises ClusterError.
+    """
+    if isinstance(workers, str):
+        from . import cluster  # which makes use of what is here
+
+        yield from cluster.outcomes(call, items, workers, limit)
+        return
     waiting, found, callers, over = deque(enumerate(items)), SimpleQueue(), [], Event()
     count = len(waiting)
     threads = [

@@ -3,8 +3,6 @@
 Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
 """
 
-from math import inf
-
 import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
@@ -17,14 +15,13 @@ from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
+from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
 from solver.presets import presets
 
 NORMAL = 70.0  # GPa, over which forces are shown
-MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # of the map: E in GPa, phi_t in N/m
 ROWS = 120  # of the map
 RATIOS = 200  # points of the curve of mean friction
 MEASURED = 9  # runs beside it
-END = 40.0  # nm
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
 U_X = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm")
 FORCE = hv.Dimension("F", label="F/(w·70 GPa)", unit="10⁻³")
@@ -83,11 +80,6 @@ def _map():
     return figure
 
 
-def flat(scene):
-    """The scene on screen, flat on flat at zero gap."""
-    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
-
-
 class Page(Sheet):
     """See pages.py."""
 
@@ -135,14 +127,13 @@ class Page(Sheet):
         return [flat(presets()[name].scene) for name in FLATS]
 
     def _measured(self):
-        """Scenes with the strength of the one on screen, over the range of E/tau_max; two periods of steady sliding."""
+        """Scenes with the strength of the one on screen, over the range of E/tau_max."""
         own = self.own
         critical = critical_modulus(own)
         found = []
         for E in np.geomspace(critical / 30.0, 3.0 * critical, MEASURED) if own.phi_t > 0 else ():
-            end = 2.5 * tau_max(own) * 2 * (1 + own.nu) / E * own.height * own.width + 3 * own.spacing
             try:
-                found.append(own.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=0.2))
+                found.append(sliding(own, E))
             except SceneError:
                 continue  # beyond the solver's range
         return [scene for scene in found if increments_of(scene) <= INCREMENTS]

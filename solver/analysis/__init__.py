@@ -2,5 +2,6 @@
 
 interior, raster               stress and displacement inside the layer: at points, and as a picture
 friction_laws, area_laws       onset of sliding, critical moduli, force curves of flats; fits of Eqs. 8 and 9
+regimes                        friction of flats over stiffness and strength
 energy_balance                 work put in, stored and dissipated
 """

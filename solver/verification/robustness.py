@@ -169,7 +169,7 @@ def _unstable(scene, frames, found):
 
 
 def atlas(asked, workers=None, progress=lambda part: None):
-    """The outcome of every Case asked for, in order, from processes of their own."""
+    """The outcome of every Case asked for, in order, from processes of their own; workers: as of `outcomes`."""
     results = [None] * len(asked)
     for done, (k, found) in enumerate(outcomes(judge, asked, workers or os.cpu_count() or 1, LIMIT), start=1):
         if isinstance(found, Lost):

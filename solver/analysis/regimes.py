@@ -1,0 +1,53 @@
+"""The map of regimes, flat on flat at zero gap: where it sticks and slips, over stiffness and strength (Figs. 4, 5)."""
+
+from math import inf
+
+import numpy as np
+
+from ..continuation.state import NotConverged
+from ..run.loadpath import load_path
+from ..scene import SceneError
+from .friction_laws import friction, friction_force, tau_max
+
+MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m
+END = 40.0  # nm, of a run that shows curves
+STEP = 0.2  # delta_t, increments of one that gives the friction: slips are located whatever they are
+LIMIT = 600.0  # s for one run
+COLUMNS = "E", "phi_t", "slips", "F_s", "F_k", "mean", "exact", "reason"
+
+
+def flat(scene):
+    """The scene, flat on flat at zero gap, overdamped as in the paper's Fig. 4."""
+    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
+
+
+def sliding(scene, E):
+    """The flat with that E, GPa, over two periods of steady sliding; raises SceneError."""
+    end = 2.5 * tau_max(scene) * 2 * (1 + scene.nu) / E * scene.height * scene.width + 3 * scene.spacing
+    return scene.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
+
+
+def points(scene, count):
+    """[(the scene as a flat, E, phi_t)], count x count, over the map."""
+    base = flat(scene)
+    return [
+        (base, float(E), float(phi_t))
+        for phi_t in np.geomspace(*STRENGTHS, count)
+        for E in np.geomspace(*MODULI, count)
+    ]
+
+
+def regime(point):
+    """COLUMNS of a point as a dict: from its run, forces over wE, means over w tau_max, `exact` in closed form."""
+    base, E, phi_t = point
+    row = dict.fromkeys(COLUMNS, "") | {"E": E, "phi_t": phi_t}
+    try:
+        scene = sliding(base.changed(phi_ratio=phi_t / base.phi_n), E)
+        over = scene.E / tau_max(scene)
+        row["exact"] = friction(scene).mean * over
+        frames = list(load_path(scene))
+        found = friction_force(scene, frames)
+    except (SceneError, NotConverged, ValueError) as error:
+        return row | {"reason": str(error)}
+    slips = sum(len(frame.slips) for frame in frames)
+    return row | {"slips": slips, "F_s": found.F_s, "F_k": found.F_k, "mean": found.mean * over}

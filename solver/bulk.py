@@ -1,0 +1,117 @@
+"""The commands that compute many scenes, on this machine or on a cluster: `stability` and `map`."""
+
+import argparse
+import csv
+import os
+import sys
+
+from . import __version__
+from .command import (
+    INTERRUPTED,
+    NOT_CONVERGED,
+    InputError,
+    check_writable,
+    parameter_table,
+    progress,
+    scene_of,
+    settings,
+)
+from .files import write_json
+from .isolated import Lost, outcomes
+
+
+def add_scheduler(parser):
+    """Adds --scheduler."""
+    said = "compute on a dask cluster, tcp://host:8786, whose workers have this version and one thread each"
+    parser.add_argument("--scheduler", metavar="ADDRESS", help=said)
+
+
+def add_stability(commands):
+    """Adds `stability` to the subcommands."""
+    text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
+    parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
+    parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
+    parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="those numbers only, without closed forms")
+    add_scheduler(parser)
+    parser.add_argument("--json", metavar="FILE", help="write every number")
+    parser.add_argument("--html", metavar="FILE", help="write the report as a page that opens offline")
+    parser.set_defaults(command=stability)
+
+
+def stability(arguments):
+    """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
+    from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
+    from .verification.atlas import cases
+    from .verification.robustness import atlas
+
+    asked = cases(arguments.quick)
+    if strange := set(arguments.scenes or ()) - {case.number for case in asked}:
+        raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
+    for option in ("json", "html"):
+        check_writable(option, getattr(arguments, option))
+    try:
+        with progress(100, "%") as bar:
+            asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
+            results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n))
+        forms = closed_forms.closed_forms() if arguments.scenes is None else []
+        report = results, forms, conditioning.conditioning()
+    except KeyboardInterrupt:
+        print("Interrupted; run again to finish", file=sys.stderr)
+        return INTERRUPTED
+    print(atlas_report.text(*report))
+    try:
+        if arguments.json is not None:
+            write_json(arguments.json, {"version": __version__} | atlas_report.data(*report))
+        if arguments.html is not None:
+            atlas_report.write_page(arguments.html, *report)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    return NOT_CONVERGED if atlas_report.failed(*report) else 0
+
+
+def add_map(commands):
+    """Adds `map` to the subcommands."""
+    text = "Friction of flats over stiffness E and strength phi_t (Figs. 4, 5), from runs and in closed form, as CSV."
+    epilog = "columns: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max), reason\n\n"
+    raw = argparse.RawDescriptionHelpFormatter
+    add = commands.add_parser
+    parser = add(
+        "map", help="regimes of flats", description=text, epilog=epilog + parameter_table(), formatter_class=raw
+    )
+    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="as in run")
+    parser.add_argument("--points", type=int, default=12, metavar="N", help="N x N points, 2 .. 100, default 12")
+    add_scheduler(parser)
+    parser.add_argument("--csv", metavar="FILE", required=True, help="write a row per point")
+    parser.set_defaults(command=regime_map)
+
+
+def regime_map(arguments):
+    """Computes the map and writes it; 1 if a point has no result but a reason."""
+    from .analysis.regimes import COLUMNS, LIMIT, points, regime  # what `run` does not need
+
+    if not 2 <= arguments.points <= 100:
+        raise InputError(f"--points {arguments.points}: allowed: 2 .. 100")
+    asked = points(scene_of(settings(arguments.set)), arguments.points)
+    check_writable("csv", arguments.csv)
+    rows = [None] * len(asked)
+    try:
+        with progress(len(asked), " points") as bar:
+            for k, found in outcomes(regime, asked, arguments.scheduler or os.cpu_count() or 1, LIMIT):
+                _, E, phi_t = asked[k]
+                rows[k] = {"E": E, "phi_t": phi_t, "reason": found.reason} if isinstance(found, Lost) else found
+                bar.update()
+    except KeyboardInterrupt:
+        print("Interrupted; run again to finish", file=sys.stderr)
+        return INTERRUPTED
+    try:
+        with open(arguments.csv, "w", newline="", encoding="utf-8") as out:
+            writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    without = sum(bool(row["reason"]) for row in rows)
+    print(
+        f"{len(rows)} points: {sum(bool(row.get('slips')) for row in rows)} stick and slip, {without} without a result"
+    )
+    return NOT_CONVERGED if without else 0

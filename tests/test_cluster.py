@@ -1,0 +1,72 @@
+"""Commands on a real dask cluster of two worker processes: the same results, and what is lost there."""
+
+import csv
+import json
+import os
+import time
+
+import pytest
+from clusters import Local, until
+
+from solver import cluster
+from solver.cli import main
+
+pytestmark = pytest.mark.slow
+distributed = pytest.importorskip("distributed", reason="needs the extra `cluster`")
+SCENES = ["40", "800", "2300"]  # of the atlas
+SMALL = ["nodes=64", "width=160"]
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    local = Local(tmp_path_factory.mktemp("cluster"))
+    local.start()
+    until(lambda: workers(local.address) == 2)
+    yield local.address
+    local.stop()
+
+
+def workers(address):
+    """How many the scheduler knows; 0 without a scheduler."""
+    try:
+        with distributed.Client(address, timeout=1, set_as_default=False) as client:
+            return len(client.ncores())
+    except OSError:
+        return 0
+
+
+def test_stability_is_the_same_on_a_cluster(address, tmp_path):
+    found = []
+    for place in ([], ["--scheduler", address]):
+        code = main(["stability", "--scenes", *SCENES, "--json", str(tmp_path / "a.json"), *place])
+        scenes = json.loads((tmp_path / "a.json").read_text())["scenes"]
+        found.append((code, [{name: value for name, value in scene.items() if name != "seconds"} for scene in scenes]))
+    assert found[0] == found[1] and len(found[0][1]) == len(SCENES)
+
+
+def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_itself(address, tmp_path):
+    tables = []
+    for place in ([], ["--scheduler", address]):
+        assert main(["map", "--points", "3", "--set", *SMALL, "--csv", str(tmp_path / "map.csv"), *place]) == 0
+        tables.append(list(csv.DictReader((tmp_path / "map.csv").open())))
+    assert tables[0] == tables[1] and len(tables[0]) == 9
+    for row in tables[0]:
+        assert float(row["mean"]) == pytest.approx(float(row["exact"]), abs=0.02)  # du_x = 0.2 delta_t ends slips late
+
+
+def test_what_fails_hangs_or_ends_its_worker_costs_no_other_result(address):
+    ((_, error),) = cluster.outcomes(int, ["x"], address, 60.0)
+    assert error.kind == "error" and "ValueError" in error.reason
+    found = dict(cluster.outcomes(time.sleep, [0.0, 6.0, 0.0], address, 2.0))
+    assert found[0] is found[2] is None and found[1].kind == "hang"
+    ((_, lost),) = cluster.outcomes(os._exit, [1], address, 60.0)
+    assert lost.kind == "crash"
+    until(lambda: workers(address) == 2)
+    assert sorted(dict(cluster.outcomes(abs, range(10), address, 60.0)).values()) == [*range(10)]
+
+
+def test_a_cluster_that_cannot_be_reached_is_named_in_one_line(capsys, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    assert main(["stability", "--scenes", "0", "--scheduler", "tcp://127.0.0.1:1"]) == 2
+    said = capsys.readouterr().err.strip().splitlines()
+    assert said[-1].startswith("--scheduler tcp://127.0.0.1:1: cannot be reached")
