@@ -19,8 +19,9 @@ COPY app app
 RUN pip install -e .
 
 USER contact
-# Before each run the command compiles every kernel of its method; the app's workers find them in the cache.
-RUN for method in fast gfmd; do \
+# Before each run the command compiles every kernel of its method, a worker those of the pages too; workers find them in
+# the cache.
+RUN python -c "from app.service import worker; worker.start()" && for method in fast gfmd; do \
         python -m solver run --method "$method" --set nodes=64 width=160 u_x_max=1 || exit 1; \
     done
 
