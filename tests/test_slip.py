@@ -235,7 +235,7 @@ STABLE = [
 @pytest.mark.slow
 @pytest.mark.parametrize("values", STABLE, ids=str)
 def test_every_frame_is_a_stable_equilibrium(values):
-    """All eigenvalues of the motion of the whole surface, complex pairs included; some sixteen frames, and all by slips.
+    """All eigenvalues of the motion of the whole surface, complex pairs included; some 16 frames, and all by slips.
 
     Anderson steps know no stability: close to the end of a branch they may converge beyond it.
     """
