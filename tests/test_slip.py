@@ -43,7 +43,14 @@ def test_end_of_the_branch_does_not_depend_on_the_increment(du_x):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("values", [{"E": 10.0, "u_x_max": 34.0}, {"E": 20.0, "phi_ratio": 2.0, "delta_bar": 1.0}])
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"E": 10.0, "u_x_max": 34.0},
+        {"E": 20.0, "phi_ratio": 2.0, "delta_bar": 1.0},
+        {"E": 10.0, "phi_ratio": 2.0, "delta_bar": -0.15, "u_x_max": 38.0},  # flutter, and a fold after it
+    ],
+)
 def test_slips_of_soft_layers_are_located_whatever_the_increment(values):
     """CHECK.md D7: they sat on the increments, and their number depended on it."""
     found = [events(Scene(**values, du_x=du_x)) for du_x in (0.05, 0.1, 0.2)]
