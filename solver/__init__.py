@@ -24,7 +24,9 @@ from .continuation.state import NotConverged
 from .profile import ProfileError, read_profile
 from .run.carry import carry_on
 from .run.frame import Frame, SlipEvent
-from .run.loadpath import METHODS, Checkpoint, advance, load_path, summarize, whole_surface
+from .run.loadpath import METHODS, Checkpoint, load_path
+from .run.slices import advance
+from .run.summary import summarize, whole_surface
 from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError
 from .surfaces import Profile
 from .text import scene_from_text

@@ -9,7 +9,7 @@ from app.session.controls import values_of
 from solver import Checkpoint, Scene, load_path
 from solver.analysis.energy_balance import work_of
 from solver.run.carry import carry_on
-from solver.run.loadpath import next_frame
+from solver.run.slices import next_frame
 
 SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
 

@@ -11,7 +11,7 @@ from solver import Checkpoint, Scene, SceneError, advance, carry_on, load_path
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
 from solver.run.load_steps import load_steps_of
-from solver.run.loadpath import next_frame
+from solver.run.slices import next_frame
 from solver.verification.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2)

@@ -10,7 +10,7 @@ import pytest
 
 from solver import METHODS, Scene, SceneError, advance, load_path, summarize, whole_surface
 from solver.mechanics.layer import Modes
-from solver.run.loadpath import in_time
+from solver.run.slices import in_time
 
 SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, tolerance=1e-8)
 

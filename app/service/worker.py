@@ -19,7 +19,7 @@ from solver.continuation.state import OutOfTime
 from solver.mechanics.layer import transforms
 from solver.run.carry import carry_on
 from solver.run.load_steps import load_steps_of
-from solver.run.loadpath import in_time, next_frame, owned
+from solver.run.slices import in_time, next_frame, owned
 
 NICENESS = 10  # the event loop must win against the physics
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (solver.layer.fft_size)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..run.loadpath import whole_surface
+from ..run.summary import whole_surface
 
 
 @dataclass(frozen=True)

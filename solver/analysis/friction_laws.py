@@ -7,7 +7,8 @@ from math import ceil, e, inf, pi, sqrt
 import numpy as np
 
 from ..continuation.state import NotConverged
-from ..run.loadpath import Checkpoint, advance
+from ..run.loadpath import Checkpoint
+from ..run.slices import advance
 from ..scene import LARGEST_RUN, Scene, SceneError
 
 # Paper Fig. 8: three interfaces, named as in the app's presets, over a range of loads from full separation under

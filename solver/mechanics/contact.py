@@ -16,7 +16,7 @@ class Contact:
 
     uniform: one node that stands for all; normal_only: without tangential traction.
 
-    Nodes outside the patch carry no traction; where they are follows from the patch (`run.loadpath.whole_surface`).
+    Nodes outside the patch carry no traction; where they are follows from the patch (`run.summary.whole_surface`).
     Buffers belong to this object: not for use by two threads. `watch()` is called every LOOK evaluations, and may raise
     to end the increment in hand.
     """

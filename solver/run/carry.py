@@ -11,7 +11,8 @@ from ..mechanics.equilibrium import Equilibrium
 from ..scene import SURFACES, SceneError
 from .load_steps import LoadStep, load_steps_of
 from .loading import Loading
-from .loadpath import Checkpoint, owned
+from .loadpath import Checkpoint
+from .slices import owned
 
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
 

@@ -1,8 +1,7 @@
-"""The experiment as a sequence of Frames along the load steps of its path; in one go or in slices with checkpoints."""
+"""The experiment as a sequence of Frames along the load steps of its path; from Checkpoints in between."""
 
 from dataclasses import dataclass, replace
 from math import inf
-from threading import Lock
 from time import perf_counter, thread_time
 
 import numpy as np
@@ -13,7 +12,6 @@ from ..continuation.replay import Replay
 from ..continuation.state import NotConverged, OutOfTime, PulledOff, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium, closed_stiffness
-from ..mechanics.layer import Convolution, Modes
 from .frame import Frame, contact_area, forces, slip_event
 from .load_steps import HIGHEST, load_steps_of, stretched
 from .shortcuts import ALL
@@ -22,7 +20,6 @@ METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # of delta_n: a layer deformed no more than that has been let go
 BULGE = 3.0  # delta_n: gap beyond the window that the first patch includes, for surfaces drawn together
 BUSY = 1.5  # s that an increment may take beyond its limit of processor time, where others use the processor
-KEPT = 4  # runs whose buffers are kept for the next slice
 
 
 @dataclass(frozen=True)
@@ -50,72 +47,6 @@ def load_path(scene, method="fast", leave_out=ALL):
     while not checkpoint.done:
         frame, checkpoint = run.next_frame(checkpoint)
         yield frame
-
-
-def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL, limit=inf):
-    """(frames, checkpoint): the Frames that follow `checkpoint` (None: the first ones), for about `budget` seconds.
-
-    A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
-    then checkpoint.failure says where and what to do. limit: processor time for one increment, s.
-    """
-    checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
-    frames, end = [], perf_counter() + budget
-    with _borrowed(scene, method, leave_out) as run:
-        while not checkpoint.done:
-            try:
-                frame, checkpoint = run.next_frame(checkpoint, limit)
-            except NotConverged as failure:
-                late = isinstance(failure, OutOfTime)
-                return frames, replace(checkpoint, done=True, failure=str(failure), late=late)
-            frames.append(frame)
-            if perf_counter() > end:
-                break
-    return frames, checkpoint
-
-
-def in_time(checkpoint):
-    """The Checkpoint before the increment that a run had no time for, from one whose `late` is set."""
-    state = checkpoint.state and replace(checkpoint.state, secants=None)  # those of the attempt lead elsewhere
-    return replace(checkpoint, state=state, done=False, failure=None, late=False)
-
-
-def owned(checkpoint):
-    """The checkpoint with secant pairs of its own, so that going on from it leaves the given one as it is."""
-    state = checkpoint.state
-    if state is None:
-        return checkpoint
-    own = replace(state, secants=state.secants and state.secants.copy(), record=state.record and state.record.copy())
-    return replace(checkpoint, state=own)
-
-
-def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
-    """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
-    with _borrowed(scene, method, leave_out) as run:
-        return run.next_frame(checkpoint, limit)
-
-
-class _borrowed:
-    """A Run of its own for the time of a `with`: buffers are dear, so idle Runs are kept, each for one thread."""
-
-    _idle, _lock = [], Lock()
-
-    def __init__(self, *key):
-        self._key = key
-
-    def __enter__(self):
-        with self._lock:
-            for k, (key, run) in enumerate(self._idle):
-                if key == self._key:
-                    del self._idle[k]
-                    self._run = run
-                    return run
-        self._run = Run(*self._key)
-        return self._run
-
-    def __exit__(self, *_):
-        with self._lock:
-            self._idle.append((self._key, self._run))
-            del self._idle[:-KEPT]
 
 
 class Run:
@@ -299,33 +230,3 @@ def _on_nodes(scene, field):
             (2, scene.nodes), float, field, 0, (field.strides[0], 0)
         )  # broadcast_to takes ten times longer
     return field.copy()
-
-
-def whole_surface(scene, frame):
-    """Displacement of every surface node of the layer, (2, nodes) nm, from the traction on the patch."""
-    compliance = Convolution(Modes.of(scene).compliance, scene.nodes, scene.nodes)
-    compliance.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
-    compliance.apply()
-    return compliance.product + np.array([[frame.U_x], [-frame.delta]])
-
-
-def summarize(scene, frames):
-    """A run in a few numbers: A_0 and slips after the approach; U_s (nm), F_s and A_s at the first slip in shear.
-
-    None where there is none; L_min, the least load during retraction, in a run with unloading only.
-    """
-    after = [f for f in frames if f.stage != "approach"]
-    first = next((event for f in after if f.stage == "shear" for event in f.slips), None)
-    last = load_steps_of(scene)[-1]
-    ended = bool(after) and after[-1].stage == last.stage and after[-1].index >= last.increments
-    pull_off = [f.L_bar for f in after if f.stage == "unload"]
-    return {
-        "converged": ended and all(f.residual <= scene.tolerance for f in frames),
-        "evaluations": sum(f.evaluations for f in frames),
-        "A_0": after[0].A_bar if after else None,
-        "slips": sum(len(f.slips) for f in after),
-        "events": [event.as_dict() for f in frames for event in f.slips],
-        "U_s": first.load if first else None,
-        "F_s": first.F_bar if first else None,
-        "A_s": first.A_bar if first else None,
-    } | ({"L_min": min(pull_off)} if pull_off else {})
