@@ -7,6 +7,7 @@ FAR = 4.0  # a / delta_t: above, a node that is moved sideways without friction 
 NEARLY_RIGID = 0.499  # nu: from here on the layer hardly moves sideways
 WEAK = 0.4  # damping: below, many equilibria flutter under the motion
 WIDE = 0.6  # of w between the outermost nodes that act: the gap to the next punch is the smaller part
+SOFT = 0.25  # phi_t/(E delta_t): above, GFMD's slips end elsewhere with another time step (E = 14, 10 at friction 2)
 STRAIN = 0.1  # (|delta| + u_x_max) / h, a bound of the layer's mean strain
 SLOPE = 0.1  # half that width over R, the slope of the punch where the contact ends
 
@@ -29,6 +30,12 @@ def cautions(scene, widest=0.0):
         found.append(
             f"Damping {scene.damping:g} is below {WEAK:g}: many equilibria flutter under such a motion, and a slip may"
             " never come to rest; then the run ends early."
+        )
+    softness = scene.phi_t / (scene.E * scene.delta_t)
+    if softness > SOFT and scene.surface != "flat":
+        found.append(
+            f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: where single nodes"
+            " come to rest after a slip may depend on the time step of the motion, in GFMD as here."
         )
     strain = (abs(scene.delta) + scene.u_x_max) / (scene.height * scene.width)
     if strain > STRAIN:

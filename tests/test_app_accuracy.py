@@ -26,6 +26,7 @@ def test_the_default_scene_needs_no_caution():
         (Scene(nodes=4096), 0.3, "smoothed away"),
         (Scene(delta_t=0.5), 0.3, "too wide"),
         (Scene(damping=0.3), 0.3, "never come to rest"),
+        (Scene(E=14.0, phi_ratio=2.0), 0.3, "the time step of the motion"),
         (Scene(radius=10.0), 0.61, "periodic neighbours"),
         (Scene(radius=1.0), 0.3, "slopes are not small"),
         (Scene(u_x_max=400.0), 0.3, "strained by up to 16 %"),
@@ -40,6 +41,7 @@ def test_each_choice_that_shows_gives_one_sentence(scene, widest, said):
 def test_cautions_begin_at_the_limits_and_add_up():
     assert cautions(Scene(nodes=1600, delta_t=1.25), 0.2) == []  # a / delta_t = 1.25
     assert cautions(Scene(radius=10.0), 0.6) == []
+    assert cautions(Scene(E=16.0, phi_ratio=2.0), 0.3) == []
     assert cautions(Scene(width=4096.0, damping=0.4), 0.2) == []  # a / delta_t = 4
     assert cautions(Scene(delta_t=0.5, nu=0.4999), 0.2) == []  # such a layer does not move sideways
     assert len(cautions(Scene(nodes=4096, u_x_max=400.0, radius=1.0), 0.9)) == 4
