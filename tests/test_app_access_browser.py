@@ -38,9 +38,10 @@ def test_axe_finds_nothing(visit, theme):
         ("#compare", "#numbers"),
         ("#open-theory", "#theory"),
         ("#help", "#keys"),
+        ("#open-gallery", "#gallery"),
     ):
         page.locator(button).click()
-        page.locator(f"{sheet}[open] :is(td, dt, #share-qr[src])").first.wait_for()
+        page.locator(f"{sheet}[open] :is(td, dt, #share-qr[src], .picture svg)").first.wait_for()
         assert not found_by_axe(page), sheet
         page.keyboard.press("Escape")
     page.locator("#pin").click()

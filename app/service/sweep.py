@@ -10,6 +10,7 @@ from typing import Any
 
 from app.service.pool import LATER
 from app.service.tasks import Part
+from solver.continuation.state import OutOfTime
 from solver.isolated import Lost
 
 log = logging.getLogger("app")
@@ -91,7 +92,7 @@ class Results:
 
     def _keep(self, call, result):
         """Keep a result, and drop those not used for longest."""
-        if isinstance(result, (Lost, CancelledError)):  # it may be another one next time
+        if isinstance(result, (Lost, CancelledError, OutOfTime)):  # it may be another one next time
             return
         size = len(pickle.dumps((call, result)))
         self._kept[call] = result, size

@@ -13,7 +13,7 @@ SMALL = 8000  # characters of an order, but for one that brings a profile
 LARGEST = 2_000_000  # characters of a profile
 LONGEST = 64  # characters of a value
 LONGER = {"profile": 2000, "link": 5000}  # of those that are longer
-PLAIN = ("hello", "pause", "go", "one", "skip", "reset", "measure", "cancel", "twin")  # orders without values
+PLAIN = (*("hello", "pause", "go", "one", "skip", "reset", "measure", "cancel"), "twin", "gallery")  # without values
 ASKED = {  # of a page
     **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
     **dict.fromkeys(("what", "quantity"), str),

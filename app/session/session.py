@@ -22,6 +22,7 @@ from app.session.controls import (
     values_of,
 )
 from app.session.film import Film
+from app.session.gallery import Gallery
 from app.session.marks import Marks
 from app.session.share import Share
 from app.session.wire import Wire
@@ -46,7 +47,7 @@ class Session:
         self.bench = Bench(doc, self.wire)
         self.pages = Pages(self)
         self.beside, self.share = Beside(self), Share(self)
-        self.film, self.marks = Film(self), Marks(self)
+        self.film, self.marks, self.gallery = Film(self), Marks(self), Gallery(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
         self.reading = None  # the task that reads a profile
@@ -69,6 +70,7 @@ class Session:
             self.share.close()
             self.film.close()
             self.marks.close()
+            self.gallery.close()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
 
@@ -115,6 +117,8 @@ class Session:
             self.publish()
         elif name == "twin":
             self.pages.add_twin()
+        elif name == "gallery":
+            self.gallery.want()
         elif name in ("measure", "cancel"):
             self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
             self.publish()

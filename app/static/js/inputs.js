@@ -144,6 +144,7 @@ export function connect(positions, usual) {
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
   on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
+  on("open-gallery", "click", async () => (await import("./later/gallery.js")).openGallery())
   on("take", "click", async () => (await import("./later/share.js")).open())
   on("slow", "click", slowMotion)
   on("compare", "click", async () => (await import("./later/compare.js")).open())
