@@ -62,6 +62,21 @@ def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(
     page.locator("#law").wait_for()
 
 
+def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(visit):
+    page = visit()
+    finished(page)
+    page.get_by_role("button", name="Pause").click()
+    for width, height in ((900, 600), (960, 640), (1024, 600), (1024, 700), (1180, 600), (1280, 640), (1366, 657)):
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        player = page.locator(".player").bounding_box()["y"]
+        views = ("#punch-view", "[data-view=forces]", "[data-view=map]")
+        boxes = [page.locator(f"div.view{view}").bounding_box() for view in views]
+        lowest = max(box["y"] + box["height"] for box in boxes)
+        assert lowest <= player and not page.evaluate(FAULTS), (width, height)
+        assert page.locator("div.view[data-view=traction]").bounding_box()["y"] >= lowest
+
+
 @pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])
 def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     page = visit()

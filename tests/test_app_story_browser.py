@@ -1,7 +1,7 @@
 """The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
 
 import pytest
-from served import finished
+from served import finished, laid_out
 
 pytestmark = pytest.mark.browser
 
@@ -130,3 +130,77 @@ def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_end
     page.keyboard.press("ArrowRight")
     page.locator("#film").wait_for(state="hidden")
     page.wait_for_function(f"() => punch.drawn === {k + 1}")
+
+
+def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(paused):
+    page = paused("?preset=fig6&u_x_max=14")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.keyboard.press("m")
+    said = page.locator("#film")
+    said.wait_for()
+    assert said.inner_text() == "Slow motion: no slip up to here; the key ] leads to the next."
+    said.wait_for(state="hidden")
+    at_first_slip(page)
+    page.keyboard.press("ArrowRight")
+    k = page.evaluate("punch.run.curves.slip[punch.at] = 1, punch.at")  # the server knows better
+    page.keyboard.press("m")
+    said.filter(has_text="Slow motion: no branch ends here.").wait_for()
+    assert page.locator("#slow").inner_text() == "Slow motion" and page.evaluate("punch.at") == k
+
+
+SIZES = ((1920, 1080), (1440, 900), (1366, 657), (1280, 720), (1024, 768), (900, 600), (820, 1180), (390, 844))
+# keeps what is written over the punch, and where
+RECORD = """() => {
+    window.written = []
+    const pen = CanvasRenderingContext2D.prototype, { fillText, clearRect } = pen
+    pen.clearRect = function (...box) {
+        if (this.canvas.id === 'story') written.length = 0
+        return clearRect.apply(this, box)
+    }
+    pen.fillText = function (text, x, y) {
+        const half = 0.4 * parseFloat(this.font.match(/([.\\d]+)px/)[1])
+        const box = { text, left: x, right: x + this.measureText(text).width, top: y - half, bottom: y + half }
+        if (this.canvas.id === 'story') written.push(box)
+        return fillText.call(this, text, x, y)
+    }
+}"""
+OVER_EACH_OTHER = """() => {
+    const { left, top } = document.getElementById('story').getBoundingClientRect()
+    const place = (id) => document.getElementById(id).getBoundingClientRect()
+    const said = ['slip', 'film', 'slow'].map((text) => [text, place(text)]).filter(([, box]) => box.width)
+    const found = [], all = [...written, ...said.map(([text, box]) => (
+        { text, left: box.left - left, right: box.right - left, top: box.top - top, bottom: box.bottom - top }))]
+    written.forEach((a, i) => {
+        for (const b of all.slice(i + 1)) {
+            const over = Math.min(a.right, b.right) - Math.max(a.left, b.left)
+            const under = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top)
+            const hidden = a.text[0] === '×' // what the lens magnifies, for the moment of a slip
+            if (over > 1 && under > 1 && !hidden) found.push(`${a.text} and ${b.text}`)
+        }
+        const lens = place('lens'), x = lens.left + lens.width / 2 - left, y = lens.top + lens.height / 2 - top
+        const apart = Math.hypot(x - Math.max(a.left, Math.min(x, a.right)), y - Math.max(a.top, Math.min(y, a.bottom)))
+        if (apart < lens.width / 2 - 1) found.push(`${a.text} and the lens`)
+    })
+    return found
+}"""
+
+
+PICTURES = ["?preset=fig6", "?preset=fig6&view=projector", "?preset=fig7-case1", "?preset=fig7-case2"]
+
+
+@pytest.mark.parametrize("query", PICTURES)
+def test_nothing_that_is_said_over_the_punch_lies_over_anything_else_said_there(paused, query):
+    page = paused(query)
+    page.evaluate(RECORD)
+    at_first_slip(page)
+    found = {}
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        for key in ("[", "]", "ArrowRight", "ArrowLeft", "End"):
+            page.keyboard.press(key)
+            page.evaluate("() => new Promise(requestAnimationFrame)")
+            if over := page.evaluate(OVER_EACH_OTHER):
+                found[width, height, key] = over
+    assert not found

@@ -4,6 +4,7 @@ from app.service import packing, worker
 from app.service.film import slow_motion
 from app.service.pool import LATER
 
+NAME = "Slow motion"  # the browser knows by it what its notes begin with
 FIRST = 2_000_000  # numbers of films lie above, as FILM in run.js: the frame that the slip led to is added
 MOST = 4 * 5 * worker.SLOW  # s that it may take
 
@@ -18,13 +19,14 @@ class Film:
         """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
         self.close()
         session, run, k = self.session, self.session.computing.run, values["frame"]
+        session.notes = [note for note in session.notes if not note.startswith(NAME)]
         if run is None or run.number != values["run"]:
             return
         known = session.shelf.get(run.scene)
         blocks = run.blocks or (known.blocks if known else ())
         places = [run.place(frame, blocks) for frame in (k - 1, k)]
         if None in places:
-            session.notes = ["Slow motion: the increment before this slip belongs to a run that is no longer at hand."]
+            session.notes = [f"{NAME}: the increment before this slip belongs to a run that is no longer at hand."]
             return
         call = (slow_motion, run.scene, *places)
         task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=MOST)
@@ -42,7 +44,7 @@ class Film:
         self.task = None
         made = "it could not be computed" if task.cancelled() or task.exception() else task.result()
         if isinstance(made, str):
-            self.session.notes = [f"Slow motion: {made}."]
+            self.session.notes = [f"{NAME}: {made}."]
             return self.session.publish()
         for block in made:
             self.session.wire.chunk = packing.numbered(FIRST + k, block)

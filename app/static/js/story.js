@@ -12,7 +12,7 @@ const BAR = 9 // px, height of the top of the layer
 const ARROW = 90 // px, the longest
 const MARKED = 1.0 // nm of the path for which a slip stays marked
 const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
-const LENS = 0.43 // of the width, to which the lens reaches as the page opens
+const LENS = 0.47 // of the width, beyond which the lens does not reach as the page opens
 const GAIN = 0.005 // a change of the area by less is not told
 
 // Draw everything that belongs to frame k of a run: over the punch, or over that of a pinned run
@@ -89,7 +89,7 @@ function drawForces(view) {
   if (!(full > 0)) return
   const F = F_bar[k] * force, L = L_bar[k] * force
   const top = box.top + BAR, line = 1.25 * size()
-  const x = box.left + 0.82 * box.width, y = top + 2.6 * line
+  const x = box.left + 0.82 * box.width, y = top + (narrow ? 2.1 : 2.6) * line
   arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
   const [left] = write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
   if (Math.abs(L) < 1e-6 * full) return
@@ -133,9 +133,11 @@ function drawEdges(view) {
   const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
   const names = back ? ["leading", "trailing"] : ["trailing", "leading"]
   const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
-  const room = Math.min(right, box.left + box.width - wide(view, told[1]) - 12) - Math.max(left, box.left + wide(view, told[0]) + 12)
-  const fits = wide(view, repelled) < room
-  if (!fits) y = Math.min(y, bottom - 2.65 * size()) // on a line of its own
+  // between what is said of the edges, which stays in sight; or on a line of its own
+  const from = Math.max(left, box.left + wide(view, told[0]) + 12), to = Math.min(right, box.left + box.width - wide(view, told[1]) - 12)
+  const half = wide(view, repelled) / 2 + 6, fits = 2 * half < to - from
+  if (!fits) y = Math.min(y, bottom - 2.65 * size())
+  view.told = y - 6
   pen.strokeStyle = ink.area
   pen.lineWidth = 2
   pen.beginPath()
@@ -144,7 +146,8 @@ function drawEdges(view) {
   pen.lineTo(right, y)
   pen.lineTo(right, y - 6)
   pen.stroke()
-  write(view, repelled, (left + right) / 2, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
+  const middle = fits ? Math.min(Math.max((left + right) / 2, from + half), to - half) : (left + right) / 2
+  write(view, repelled, middle, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
   write(view, told[0], left - 8, y + 0.8 * size(), { align: "right" })
   write(view, told[1], right + 8, y + 0.8 * size(), { align: "left" })
   if (!narrow) drawAttracted(view, edges)
@@ -215,8 +218,9 @@ export function slipSaid(run, at) {
   return `slip: ${part}${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"} (${nm} nm)${run.head.flat ? "" : area}`
 }
 
-function tellSlip({ run, slip, narrow, Y }) {
-  by("event").style.top = `${Y(0) - (narrow ? 0.5 : 2.2) * size()}px`
+// told: how high what is said under the surface begins
+function tellSlip({ run, slip, narrow, told = Infinity, Y }) {
+  by("event").style.top = `${Math.min(Y(0) - (narrow ? 0.5 : 2.2) * size(), told - 2)}px`
   by("slip").hidden = by("slow").hidden = !slip
   if (slip) by("slip").textContent = slipSaid(run, slip.at)
 }

@@ -1,24 +1,29 @@
 // Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
 
 import { set } from "../bokeh.js"
-import { order } from "../channel.js"
+import { listen, order } from "../channel.js"
 import { by, fixed } from "../dom.js"
 import { drawFrame, figures, painted } from "../figures.js"
 import { tellLarge } from "../large.js"
 import { goto, show, tellFrame } from "../player.js"
 import { FILM, Run } from "../run.js"
 import { me } from "../state.js"
-import { drawStory, slipAt } from "../story.js"
+import { drawStory, nextSlip, slipAt } from "../story.js"
 
 const SECONDS = 5 // of a film
 const REST = 1.2 // s at its end
+const SAID = 5000 // ms, for which a sentence stays
 let film = null // {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
+let listens = false
 
-// Begin, or end
+// Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
   if (film) return end()
-  const { run } = me, k = run?.length ? slipAt(run, Math.min(Math.floor(me.at), run.length - 1)) : null
-  if (k === null) return
+  const { run } = me, at = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1), k = at < 0 ? null : slipAt(run, at)
+  if (at < 0) return refuse("Slow motion: nothing is computed yet.")
+  if (k === null) return refuse(`Slow motion: no slip up to here${nextSlip(run, at, 1) > at ? "; the key ] leads to the next" : ""}.`)
+  if (!listens) listen("status", heard)
+  listens = true
   goto(k)
   film = { run, k, frames: null, at: -1, begun: 0 }
   tell("solving the motion …")
@@ -30,6 +35,19 @@ function tell(text) {
   by("film").textContent = text
   by("slow").textContent = film ? "Stop" : "Slow motion"
   if (film) by("slow").hidden = false
+}
+
+// What the server says where it has no motion to send
+function heard() {
+  const why = film && !film.frames && me.status.notes.find((note) => note.startsWith("Slow motion"))
+  if (why) refuse(why)
+}
+
+function refuse(why) {
+  film = null
+  tell(why)
+  by("told").textContent = why
+  setTimeout(() => { if (!film) tell("") }, SAID)
 }
 
 // Its frames follow those of the run, up to the one before the slip: so they are drawn as all others are
