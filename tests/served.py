@@ -116,9 +116,11 @@ def values_are(page, **values):
 def laid_out(page):
     """After the next picture of the screen, when Bokeh has followed a change of size."""
     page.evaluate("() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then)))")
-    page.wait_for_function(  # the lens moves with the next drawing of the punch
+    page.wait_for_function(  # the lens, and what is said of a slip, move with the next drawing of the punch
         """() => {
-            const [lens, view] = ['lens', 'punch-view'].map((id) => document.getElementById(id).getBoundingClientRect())
-            return !lens.width || (lens.right <= view.right && lens.bottom <= view.bottom && lens.top >= view.top)
+            const place = (id) => document.getElementById(id).getBoundingClientRect()
+            const [lens, slow, view] = ['lens', 'slow', 'punch-view'].map(place)
+            return [lens, slow].every((box) => !box.width
+                || (box.right <= view.right && box.bottom <= view.bottom && box.top >= view.top))
         }"""
     )

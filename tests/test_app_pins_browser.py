@@ -131,7 +131,7 @@ def test_two_runs_are_side_by_side_at_the_same_place_and_to_the_same_scale(visit
             Object.assign(window, { views: await from("figures"), pins: (await from("later/pins")).pins })
         }"""
     )
-    beside = page.get_by_role("button", name="Side by side with Stick, peel, slip (Fig. 6)")
+    beside = page.get_by_role("button", name="Side by side with Stick, peel, slip")
     beside.press("Enter")
     page.wait_for_function(f"() => ({TWIN})()", timeout=PATIENCE)
     assert beside.get_attribute("aria-pressed") == "true" and beside.evaluate("(e) => e === document.activeElement")

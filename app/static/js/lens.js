@@ -2,7 +2,7 @@
 
 import { by, on } from "./dom.js"
 import { figures } from "./figures.js"
-import { size, write } from "./pen.js"
+import { write } from "./pen.js"
 import { me } from "./state.js"
 
 const ACROSS = 13 // nm seen in the lens
@@ -23,7 +23,7 @@ export function drawLens(view) {
   const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width)
   by("lens").hidden = !lens.shown || radius < 40
   if (by("lens").hidden) return
-  const centre = [box.left + 0.3 * box.width, box.top + Math.max(0.36 * box.height, radius + 25 + 0.5 * size())] // below what the top does
+  const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const at = focus(view), near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
   Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
   by("lens").setAttribute("aria-valuenow", at.toFixed(1))

@@ -72,7 +72,7 @@ const inWords = (name) => document.querySelector(`label[for="${name}-entry"]`)?.
 function namePreset() {
   const menu = by("preset"), { preset } = me.status
   const title = menu.querySelector(`[value="${preset}"]`).textContent
-  menu.options[0].textContent = `${title.replace(/ \(.*/, "")} – changed`
+  menu.options[0].textContent = `${title} – changed`
   menu.value = changes().length ? "" : preset
 }
 

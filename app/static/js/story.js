@@ -150,7 +150,7 @@ function drawEdges(view) {
   write(view, repelled, middle, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
   write(view, told[0], left - 8, y + 0.8 * size(), { align: "right" })
   write(view, told[1], right + 8, y + 0.8 * size(), { align: "left" })
-  if (!narrow) drawAttracted(view, edges)
+  if (!narrow && y > Y(0)) drawAttracted(view, edges)
 }
 
 // The zones that pull, on either side, where there is room for the words

@@ -39,9 +39,8 @@ function picture({ along, force, area }) {
 }
 
 function card(option) {
-  const [, title, figure] = option.textContent.match(/^(.*?)(?: \(([^)]*)\))?$/)
   const button = made("button", { type: "button", className: "card" },
-    made("span", { className: "picture", textContent: "…" }), made("span", { textContent: title }), " ", made("small", { textContent: figure ?? "" }))
+    made("span", { className: "picture", textContent: "…" }), made("span", { textContent: option.textContent }), " ", made("small", { textContent: option.dataset.figure }))
   button.dataset.preset = option.value
   button.addEventListener("click", () => {
     by("gallery").close()
