@@ -58,12 +58,14 @@ function drawn(text) {
 function fill() {
   by("gallery-groups").replaceChildren(...[...by("preset").querySelectorAll("optgroup")].map((group) => (
     made("section", {}, made("h3", { textContent: group.label }), made("div", { className: "cards" }, ...[...group.children].map(card))))))
-  listen("thumbnail", drawn)
-  order("gallery")
 }
 
 export function openGallery() {
-  if (!by("gallery-groups").children.length) fill()
+  if (!by("gallery-groups").children.length) {
+    fill()
+    listen("thumbnail", drawn)
+  }
+  if (by("gallery").querySelector(".picture:not(:has(svg))")) order("gallery") // also what a busy server had no time for
   const cards = [...by("gallery").querySelectorAll(".card")], now = cards.find(({ dataset }) => dataset.preset === me.status.preset)
   for (const one of cards) one.ariaCurrent = one === now ? "true" : null
   by("gallery").showModal()
