@@ -104,7 +104,8 @@ def yard():
         start = time.process_time()
         for _ in range(20):
             np.fft.irfft(np.fft.rfft(np.exp(-field)))
-        best = min(best, time.process_time() - start)
+        took = time.process_time() - start
+        best = min(best, took) if took > 0 else best  # the clock of a busy virtual machine may stand still
     return best
 
 
