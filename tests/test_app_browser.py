@@ -90,7 +90,7 @@ def test_play_pause_step_and_reset(visit):
     page.keyboard.press("ArrowLeft")
     page.wait_for_function("punch.status.values.phi_ratio < 1 && punch.run.head.step < 0.2")  # the exact run is there
     finished(page, run=3)
-    page.get_by_role("button", name="Reset").click()
+    page.get_by_role("button", name="Reset", exact=True).click()
     page.wait_for_function("punch.status.values.phi_ratio === 1")
     finished(page)
     assert sliders(page) == {"delta_bar": 0, "phi_ratio": 1, "E": 70}

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.browser
 def test_a_preset_is_chosen_by_its_picture_with_the_keyboard(visit):
     page = visit()
     finished(page)
-    opener = page.get_by_role("button", name="Gallery of presets")
+    opener = page.get_by_role("button", name="Gallery")
     opener.press("Enter")
     gallery = page.get_by_role("dialog", name="Presets")
     gallery.wait_for()

@@ -128,7 +128,7 @@ def test_a_preset_replaces_everything_and_says_what_to_look_for(visit):
     values = page.evaluate("punch.status.values")
     assert (values["surface"], values["E"], values["nu"], values["delta_bar"]) == ("flat", 140, 0.45, 0)
     assert "stiff" in page.inner_text("#look") and "preset=fig4a-red" in page.url and "nu=" not in page.url
-    page.get_by_role("button", name="Reset").click()
+    page.get_by_role("button", name="Reset", exact=True).click()
     finished(page, run=3)
     assert page.input_value("#preset") == "fig6" and "preset" not in page.url
 

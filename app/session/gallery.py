@@ -6,6 +6,7 @@ from functools import cache
 from app.service import tasks
 from app.service.sweep import Sweep
 from app.session.computing import coarse
+from solver.continuation.state import OutOfTime
 from solver.presets import presets
 
 
@@ -30,5 +31,7 @@ class Gallery:
         self.sweep.cancel()
 
     def _take(self, call, found):
+        if isinstance(found, OutOfTime):  # the machine was busy
+            return self.sweep.add([call])
         drawn = None if isinstance(found, Exception) else found
         self.session.wire.thumbnail = json.dumps({"preset": _names()[call], "drawn": drawn})

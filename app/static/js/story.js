@@ -220,7 +220,8 @@ export function slipSaid(run, at) {
 
 // told: how high what is said under the surface begins
 function tellSlip({ run, slip, narrow, told = Infinity, Y }) {
-  by("event").style.top = `${Math.min(Y(0) - (narrow ? 0.5 : 2.2) * size(), told - 2)}px`
+  const low = Math.min(Y(0) - (narrow ? 0.5 : 2.2) * size(), told - 2)
+  by("event").style.top = `${Math.max(low, 5 * size())}px` // never over the caption
   by("slip").hidden = by("slow").hidden = !slip
   if (slip) by("slip").textContent = slipSaid(run, slip.at)
 }
