@@ -56,6 +56,20 @@ def test_repeated_increments_cost_about_one_evaluation_and_say_so():
     assert evaluations(frames) < 2500 < 10_000 < evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
 
 
+@pytest.mark.slow
+def test_slips_that_begin_as_flutter_are_repeated_where_the_branch_bends_towards_its_end():
+    scene = Scene(E=10.0, delta_bar=-0.15, u_x_max=31.0)
+    shear = {f.index: f for f in load_path(scene) if f.stage == "shear"}
+    slips = [f for f in shear.values() if f.slip]
+    assert len(slips) == 3 and all(f.slips[0].kind == "flutter" for f in slips)
+    assert all(f.repeated for f in slips[1:]) and evaluations(slips[1:]) < 100
+    solved = {f.index: f for f in load_path(scene, leave_out=ALL - {"translation"}) if f.stage == "shear"}
+    events = [event for f in solved.values() for event in f.slips]
+    assert [f.slips[0].load for f in slips] == pytest.approx([event.load for event in events], abs=1e-6)
+    after = slips[-1].index + 2  # where it rests after a flutter depends on the increments
+    assert shear[after].F_bar == pytest.approx(solved[after].F_bar, rel=1e-6)
+
+
 def test_a_slip_known_from_the_record_lies_a_whole_number_of_periods_on():
     scene = Scene()
     events = [e for f in load_path(scene) for e in f.slips if f.stage == "shear"]

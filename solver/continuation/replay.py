@@ -19,11 +19,13 @@ from .state import Increment, Slip
 @dataclass(frozen=True)
 class Limits:
     """same: of the unit; closer states at one load are one equilibrium, others lie part of a site off.
+    begins: nm, before its first state: there a branch begins, lest rounding decide.
     stencil: known states through which one in between is interpolated. steps: Anderson steps to make it exact.
     longest: sites of a period that are looked for.
     """
 
     same: float = 0.01
+    begins: float = 1e-6
     stencil: int = 6
     steps: int = 60
     longest: int = 12
@@ -48,11 +50,11 @@ class Branch:
         self.loads.insert(i, load)
         self.states.insert(i, (v, active))
 
-    def state_at(self, load):
+    def state_at(self, load, stencil=LIMITS.stencil):
         """(v, active) at `load`: interpolated over the root of the distance to the end, in which a fold is smooth."""
         i = bisect_left(self.loads, load)
-        low = min(max(i - LIMITS.stencil // 2, 0), max(len(self.loads) - LIMITS.stencil, 0))
-        near = slice(low, low + LIMITS.stencil)
+        low = min(max(i - stencil // 2, 0), max(len(self.loads) - stencil, 0))
+        near = slice(low, low + stencil)
         arcs = [-sqrt(max(self.end.load - other, 0.0)) for other in self.loads[near]]
         weights = lagrange(arcs, -sqrt(max(self.end.load - load, 0.0)))
         return combine(weights, [v for v, _ in self.states[near]]), self.states[max(i - 1, 0)][1]
@@ -88,7 +90,7 @@ class Record:
     def branch_at(self, load):
         """The ended Branch that holds that load, or None."""
         for branch in reversed(self.branches):
-            if branch.end is not None and branch.loads[0] <= load <= branch.end.load:
+            if branch.end is not None and branch.loads[0] - LIMITS.begins <= load <= branch.end.load:
                 return branch
         return None
 
@@ -169,7 +171,7 @@ class Replay:
         v = guess.copy()
         secants = state.secants or self.stepper.corrector.secants()
         active = self.stepper.corrector.settle(v, active, target, secants, LIMITS.steps)
-        if active is None or np.abs(v - guess).max() > LIMITS.same * problem.unit:
+        if active is None or not self._same(np.abs(v - guess).max(), branch, load):
             return None
         if problem.evaluations > before + 1:  # not accurate enough as interpolated: now it is known better
             branch.add(load, problem.translated(v, -shift), active)
@@ -177,6 +179,14 @@ class Replay:
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
         moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, record=record)
         return Increment(moved, self.stepper.corrector.worst, slips, True)
+
+    def _same(self, moved, branch, load):
+        """Whether a state that far from the interpolated one is the same; towards flutter a branch may bend."""
+        same = LIMITS.same * self.problem.unit
+        if moved <= same:
+            return True
+        coarser = branch.state_at(load, LIMITS.stencil - 2)[0] - branch.state_at(load)[0]
+        return bool(moved <= same + np.abs(coarser).max())
 
     def _slips(self, record, low, high):
         """The known Slips between two loads, the higher included."""
