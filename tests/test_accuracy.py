@@ -96,6 +96,7 @@ def test_the_judge_of_branches_is_gfmd_alone():
     assert judged.scene.tolerance == 1e-6 and len(judged.states) >= 4
 
 
+@pytest.mark.slow
 def test_slips_where_gfmd_changes_its_mind_are_not_counted(report):
     changed = replace(report.judgement, finer=True, changed=(("shear", 8.5),))
     lines = notes(replace(report, judgement=changed))
@@ -133,6 +134,7 @@ def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped)
     assert any("The reference is on another branch than gfmd" in line for line in notes(wrong))
 
 
+@pytest.mark.slow
 def test_a_wrong_branch_is_counted_and_named(report, underdamped):
     scene, known, run, curves = underdamped
     judged, _ = finish(judge(scene, known, quick=True))

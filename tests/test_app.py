@@ -137,6 +137,7 @@ def test_packed_frames_hold_the_solver_s_numbers():
         assert np.abs(fields[name][-1] - true).max() <= 0.51 * head["scales"][name]  # rounding to int16
 
 
+@pytest.mark.slow
 def test_a_run_is_streamed_whole_and_in_order(page, slices):
     page.order("hello")
     page.until("finished")
@@ -167,6 +168,7 @@ def test_an_unusable_entry_leaves_the_run_on_screen(page):
     assert page.status()["errors"] == {} and page.session.run.number == 2
 
 
+@pytest.mark.slow
 def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeypatch):
     monkeypatch.setattr(pool, "patience", 600.0)
     monkeypatch.setattr(computing, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
@@ -219,6 +221,7 @@ def test_pause_submits_nothing_further_and_go_continues(page, slices):
     page.until("finished")
 
 
+@pytest.mark.slow
 def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the_same(page, pool, monkeypatch):
     page.order("hello")
     page.until("finished")
@@ -239,6 +242,7 @@ def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the
     np.testing.assert_allclose(page.curve("F_bar"), undisturbed, atol=1e-6 * np.abs(undisturbed).max() + 1e-10)
 
 
+@pytest.mark.slow
 def test_a_slice_that_kills_every_worker_fails_visibly(page, monkeypatch):
     monkeypatch.setattr(page.session.computing, "_submit", lambda budget: submit_exit(page.session.computing))
     page.order("hello")

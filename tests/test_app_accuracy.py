@@ -51,6 +51,7 @@ def test_a_flat_surface_has_no_neighbours_and_no_slope():
     assert cautions(Scene(surface="flat", radius=1.0), 1.0) == []
 
 
+@pytest.mark.slow
 def test_a_session_says_its_cautions_once_a_run_has_ended_and_again_for_a_known_one(pool):
     page = Page(pool, Scene(nodes=4096, u_x_max=1.0, E=1000.0))
     page.order("hello")
@@ -77,6 +78,7 @@ class Visitor:
         self.calls.put(call)
 
 
+@pytest.mark.slow
 def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
     visitor = Visitor()
     bench = Bench(visitor, visitor)
@@ -94,6 +96,7 @@ def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
     assert '"cancelled"' in visitor.accuracy
 
 
+@pytest.mark.slow
 def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_so():
     first, second = Visitor(), Visitor()
     one, other = Bench(first, first), Bench(second, second)

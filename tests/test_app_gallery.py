@@ -27,6 +27,7 @@ def test_the_picture_of_a_preset_has_its_increments_and_the_ends_of_its_branches
     assert slips and sorted(drawn(scene)) == [pytest.approx(row, rel=5e-3, abs=1e-9) for row in sorted(expected)]
 
 
+@pytest.mark.slow
 def test_where_nothing_slides_the_picture_is_the_load_over_the_indentation():
     scene = presets()["unload"].scene.changed(du_z=0.5, tolerance=1e-6)
     unload = [frame for frame in load_path(scene) if frame.stage == "unload"]

@@ -101,6 +101,7 @@ def test_who_shows_no_token_of_a_page_is_turned_away_without_a_traceback(visit, 
     assert closed == [gate.TRY_LATER] and "turned away" in caplog.text and "Traceback" not in caplog.text
 
 
+@pytest.mark.slow
 def test_a_browser_is_given_the_document_that_all_have(visit, monkeypatch):
     visit.session.wire._id = "wire"
     visit.session.doc.models.recompute()

@@ -72,6 +72,7 @@ def test_a_packed_profile_cannot_unpack_to_more_than_the_solver_takes():
     assert Profiles().profile_of(f"600*1*{bomb}").z.size == LIMITS["nodes"].high
 
 
+@pytest.mark.slow
 def test_a_scene_is_restored_with_its_preset_and_a_run_known_before_is_not_computed_again(page):
     page.order("hello")
     page.until("finished")
@@ -82,6 +83,7 @@ def test_a_scene_is_restored_with_its_preset_and_a_run_known_before_is_not_compu
     assert page.status()["address"] == {"u_x_max": "6"}
 
 
+@pytest.mark.slow
 def test_pinned_runs_come_beside_the_run_on_screen(page):
     page.order("hello")
     page.until("finished")
@@ -134,6 +136,7 @@ def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, mon
     assert page.session.wire.taken is None
 
 
+@pytest.mark.slow
 def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_alone(page):
     page.order("hello")
     page.until("finished")
@@ -163,6 +166,7 @@ def test_the_python_lines_of_a_preset_make_its_scene(name):
     assert eval(call, {"Scene": Scene}) == scene
 
 
+@pytest.mark.slow
 def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says_why(page):
     page.session.scene = Scene(u_x_max=12.0)
     page.order("hello")

@@ -41,6 +41,7 @@ def change(page, after, **values):
     page.until("finished")
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_from_the_increment_on_screen(page):
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
@@ -50,6 +51,7 @@ def test_a_run_goes_on_from_the_increment_on_screen(page):
     assert page.status()["frames"] == frame + 1 + len(expected) == page.status()["total"]
 
 
+@pytest.mark.slow
 def test_a_run_that_went_on_can_go_on_again_from_before_and_after_that(page):
     first = page.status()["frames"] - 20
     change(page, (1, first), E=90)

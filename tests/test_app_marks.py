@@ -32,6 +32,7 @@ def test_on_the_flat_the_marks_are_the_exact_border_of_smooth_sliding():
     assert critical_modulus(flat.changed(phi_ratio=ratio)) == pytest.approx(flat.E)
 
 
+@pytest.mark.slow
 def test_a_punch_slips_above_its_mark_on_friction_and_not_below(patient):
     scene = Scene()
     ratio = found(scene, "phi_ratio")["slips"]
@@ -40,6 +41,7 @@ def test_a_punch_slips_above_its_mark_on_friction_and_not_below(patient):
         assert any(frame.slip for frame in frames if frame.stage == "shear") is expected
 
 
+@pytest.mark.slow
 def test_a_soft_punch_has_its_marks_on_indentation(patient):
     scene = Scene(E=10.0)
     at = found(scene, "delta_bar")

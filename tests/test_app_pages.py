@@ -17,6 +17,7 @@ from solver.analysis.raster import QUANTITIES
 from solver.mechanics import cohesive_law
 
 
+@pytest.mark.slow
 def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
     before = len(session.doc.models)
     order(session, "page", page="law")

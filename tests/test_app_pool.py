@@ -11,6 +11,7 @@ from app.service.finished import BESIDE, Finished, Shelf
 from app.service.pool import HEAVY, LATER, Line, Pool, Task
 from solver import Scene, isolated
 
+pytestmark = pytest.mark.slow  # nearly all start processes, and end them
 PATIENCE = 60  # s; a limit against hanging, not a claim about speed
 
 

@@ -99,6 +99,7 @@ def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_wit
     assert last.done and "Not converged at" in last.failure and "0 s of processor time" in last.failure
 
 
+@pytest.mark.slow
 def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(pool, monkeypatch):
     monkeypatch.setattr(worker, "QUICK", 0.0)  # whatever it is, it takes longer
     page, ranks = Page(pool), []

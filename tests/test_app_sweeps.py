@@ -105,6 +105,7 @@ def told(session):
     return json.loads(session.wire.page)
 
 
+@pytest.mark.slow
 def test_the_friction_of_the_runs_lies_on_the_exact_curve_and_vanishes_beyond_the_boundary(session):
     session.choose("fig4a-blue")
     order(session, "page", page="stickslip")

@@ -86,6 +86,7 @@ def test_a_slip_with_inertia_is_one_slip():
     assert slips[1][0].load - slips[0][0].load == pytest.approx(Scene().spacing, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_at_critical_damping_the_reference_method_slips_as_the_fast_one():
     scene = SMALL.changed(u_x_max=5.0)
     fast, gfmd = (list(load_path(scene.changed(damping=1.0), method)) for method in ("fast", "gfmd"))

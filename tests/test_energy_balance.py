@@ -177,6 +177,7 @@ def test_what_is_not_a_slip_obeys_the_balance_to_the_residual():
         assert np.abs(work.defect).max() < 1e-6 * np.abs(work.top).max()
 
 
+@pytest.mark.slow
 def test_sliding_without_slips_costs_nothing():
     """Flat on flat below Prandtl-Tomlinson's boundary: the force returns to zero, and so does the work, each period."""
     scene = FLAT.changed(phi_ratio=0.001, path="loop", u_x_max=10.0, du_x=FLAT.spacing / 50)

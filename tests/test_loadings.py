@@ -293,6 +293,7 @@ def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
         assert -frame.delta + compliance * p_0 == pytest.approx(uz, abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["fast", "gfmd"])
 def test_under_too_large_a_pull_the_contact_comes_off_and_the_message_says_so(method):
     scene = SMALL.changed(hold="load", delta_bar=-0.1)

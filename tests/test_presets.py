@@ -73,6 +73,7 @@ def test_the_punch_of_the_unloading_preset_lets_go_farther_up_than_it_jumps_in()
     assert slips["unload"] < slips["approach"] - 3.0 and slips["reload"] == pytest.approx(slips["approach"], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_held_load_stays_and_the_punch_of_its_preset_rises_before_the_first_slip():
     shear = [f for f in load_path(preset("hold-load").scene) if f.stage == "shear"]
     first = next(k for k, f in enumerate(shear) if f.slip)

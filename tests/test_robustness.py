@@ -31,6 +31,7 @@ def frame():
     return last
 
 
+@pytest.mark.slow
 def test_atlas_is_large_and_repeats():
     full, quick = cases(), cases(quick=True)
     assert len(full) >= 2000 and 180 <= len(quick) <= 260
@@ -151,6 +152,7 @@ for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
 """
 
 
+@pytest.mark.slow
 def test_processes_end_with_a_parent_that_is_killed():
     """The worker is busy for ten minutes when its parent dies; it is gone long before (the poll ends after 20 s)."""
     here = os.path.dirname(__file__)

@@ -160,6 +160,7 @@ def test_the_motion_starts_from_the_state_it_is_given():
     assert problem.motion().unknowns(y, state.load) == pytest.approx(away, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_soft_layer_at_high_friction_lets_go_as_many_nodes_as_gfmd():
     """30 or 29 of 1024, by GFMD with even steps of 1/8 and 1/16 of the largest stable one; at longer ones others."""
     scene = Scene(E=14.0, delta_bar=-0.15, phi_ratio=2.0, u_x_max=25.5)
@@ -169,6 +170,7 @@ def test_a_soft_layer_at_high_friction_lets_go_as_many_nodes_as_gfmd():
     assert 25 < int((there[0] - start[0] > 1.5).sum()) < 35  # 162 nodes from another start
 
 
+@pytest.mark.slow
 def test_a_surface_that_begins_to_flutter_slips_before_the_load_has_gone_far():
     """Its oscillation takes long to grow; plain GFMD slips within 0.015 nm, where the load rose by 0.3 meanwhile."""
     scene = Scene(E=10.0, delta_bar=0.2, u_x_max=27.9, du_x=0.1)

@@ -15,6 +15,7 @@ from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, figure_8, onset
 from solver.presets import preset
 
+pytestmark = pytest.mark.slow  # they share the runs of Figs. 7 and 8
 BLACK, RED, BLUE = INTERFACES
 CASE_I, CASE_II, CASE_III = (preset(f"fig7-case{i}").scene for i in (1, 2, 3))
 DEEPEST = 1.0  # delta_bar of the paper's deepest run, where the threshold line bends
