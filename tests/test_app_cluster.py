@@ -66,14 +66,12 @@ def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
 def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, caplog):
     error = workers.submit(int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason
-    process = workers.submit(os.getpid).result(PATIENCE)
-    stuck = workers.submit(time.sleep, 60.0, seconds=60.0)
-    other = workers.submit(time.sleep, 60.0, seconds=60.0)
-    until(lambda: stuck.running())
+    asked = workers.submit(os.getpid)
+    process = asked.result(PATIENCE)
+    stuck = workers.submit(time.sleep, PATIENCE, seconds=PATIENCE, near=asked)
+    until(stuck.running)
     os.kill(process, signal.SIGKILL)
-    until(lambda: stuck.done() or other.done())
-    lost = stuck if stuck.done() else other
-    assert lost.exception().kind == "crash"
+    assert stuck.exception(PATIENCE).kind == "crash"
     until(lambda: workers.ready == 2)  # a nanny has started another
 
 
