@@ -137,7 +137,7 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
 @pytest.mark.slow
 def test_a_call_that_crashes_or_hangs_costs_its_process_only():
     items = ["a", "die", "raise", "b", "hang", "c"]
-    found = dict(outcomes(peculiar, items, 2, limit=20.0))
+    found = dict(outcomes(peculiar, items, 2, limit=10.0))
     assert [found[k] for k in (0, 3, 5)] == ["a", "b", "c"]
     assert [found[k].kind for k in (1, 2, 4)] == ["crash", "error", "hang"]
     assert all(isinstance(found[k], Lost) for k in (1, 2, 4))
