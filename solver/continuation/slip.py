@@ -43,7 +43,7 @@ class Limits:
     crept: float = 0.1
     landing: float = 0.03
     drawn: float = 0.3
-    landing_steps: int = 100
+    landing_steps: int = 60
     come_and_go: int = 10
     patience: float = 8.0
     steps: int = 4000
@@ -92,7 +92,7 @@ def _moved(problem, watch, damping, end, closed, finer, film=None):
     changes, r = np.zeros(active.size, int), np.empty(problem.size)
     landing, looks, limit = LIMITS.landing * unit, 0, problem.evaluations + LIMITS.budget
     short, elapsed, ahead = LIMITS.short * unit, 0.0, np.zeros(problem.size)
-    patience, least, crawl = 0.0, LIMITS.creep_steps, 1.0
+    patience, least, crawl, modes = 0.0, LIMITS.creep_steps, 1.0, None
     if isfinite(damping):
         least = LIMITS.steps
         patience = LIMITS.patience * 4.0 * np.pi / (dynamics.critical * min(1.0, damping))
@@ -130,7 +130,7 @@ def _moved(problem, watch, damping, end, closed, finer, film=None):
         if worst < small:
             calm = damping >= LIMITS.creeps and worst < LIMITS.crept * small
             if calm or np.abs(dynamics.displacement(motion.swing())).max() < small:
-                state = _landed(problem, watch, v, active, load)
+                state, modes = _landed(problem, watch, v, active, load, modes)
                 if state is not None and not (end.located and np.abs(state.v - end_v).max() < LIMITS.shortest * unit):
                     if film is not None:
                         film.append((problem, state.v, state.active, load))
@@ -167,17 +167,22 @@ def _longer(slow, moved):
     return min(2.0 * slow, LIMITS.crawl[2]) if moved < LIMITS.crawl[0] else max(0.5 * slow, 1.0)
 
 
-def _landed(problem, watch, v, active, load):
-    """The State by Anderson steps from v; None if they fail, lead away, or to no rest."""
+def _landed(problem, watch, v, active, load, modes):
+    """(State by Anderson steps from v, None if they fail, lead away, or to no rest; modes of what they led to).
+
+    modes: of what the landing before led to: while oscillations go on, often the same equilibrium, which is no rest.
+    """
     corrector = Corrector(problem)
     corrector.begin(State.at_rest(load, v, active))
     secants, rest = corrector.secants(), v.copy()
     active = corrector.settle(rest, active, load, secants, LIMITS.landing_steps)
     if active is None or np.abs(rest - v).max() > LIMITS.drawn * problem.unit:
-        return None
-    stability = watch.sure(problem, rest, active, load, smooth=corrector.inverse)
+        return None, modes
+    if modes is not None and (modes.v.size != v.size or np.abs(rest - modes.v).max() > LIMITS.drawn * problem.unit):
+        modes = None
+    stability = watch.sure(problem, rest, active, load, modes, smooth=corrector.inverse)
     if not stability.rests:
-        return None
+        return None, stability.modes
     state = State.at_rest(load, rest, active)
     state.secants, state.sharp, state.modes = secants, corrector.sharp, stability.modes
-    return state
+    return state, stability.modes
