@@ -11,10 +11,10 @@ from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileEr
 from .text import UNITS
 
 MOST_BYTES = 10_000_000
-MOST_POINTS = int(LIMITS["nodes"].high)  # kept; more than there are nodes would tell nothing
+MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 LARGEST = 1e9  # nm
-JOIN = 0.05  # of the length, at each end, over which the ends are brought together
-FINER = 4  # points at equal distances for one at unequal ones
+JOIN = 0.05  # share of the length, at each end, over which the two ends are brought to one height
+FINER = 4  # times as many points where unequal distances are resampled to equal ones
 HEADED = re.compile(r"[\[(/]\s*(nm|[µμu]m|Å)\b")  # a unit in the heading, as in x [nm], z (nm), z/nm
 SEPARATOR = re.compile(r"[,;\t]")  # or any blanks, where none of these occurs
 
@@ -23,8 +23,8 @@ def read_profile(source, width=None):
     """The Profile in a CSV of x, z (nm): its mean line removed, made periodic, at equal distances; raises ProfileError.
 
     source: a path (os.PathLike), or the file's content as str or bytes. Columns are separated by comma, semicolon, tab
-    or space; empty lines and what follows # are passed over, and a heading but for its units, as in x [µm], z [nm].
-    width (nm): the middle part of that width.
+    or space; empty lines and what follows # are skipped; of a heading only units are read, as in x [µm], z [nm].
+    width (nm): use only the middle part of that width.
     """
     lines, x, z, units = _columns(_text(source))
     read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
@@ -46,7 +46,7 @@ def read_profile(source, width=None):
 
 
 def _text(source):
-    """The content as text; raises ProfileError where it is none."""
+    """The content as text; raises ProfileError where it is not text."""
     if isinstance(source, PathLike):
         source = _content(Path(source))
     if len(source) > MOST_BYTES:
@@ -157,7 +157,7 @@ def _refuse_steep(lines, x, z, remedy, why=""):
 
 
 def _joined(lines, x, z, notes):
-    """The same with ends that meet: a step between them is spread over JOIN of the length at each end, as a cosine."""
+    """z with ends of one height: the step between them is spread over JOIN of the length at each end, as a cosine."""
     step, reach = float(z[-1] - z[0]), JOIN * (x[-1] - x[0])
     steepest = np.pi * abs(step) / (4.0 * reach)
     if steepest > STEEPEST:
@@ -174,7 +174,7 @@ def _joined(lines, x, z, notes):
 
 
 def _at_equal_distances(x, z, notes):
-    """Heights (points,) over one period, whose last point is the first of the next and left out."""
+    """Heights (points,) of one period at equal distances; its last point, the first of the next period, is left out."""
     gaps, length = np.diff(x), x[-1] - x[0]
     even = np.ptp(gaps) <= EVEN * gaps.mean()
     points = gaps.size if even else FINER * gaps.size

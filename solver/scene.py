@@ -9,9 +9,9 @@ from .schema import Choice, Range, SceneError, number, parameters, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
 EPSILON = 2.2e-16  # round-off of double precision
-ROUNDINGS = 2.0  # that add up in a residual, over what `Scene.attainable` estimates; measured on soft scenes
+ROUNDINGS = 2.0  # round-off found in a residual over the estimate of `Scene.attainable`; measured on soft scenes
 LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
-SPACING = (0.05, 20.0)  # a/delta_t: finer lattices carry no friction, coarser ones no lattice sum
+SPACING = (0.05, 20.0)  # a/delta_t; finer lattices carry no friction, on coarser ones a node feels one site at most
 
 LOAD_PATH, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"
 KINDS = {name: surface.meaning for name, surface in SURFACES.items()}
@@ -25,7 +25,7 @@ HOLDS = {"delta": "the indentation", "load": "the normal load reached by the app
 
 @dataclass(frozen=True)
 class Scene:
-    """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; defaults where it is silent are ours).
+    """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; defaults of our own where it gives none).
 
     A number is declared by its default, lowest and highest value, unit, meaning and group; a word by its default,
     choices, meaning and group. Raises SceneError when built with a value of the wrong type or outside its range, or
@@ -68,7 +68,7 @@ class Scene:
     seed: int = number(
         1, 0, 999999, "", "which of all rough profiles of that spectrum, a whole number", SURFACE, whole=True
     )
-    measured: Profile | None = None  # what surface 'measured' shows
+    measured: Profile | None = None  # of surface 'measured'
 
     phi_n: float = number(2.0, 1e-3, 1e3, "N/m", "normal work of separation of one spring", INTERFACE)
     phi_ratio: float = number(1.0, 0.0, 100.0, "", "tangential over normal work of separation", INTERFACE)
@@ -139,18 +139,18 @@ class Scene:
 
     @property
     def attainable(self):
-        """Smallest residual that double precision can tell from none, nm: round-off of u, seen through the interface.
+        """Smallest residual that double precision can tell from zero, nm: round-off of u, amplified by the interface.
 
-        A displacement u known to eps u makes a traction error of the interface's stiffness times that; errors of the
-        nodes are independent, so the layer answers to all of them with the root mean square of its compliance over the
-        modes, (h/G) ((1 + 4 k)/nodes)^1/2 with k the number of waves longer than h. Flat on flat they are all alike,
-        but only one unknown is to be rounded, at a gap where the interface is a tenth as stiff as it can be.
+        A displacement u is known to eps u, hence its traction to eps u times the interface's stiffness. These errors
+        are independent from node to node, so the layer multiplies them by the root mean square of its compliance over
+        all modes, (h/G) ((1 + 4 k)/nodes)^1/2 with k the number of waves longer than h. Flat on flat, all nodes share
+        one error, but it arises at a gap where the interface has a tenth of its largest stiffness.
         """
         stiffness = max(self.phi_n / self.delta_n**2, 2.0 * self.phi_t / self.delta_t**2)
         h, nu = self.height * self.width, self.nu
         long_waves = (3.0 - 4.0 * nu) / (8.0 * pi * (1.0 - nu)) / self.height
         share = 0.1 if self.surface == "flat" else min(1.0, sqrt((1.0 + 4.0 * long_waves) / self.nodes))
-        # adhesion draws the surface towards the other one: the layer as a whole, or a wave as long as the cell
+        # how far adhesion can draw the surface down: the layer as a whole and a wave as long as the cell
         compliance = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)) * h + min(h, long_waves * h)
         drawn = compliance / self.shear_modulus * self.phi_n / (e * self.delta_n)
         largest = self.u_x_max + self.delta_0 + abs(self.delta) + min(drawn, 0.5 * float(self.profile.max()))

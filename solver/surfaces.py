@@ -1,10 +1,9 @@
 """The undeformed surface of the layer: every kind is a Surface, whose `gap` gives the gap g0 (nm) of a Scene's nodes.
 
-Every gap is periodic over w, and at delta = 0 the surfaces just touch if nothing deforms. The lowest point of the
-continuous profile of the punch and the wave is at 0, their lowest node above it unless one stands on a crest; of the
-other kinds the lowest node is at 0. The highest is at the ends of the cell, so that a contact lies across them last of
-all, and edges come in order; only of a measured profile it is where the Profile has it: after `read_profile` there as
-well, unless means over the node spacing fill the deepest valley.
+Gaps are periodic over w; at delta = 0 the undeformed surfaces just touch. For punch and wave g0 = 0 is the lowest point
+of the continuous profile (the lowest node is higher unless one stands on a crest), for other kinds the lowest node.
+The largest gap stands at the ends of the cell, so that contact spreads across them last of all. A measured profile is
+not moved: `read_profile` puts its deepest valley there, which means over the node spacing may fill.
 """
 
 from collections.abc import Callable
@@ -13,12 +12,12 @@ from functools import lru_cache
 
 import numpy as np
 
-STEEPEST = 0.3  # slope of a wave or a measured profile: 1 - cos is 5 % there, beyond it slopes are not small
+STEEPEST = 0.3  # slope of a wave or a measured profile; beyond it slopes are not small: 1 - cos of the angle is 5 %
 FEWEST_NODES = 8  # to a wavelength of a wave
 SHORTEST = 4  # node spacings to the cut-off wavelength
 FEWEST_POINTS = 16  # of a measured profile
 LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the widths a cell may have
-EVEN = 1e-6  # of the spacing, by which points at equal distances may be off
+EVEN = 1e-6  # of the spacing: points off by no more count as equidistant
 
 
 class ProfileError(ValueError):
@@ -56,7 +55,7 @@ class Profile:
             raise ProfileError(f"heights[{k}] = {self.z[k]:g}: allowed: finite numbers, in nm; leave it out")
         with np.errstate(over="ignore"):  # a slope of infinity is too steep as well
             slope = np.abs(np.diff(self.z, append=self.z[0])).max() / (self.length / self.z.size)
-        if slope > STEEPEST * (1.0 + 4.0 * EVEN):  # one of STEEPEST at the distances that were read
+        if slope > STEEPEST * (1.0 + 4.0 * EVEN):  # distances as read were off by EVEN
             reason = f"heights: the largest slope is {slope:.3g}; allowed: up to {STEEPEST:g}; smooth or rescale them"
             raise ProfileError(reason)
 
@@ -90,10 +89,10 @@ def _heights(values):
 
 
 def averaged(x, z, points):
-    """Means (points,) of a profile, linear between x, z (n,), over the spacing around each of `points` equal distances.
+    """Means (points,) of the profile linear between x, z (n,), each over the spacing around one of equidistant places.
 
-    Differences of its integral: where points lie closer than the new spacing, their short waves die away, and do not
-    turn into long ones as they would if sampled. The last of x, z is the first of the next period.
+    Waves shorter than the new spacing are averaged away, where sampling would alias them into long ones. The last of
+    x, z is the first of the next period.
     """
     x, level = x - x[0], z.mean()
     z, gaps = z - level, np.diff(x)
@@ -125,7 +124,7 @@ def wave(scene):
 
 
 def _wave_refused(scene):
-    """As every `refused`: (parameter, what is allowed, remedy), or None where the surface can be built."""
+    """See `Surface.refused`."""
     most = scene.nodes // FEWEST_NODES
     if scene.waves > most:
         return "waves", f"allowed: 1 .. {most}, {FEWEST_NODES} nodes to a wavelength", "lower it, or enlarge nodes"
@@ -152,12 +151,12 @@ def rough(scene):
 
 
 def _uniform(seed, count):
-    """The first `count` of a stream of numbers in [0, 1), from the generator's bits: the same with every NumPy."""
+    """`count` random numbers in [0, 1), made from the generator's raw bits, so that every NumPy gives the same."""
     return (np.random.Philox(key=seed).random_raw(count) >> np.uint64(11)) * 2.0**-53
 
 
 def _modes(scene):
-    """Number of the cut-off's mode: the shortest wave of a rough profile fits so often into the cell."""
+    """How often the shortest wave of a rough profile fits into the cell: the number of its modes."""
     return int(1.0 / scene.cut_off + 1e-9)
 
 
@@ -171,9 +170,9 @@ def _rough_refused(scene):
 
 
 def measured(scene):
-    """The profile's summits face the substrate: highest z less z, linearly between its points.
+    """Highest z less z, as the profile's summits face the substrate; linear between its points.
 
-    Fewer nodes than points show means over the node spacing.
+    With fewer nodes than points, each node has the mean over the node spacing.
     """
     z = scene.measured.z
     at, depth = np.arange(z.size + 1), np.append(z.max() - z, z.max() - z[0])
