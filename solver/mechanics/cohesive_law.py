@@ -7,16 +7,16 @@ A spring from a surface node to a lattice site has the tangential gap dt and the
 
 as traction on the layer. Both lattices have the period a, so the sum over sites depends on u_x only through its
 distance r to the nearest site, and the Gaussians of all sites follow from exp(-r^2) and exp(2 a r) by recurrence.
-All loops run over the nodes and hold no branch and no call, so that they compile to vector instructions.
+Loops over nodes hold no branch and no call, so that they compile to vector instructions.
 """
 
 import numpy as np
 from numba import njit
 
-DEEPEST = -50.0  # dn/delta_n; deeper overclosure (iterates only, never a solution) is continued as if at this depth
-WORK = 10  # rows of scratch that `tractions` and `tangents` need
+DEEPEST = -50.0  # dn/delta_n; nodes deeper than that (in iterates only, never in a solution) count as this deep
+WORK = 10  # rows of the scratch array `work`
 
-_fast = {"contract", "nsz", "arcp"}  # no reordering of sums, and NaN stays NaN
+_fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
 
 
 def law_constants(scene):
@@ -92,7 +92,7 @@ def window_sums(u, profile, law, work, m):
     shrink *= shrink
     for k in range(1, int((window + 0.5 * a) / a) + 1):
         for i in range(m):
-            ahead[i] *= up[i]  # up and down: the ratio of the next Gaussian to this one, ahead and behind
+            ahead[i] *= up[i]  # Gaussian of site k ahead from that of site k - 1; up, down: their ratios
             behind[i] *= down[i]
             up[i] *= shrink
             down[i] *= shrink
@@ -135,22 +135,12 @@ def tangents(u, profile, active, law, work, out):
         out[3, i] = -law[0] * (1.0 - dn[i]) * s0[i] * force / law[2]
 
 
-@njit(cache=True, nogil=True)
-def reflect(field, size):
-    """Make the right half of field (2, >= size) the mirror image of the left one: row x is odd, row z even."""
-    for i in range(size - size // 2, size):
-        field[0, i] = -field[0, size - 1 - i]
-        field[1, i] = field[1, size - 1 - i]
-    if size % 2:
-        field[0, size // 2] = 0.0
-
-
 def traction(scene, ux, gap):
     """(T_x, T_z), GPa, of nodes displaced by ux (nm) at that gap (nm); arrays of one shape, or numbers."""
     ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
     u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((2, ux.size))
-    nodes = np.zeros(ux.size), np.ones(ux.size, bool)
-    tractions(u, *nodes, law_constants(scene), np.empty((WORK, ux.size)), out, ux.size)
+    profile, active = np.zeros(ux.size), np.ones(ux.size, bool)
+    tractions(u, profile, active, law_constants(scene), np.empty((WORK, ux.size)), out, ux.size)
     return out.reshape(2, *ux.shape)
 
 
@@ -158,6 +148,6 @@ def tangent(scene, ux, gap):
     """The tangents, rows as in `tangents`, GPa/nm; arguments as in `traction`."""
     ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
     u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((4, ux.size))
-    nodes = np.zeros(ux.size), np.ones(ux.size, bool)
-    tangents(u, *nodes, law_constants(scene), np.empty((WORK, ux.size)), out)
+    profile, active = np.zeros(ux.size), np.ones(ux.size, bool)
+    tangents(u, profile, active, law_constants(scene), np.empty((WORK, ux.size)), out)
     return out.reshape(4, *ux.shape)

@@ -1,4 +1,4 @@
-"""The interface seen through the layer: tractions of the nodes that can interact, and the layer's response to them."""
+"""The nodes that can interact: their tractions and tangents, and the layer's response to them."""
 
 import numpy as np
 from numba import njit
@@ -6,31 +6,31 @@ from numba import njit
 from . import cohesive_law
 from .layer import Convolution, Modes, UniformMode
 
-MARGIN = 1e-3  # of delta_n, by which a node must cross the edge of the window to be let in or out
-LOOK = 16  # force evaluations between two looks at the clock
-EDGE = 2  # nodes at each end of a patch that must stay inactive
+MARGIN = 1e-3  # delta_n: a node becomes active, or inactive, once so far beyond the edge of the window
+LOOK = 16  # force evaluations between two calls of `watch`
+EDGE = 2  # nodes at each end of a patch: once one of them is active, the patch is too narrow
 
 
 class Contact:
-    """One scene on `size` neighbouring nodes from node `first` on; counts its force evaluations.
+    """The patch of `size` neighbouring nodes from node `first` on; counts its force evaluations.
 
-    uniform: one node that stands for all; normal_only: without tangential traction.
-
-    Nodes outside the patch carry no traction; where they are follows from the patch (`run.summary.whole_surface`).
+    Nodes outside carry no traction; their displacements follow from the patch (`run.summary.whole_surface`). A flat's
+    patch of one node is `uniform`: that node stands for all. normal_only: tangential tractions are zero throughout.
     Buffers belong to this object: not for use by two threads. `watch()` is called every LOOK evaluations, and may raise
     to end the increment in hand.
     """
 
-    def __init__(self, scene, first, size, uniform=False, normal_only=False):
+    def __init__(self, scene, first, size, normal_only=False):
         self.scene, self.first, self.size = scene, first, size
         self.profile = np.ascontiguousarray(scene.profile[first : first + size])
         self.window = scene.window_n * scene.delta_n
         self.law = cohesive_law.law_constants(scene)
-        self.modes, self.nodes, self.normal_only, self.uniform = Modes.of(scene), scene.nodes, normal_only, uniform
+        self.modes, self.nodes, self.normal_only = Modes.of(scene), scene.nodes, normal_only
+        self.uniform = size == 1 and scene.surface == "flat"
         modes = self.modes.compliance
-        self._layer = UniformMode(modes) if uniform else Convolution(modes, scene.nodes, size, normal_only)
-        self.covers_cell = uniform or size == scene.nodes
-        self._others = not self.covers_cell and _summits_outside(scene.profile, first, size)
+        self._layer = UniformMode(modes) if self.uniform else Convolution(modes, scene.nodes, size, normal_only)
+        self.covers_cell = self.uniform or size == scene.nodes
+        self._summits_outside = not self.covers_cell and _summits_outside(scene.profile, first, size)
         self._whole = None  # the layer's response over all nodes, once `overlooked` needs it
         self.work = np.empty((cohesive_law.WORK, size))
         self.evaluations, self.watch = 0, None
@@ -72,7 +72,7 @@ class Contact:
     def product(self, tangents, w):
         """(C dT/du w nm, dT/du w GPa), (2, size) each, buffers; counts as a force evaluation, without exponentials."""
         self.count()
-        _turn(tangents, w, self._layer.field)
+        _tangent_product(tangents, w, self._layer.field)
         self._layer.apply()
         return self._layer.product, self._layer.field
 
@@ -85,9 +85,9 @@ class Contact:
         return self.profile + u[1] <= self.window
 
     def admitted(self, u, active, settled=None):
-        """`active` itself, or a new set if nodes crossed the edge of the window by more than MARGIN.
+        """`active` itself, or a new set if nodes lie on the other side of the window's edge by more than MARGIN.
 
-        settled (bool (size,), optional): nodes that must stay as they are.
+        settled (bool (size,), optional): nodes that stay as they are.
         """
         margin = MARGIN * self.scene.delta_n
         if not _crossed(u, self.profile, active, self.window, margin):
@@ -99,15 +99,15 @@ class Contact:
         return active ^ changed if changed.any() else active
 
     def crowded(self, active):
-        """Whether an active node stands at the end of the patch, so that its neighbours outside may act as well."""
+        """Whether an active node stands at an end of the patch, so that its neighbours outside may interact as well."""
         return not self.covers_cell and bool(active[:EDGE].any() or active[-EDGE:].any())
 
     def overlooked(self, u, active, height):
-        """Whether a node outside the patch has come within the window, where other summits stand there.
+        """Whether a node outside the patch has come within the window; looked at only where summits stand outside.
 
         u: (2, size) nm in equilibrium with the top at U_z = height, nm.
         """
-        if not self._others:
+        if not self._summits_outside:
             return False
         part = slice(self.first, self.first + self.size)
         gap = self.scene.profile + height + self.whole(self.traction(u, active))[1]
@@ -123,7 +123,7 @@ class Contact:
         return self._whole.product
 
     def wider(self):
-        """The Contact of a patch wider by half; of the whole cell once that is reached, and from one node for all."""
+        """The Contact of a patch wider by half or more; of the whole cell if that reaches its ends, or if `uniform`."""
         more = max(16, self.size // 4)
         low, high = self.first - more, self.first + self.size + more
         whole = self.uniform or low < 0 or high > self.nodes
@@ -134,9 +134,9 @@ class Contact:
 
 
 def patch(scene, bulge):
-    """(first, size): nodes that come within the window at the deepest indentation, plus a gap of `bulge` delta_n.
+    """(first, size) of a run's first patch: from the first to the last node that may come within the window.
 
-    One range from the first to the last of them, with all that lies between; the lowest node if there are none.
+    These have a gap up to `bulge` delta_n beyond the window at the full indentation; if none has, the lowest node.
     """
     profile = scene.profile
     near = np.flatnonzero(profile - scene.delta <= (scene.window_n + bulge) * scene.delta_n)
@@ -146,7 +146,7 @@ def patch(scene, bulge):
 
 
 def _summits_outside(profile, first, size):
-    """Whether the gap outside a patch does not just grow away from it, so that the patch's ends cannot tell for it."""
+    """Whether the gap has minima outside a patch, where nodes may touch before those at its ends do."""
     before, after = profile[: first + 1], profile[first + size - 1 :]
     return bool((np.diff(before) > 0.0).any() or (np.diff(after) < 0.0).any())
 
@@ -161,7 +161,8 @@ def _crossed(u, profile, active, window, margin):
 
 
 @njit(cache=True, nogil=True)
-def _turn(tangents, w, out):
+def _tangent_product(tangents, w, out):
+    """out = dT/du w, (2, size)."""
     for i in range(w.shape[1]):
         out[0, i] = tangents[0, i] * w[0, i] + tangents[1, i] * w[1, i]
         out[1, i] = tangents[2, i] * w[0, i] + tangents[3, i] * w[1, i]

@@ -1,7 +1,7 @@
-"""The inverse of the tangent of an equilibrium, dense and in single precision: a preconditioner, exact to some digits.
+"""The inverse of the tangent of an equilibrium, dense, in single precision: a preconditioner right to some digits.
 
-Only active nodes have a tangent; what the others do follows from these. It costs the cube of their number once and the
-square at every use, and pays where layers are soft: there an iteration needs a hundred products with the tangent.
+Only the tractions of active nodes change; the displacements of the others follow from them. Forming it costs the cube
+of their number, each use the square; it pays where layers are soft: there iterations need a hundred products each.
 """
 
 from dataclasses import dataclass
@@ -12,12 +12,10 @@ from numba import njit
 
 @dataclass(frozen=True)
 class Limits:
-    """most: active nodes, beyond which iterations take less time than to form an inverse. leaf: rows below which LAPACK
-    inverts faster than products of blocks.
-    """
+    """Sizes at which methods change, by measured times."""
 
-    most: int = 1200
-    leaf: int = 96
+    most: int = 1200  # active nodes; for more, iterative solves take less time than to form the inverse
+    leaf: int = 96  # rows; blocks up to that size are inverted faster by LAPACK than by halves
 
 
 LIMITS = Limits()
@@ -35,7 +33,7 @@ class DenseInverse:
         _fill(contact.modes.kernels, self._nodes, self._tangents, matrix)
         if self._held:
             matrix[k:-1, -1] = -1.0
-            matrix[-1, :-1] = -problem.mobility / contact.nodes * self._tangents[2:, self._nodes].reshape(-1)
+            matrix[-1, :-1] = -problem.top_compliance / contact.nodes * self._tangents[2:, self._nodes].reshape(-1)
         self._inverse = inverted(matrix)
         self._rows = np.concatenate([self._nodes, contact.size + self._nodes])
         if self._held:
@@ -56,7 +54,7 @@ class DenseInverse:
 
 
 def inverted(a):
-    """a^-1 by halves, so that nearly all of it are matrix products; overwrites a. Raises LinAlgError as numpy does."""
+    """a^-1 by halves, so that nearly all work is matrix products; overwrites a. Raises numpy's LinAlgError."""
     n = len(a)
     if n <= LIMITS.leaf:
         return np.linalg.inv(a)
@@ -75,7 +73,7 @@ def inverted(a):
 
 @njit(cache=True, nogil=True)
 def _fill(kernels, nodes, t, out):
-    """I - C J of the active nodes; kernels (3, n): C_xx, C_zz, C_xz between nodes, by their distance round the cell."""
+    """out = I - C J of the active nodes, t (4, size): J = dT/du, kernels as of `layer.Modes`."""
     k, n = nodes.size, kernels.shape[1]
     for i in range(k):
         for j in range(k):

@@ -1,7 +1,7 @@
-"""Small disturbances of the surface at an equilibrium: the Maps of `continuation.problem`, that tell whether it rests.
+"""Small disturbances of the surface at an equilibrium: the Maps of `continuation.problem`, which tell whether it rests.
 
-A disturbance x (2, n) nm, of every node of the cell, flattened, obeys x'' = (J - K) x - gamma x' with J = dT/du, which
-vanishes outside the patch. Parseval: its Euclidean product is that of Fourier modes of unit mass.
+A disturbance x (2, n) nm, of all n nodes of the cell, flattened, obeys x'' = (J - K) x - gamma x', with J = dT/du, zero
+outside the patch. By Parseval's theorem its Euclidean inner product is that of Fourier modes of unit mass.
 """
 
 import numpy as np
@@ -10,12 +10,12 @@ from numba import njit
 from .layer import multiply, transforms
 
 SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
-WIDER = 1.5  # growth of the variance of the average from level to level of `_flutter`
-MARGIN = 1.1  # on what `_flutter` finds: 8 % too little has been seen, at a damping of 0.06
+WIDER = 1.5  # growth of the variance of the average from level to level of `_flutter_friction`
+MARGIN = 1.1  # on what `_flutter_friction` finds: at a damping of 0.06, 8 % too little has been seen
 
 
 class Disturbances:
-    """Scratch and transforms for one Surface of more than one node; `at` an equilibrium gives the maps there."""
+    """Buffers and transforms for disturbances of one `equilibrium.Surface`; `at` gives the maps at an equilibrium."""
 
     def __init__(self, surface):
         problem, contact = surface.problem, surface.problem.contact
@@ -41,75 +41,75 @@ class Disturbances:
 
 
 class Disturbance:
-    """At one equilibrium; `size`: of a disturbance x, `tangents` (4, m): J on the patch, GPa/nm."""
+    """The Maps at one equilibrium; `size`: of a disturbance x, `tangents` (4, m): J on the patch, GPa/nm."""
 
-    def __init__(self, room, v, active):
-        self._room, self.size = room, room.size
-        self.stiffness, self.stiffest = room.stiffness, room.stiffest
-        self.tangents = t = room.contact.tangents(room.problem.surface(v), active)
+    def __init__(self, shared, v, active):
+        self._shared, self.size = shared, shared.size
+        self.stiffness, self.stiffest = shared.stiffness, shared.stiffest
+        self.tangents = t = shared.contact.tangents(shared.problem.surface(v), active)
         self.interface = float(np.abs(t).max())
         self.asymmetry = 0.5 * float(np.abs(t[1] - t[2]).max())
 
     def flutter(self, critical):
         """The damping, over `critical`, above which waves of the contact cannot flutter; 0.0 where none can at all.
 
-        For each wave the 2 x 2 block of J - K, J averaged over a length of 0.6/q by a Gaussian, taken at every place.
-        Not a proof, but no exception in 6237 frames.
+        Estimated at every place for a wave q as if alone: from the 2 x 2 block of J - K, with J averaged over a length
+        of 0.6/q by a Gaussian. Not a proof, but no exception in 6237 frames.
         """
         if self.asymmetry == 0.0:
             return 0.0
-        room = self._room
-        return MARGIN * _flutter(self.tangents, room.stiffness, room.n, room.cell) / critical
+        shared = self._shared
+        return MARGIN * _flutter_friction(self.tangents, shared.stiffness, shared.n, shared.cell) / critical
 
     def product(self, x):
         """(J - K) x, a new array; counts as a force evaluation."""
-        room = self._room
-        room.contact.count()
-        field = x.reshape(2, room.n)
-        room._before[:] = field
-        room.through(room._stiffness)
-        out = np.empty((2, room.n))
-        _less(self.tangents, field, room._after, room.first, out)
+        shared = self._shared
+        shared.contact.count()
+        field = x.reshape(2, shared.n)
+        shared._before[:] = field
+        shared.through(shared._stiffness)
+        out = np.empty((2, shared.n))
+        _tangent_less_layer(self.tangents, field, shared._after, shared.first, out)
         return out.reshape(-1)
 
     def filtered(self, x, blocks):
-        """x through the layer's modes times blocks, rows xx, zz, c as of the stiffness; a new array."""
-        room = self._room
-        room._before[:] = x.reshape(2, room.n)
-        room.through(blocks * (SIGNS / room.n))
-        return room._after.reshape(-1).copy()
+        """x, each Fourier mode times its 2 x 2 block, rows xx, zz, c as of the stiffness; a new array."""
+        shared = self._shared
+        shared._before[:] = x.reshape(2, shared.n)
+        shared.through(blocks * (SIGNS / shared.n))
+        return shared._after.reshape(-1).copy()
 
     def load(self, f):
         """What a force f (size of x) on the surface adds to the residual R of the unknowns, a new array."""
-        room, field = self._room, f.reshape(2, -1)
-        room._before[:] = field
-        room.through(room._compliance)
-        out = np.empty(room.problem.size)
-        out[: 2 * room.m] = room._after[:, room.patch].reshape(-1)
-        if room.held:
-            out[-1] = room.problem.mobility * field[1].sum() / room.n
+        shared, field = self._shared, f.reshape(2, -1)
+        shared._before[:] = field
+        shared.through(shared._compliance)
+        out = np.empty(shared.problem.size)
+        out[: 2 * shared.m] = shared._after[:, shared.patch].reshape(-1)
+        if shared.held:
+            out[-1] = shared.problem.top_compliance * field[1].sum() / shared.n
         return out
 
     def spread(self, w, f=None):
-        """The surface x at rest with unknowns w (problem size) under a force f besides, a new array."""
-        room = self._room
-        room._before[:] = 0.0 if f is None else f.reshape(2, room.n)
-        _turned_on(self.tangents, w[: 2 * room.m].reshape(2, -1), room.first, room._before)
-        room.through(room._compliance)
-        out = room._after.copy()
-        if room.held:
+        """The whole surface x that rests with unknowns w (problem size) under an additional force f, a new array."""
+        shared = self._shared
+        shared._before[:] = 0.0 if f is None else f.reshape(2, shared.n)
+        _add_tangent_product(self.tangents, w[: 2 * shared.m].reshape(2, -1), shared.first, shared._before)
+        shared.through(shared._compliance)
+        out = shared._after.copy()
+        if shared.held:
             out[1] += w[-1]
         return out.reshape(-1)
 
     def seen(self, x):
         """The unknowns of a disturbance x, a new array (problem size)."""
-        room, field = self._room, x.reshape(2, -1)
-        w = field[:, room.patch].reshape(-1)
-        return np.append(w, field[1].mean()) if room.held else w.copy()
+        shared, field = self._shared, x.reshape(2, -1)
+        w = field[:, shared.patch].reshape(-1)
+        return np.append(w, field[1].mean()) if shared.held else w.copy()
 
 
 class UniformDisturbance:
-    """The same for the one node that stands for all: x (2,), the uniform wave alone; no `tangents`, no `flutter`."""
+    """The Maps of one node that stands for all: x (2,), the uniform mode; no others are needed for one so small."""
 
     size = 2
 
@@ -128,9 +128,9 @@ class UniformDisturbance:
 
 
 def uniform_growth(problem, v, active, damping):
-    """Growth of the uniform disturbance, and the largest of those with q > 0, of a surface whose nodes are all alike.
+    """(growth of the uniform disturbance, largest growth of those with q > 0) of a surface whose nodes are all alike.
 
-    damping: over critical; inf: the growths are those of the overdamped limit.
+    damping: over critical; inf: growths of the overdamped limit.
     """
     contact, motion = problem.contact, problem.motion()
     k = contact.modes.stiffness
@@ -146,9 +146,7 @@ def _fastest(t, k, first, friction):
     """The largest growth over the modes from `first` on, for the same J = t (4,) at every node."""
     fastest = -np.inf
     for q in range(first, k.shape[1]):
-        mean, half = 0.5 * (t[0] - k[0, q] + t[3] - k[1, q]), 0.5 * (t[0] - k[0, q] - t[3] + k[1, q])
-        root = np.sqrt(complex(half * half) + complex(t[1], k[2, q]) * complex(t[2], -k[2, q]))
-        for mu in (mean + root, mean - root):
+        for mu in _block_eigenvalues(t, k[0, q], k[1, q], k[2, q]):
             if np.isinf(friction):
                 fastest = max(fastest, mu.real)
             else:
@@ -157,8 +155,16 @@ def _fastest(t, k, first, friction):
 
 
 @njit(cache=True, nogil=True)
-def _less(t, x, layer, first, out):
-    """out = J x - layer; J acts on the patch."""
+def _block_eigenvalues(t, k_xx, k_zz, k_c):
+    """Both eigenvalues mu of the 2 x 2 block J - K of one mode, J = t (4,)."""
+    mean, half = 0.5 * (t[0] - k_xx + t[3] - k_zz), 0.5 * (t[0] - k_xx - t[3] + k_zz)
+    root = np.sqrt(complex(half * half) + complex(t[1], k_c) * complex(t[2], -k_c))
+    return mean + root, mean - root
+
+
+@njit(cache=True, nogil=True)
+def _tangent_less_layer(t, x, layer, first, out):
+    """out = J x - layer, with J on the patch that begins at node `first`."""
     for i in range(x.shape[1]):
         out[0, i], out[1, i] = -layer[0, i], -layer[1, i]
     for i in range(t.shape[1]):
@@ -168,19 +174,20 @@ def _less(t, x, layer, first, out):
 
 
 @njit(cache=True, nogil=True)
-def _turned_on(t, w, first, out):
-    """out += J w, w on the patch."""
+def _add_tangent_product(t, w, first, out):
+    """out += J w, with w on the patch that begins at node `first`."""
     for i in range(t.shape[1]):
         out[0, first + i] += t[0, i] * w[0, i] + t[1, i] * w[1, i]
         out[1, first + i] += t[2, i] * w[0, i] + t[3, i] * w[1, i]
 
 
 @njit(cache=True, nogil=True)
-def _flutter(tangents, k, n, cell):
-    """The largest |Im mu|/|Re mu|^1/2 of the local blocks.
+def _flutter_friction(tangents, k, n, cell):
+    """The friction gamma below which a wave may grow: the largest |Im mu|/|Re mu|^1/2 over waves and places.
 
-    The variance of the average grows by WIDER from level to level; each serves the waves with width <= 0.6/q. Places
-    are thinned out once the average is twice as wide as they are apart.
+    J is averaged more and more widely, the variance of the Gaussian growing by WIDER from level to level; each level
+    serves the waves whose 0.6/q lies between its width and the next. Places are thinned out once the average is twice
+    as wide as they are apart. cell: the patch is the whole cell of n nodes, so that averages go round its ends.
     """
     m = tangents.shape[1]
     field = tangents.copy() if cell else np.zeros((4, 2 * m))
@@ -192,8 +199,8 @@ def _flutter(tangents, k, n, cell):
         lowest = int(0.6 * n / (2.0 * np.pi * np.sqrt(wider))) + 1 if field.shape[1] >= 6 else 0
         p = highest
         while p >= lowest:
-            worst = max(worst, _steepest(field, k[0, p], k[1, p], k[2, p]))
-            p = min(p - 1, int(p / 1.19))
+            worst = max(worst, _largest_friction(field, k[0, p], k[1, p], k[2, p]))
+            p = min(p - 1, int(p / 1.19))  # four wavenumbers to an octave
         highest = lowest - 1
         if highest < 0:
             return worst
@@ -207,7 +214,7 @@ def _flutter(tangents, k, n, cell):
 
 @njit(cache=True, nogil=True)
 def _smoothed(field, share):
-    """Every place averaged with that share of each of its neighbours, round the end."""
+    """Every place averaged with that share of each of its two neighbours; the last neighbours the first."""
     count = field.shape[1]
     out = np.empty((4, count))
     for c in range(4):
@@ -218,12 +225,11 @@ def _smoothed(field, share):
 
 
 @njit(cache=True, nogil=True)
-def _steepest(j, k_xx, k_zz, k_c):
+def _largest_friction(field, k_xx, k_zz, k_c):
+    """Of the wave with that stiffness, over the places of field (4, places): see `_flutter_friction`."""
     worst = 0.0
-    for i in range(j.shape[1]):
-        mean, half = 0.5 * (j[0, i] - k_xx + j[3, i] - k_zz), 0.5 * (j[0, i] - k_xx - j[3, i] + k_zz)
-        root = np.sqrt(complex(half * half) + complex(j[1, i], k_c) * complex(j[2, i], -k_c))
-        for mu in (mean + root, mean - root):
+    for i in range(field.shape[1]):
+        for mu in _block_eigenvalues(field[:, i], k_xx, k_zz, k_c):
             if mu.real < 0.0:
                 worst = max(worst, abs(mu.imag) / np.sqrt(-mu.real))
     return worst

@@ -1,12 +1,12 @@
 """The contact as a problem R(v; s) = 0, under the contract of `continuation.problem`.
 
-Unknowns: the displacement of the patch, v[:2 m] = (u_x, u_z), nm; under a held load the height U_z of the top as well,
-the last of 2 m + 1. R = U(s) + C T(u) - u, nm; for the top, compliance times (p - p_0), with p the mean of T_z over the
-cell and p_0 the one to hold. The compliance there is that of the uniform mode, at least delta_n^2/phi_n: it scales a
-residual and decides nothing.
+Unknowns: the displacement of the patch, v[:2 m] = (u_x, u_z), nm; under a held load also the height U_z of the top, the
+last of 2 m + 1. Residual: R = U(s) + C T(u) - u, nm; for the top, `top_compliance` times (p - p_0), with p the mean of
+T_z over the cell and p_0 the one held. That compliance merely turns a pressure into nm: the uniform mode's, or
+delta_n^2/phi_n if that is more.
 
-A held load is a dead weight: the top has no mass of its own and no other force on it, so that the layer always bears
-p_0. In the motion of the surface (`Surface`) the uniform normal mode then has no stiffness, and the weight pulls.
+A held load is a dead weight: the top has no mass and bears no other force, so that the layer always carries p_0. In the
+motion (`Surface`) the uniform normal mode then has no stiffness, and p_0 acts on it as a force.
 """
 
 from functools import lru_cache
@@ -22,8 +22,8 @@ from .dense import DenseInverse
 from .disturbance import Disturbances, UniformDisturbance, uniform_growth
 from .layer import transforms
 
-UNSTABLE = 1e-6  # growth, 1/time, of a wave that one node hides
-STIFF = 50.0  # interface stiffness times the patch's largest compliance, from which on residuals are smoothed
+UNSTABLE = 1e-6  # growth, 1/time, from which on a wave that one node for all cannot show counts as growing
+STIFF = 50.0  # interface stiffness over that of the softest wave on the patch, from which on residuals are smoothed
 
 
 class Equilibrium:
@@ -41,7 +41,7 @@ class Equilibrium:
             self.direction[self.nodes :] = loading.direction[1]
         self._along = np.zeros(self.size)
         self._along[: self.nodes] = loading.direction[0]
-        self.mobility = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)
+        self.top_compliance = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)
         mode = min(max(1, round(scene.nodes / self.nodes)), scene.nodes // 2)
         self._stiff = STIFF / float(contact.modes.compliance[1, mode])
         self._smoother = lru_cache(maxsize=8)(self._new_smoother)
@@ -76,7 +76,7 @@ class Equilibrium:
         response = self.contact.response(u, active)
         worst = _residual(u, response, U_x, U_z, out)
         if self.pressure is not None:
-            out[-1] = self.mobility * (self.contact.pressure(self.contact.last_traction) - self.pressure)
+            out[-1] = self.top_compliance * (self.contact.pressure(self.contact.last_traction) - self.pressure)
             worst = max(worst, abs(out[-1]))
         return worst
 
@@ -85,7 +85,7 @@ class Equilibrium:
         return self.contact.traction(self.surface(v), active)
 
     def active_of(self, v, s):
-        """Nodes within the interaction window; raises PulledOff once nothing bears a weight that pulls."""
+        """Nodes within the interaction window; raises PulledOff if there are none and a tensile load is held."""
         active = self.contact.within_window(self.surface(v))
         if self.pressure is not None and self.pressure < 0.0 and not active.any():
             raise PulledOff(
@@ -100,7 +100,7 @@ class Equilibrium:
         return self.contact.admitted(self.surface(v), active, settled)
 
     def smoother(self, v, active):
-        """r -> (I + sigma C)^-1 r where the interface is stiff: it damps the long waves that contact pins; or None."""
+        """r -> (I + sigma C)^-1 r, sigma the interface's stiffness: weakens long waves, which it pins; None if soft."""
         tangents = self.contact.tangents(self.surface(v), active)
         stiffness = max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
         return self._smoother(ceil(log2(0.5 * stiffness))) if stiffness > self._stiff else None
@@ -128,15 +128,15 @@ class Equilibrium:
             out[:m] -= w[:m]
             if self.pressure is not None:
                 out[self.nodes : m] += w[-1]
-                out[-1] = self.mobility * contact.pressure(traction)
+                out[-1] = self.top_compliance * contact.pressure(traction)
             return out
 
         return product
 
     def inverse(self, v, active):
-        """The DenseInverse, or None where it is singular or would take longer than iterations; that of the last v kept.
+        """The DenseInverse, or None where it is singular or takes longer than iterations.
 
-        v must not be changed later.
+        That at the last v is kept: v must not be changed later.
         """
         if self._inverse[0] is not v:
             self._inverse = v, self._new_inverse(v, active)
@@ -155,25 +155,25 @@ class Equilibrium:
         return -mode if self.surface(mode)[1].sum() > 0.0 else mode.copy()
 
     def translated(self, v, distance):
-        """The same state moved on by a distance (nm) along the path, a whole number of sites; a new array."""
+        """The same state moved on along x by a distance (nm), a whole number of sites; a new array."""
         return v + distance * self._along
 
     def crowded(self, v, active, s):
-        """Whether a node outside the patch may act."""
+        """Whether a node outside the patch may interact."""
         if self.contact.covers_cell:
             return False
         return self.contact.crowded(active) or self.contact.overlooked(self.surface(v), active, self.top(v, s)[1])
 
     def hides(self, v, active):
-        """Whether one node that stands for all hides waves that grow (the adhesive instability of a flat, e.g.)."""
+        """Whether waves grow that one node for all cannot show (as in the adhesive instability of a flat)."""
         if not self.contact.uniform or not active.any():
             return False
         return uniform_growth(self, v, active, self.contact.scene.damping)[1] > UNSTABLE
 
     def grown(self, v, active, s):
-        """(the problem on a wider patch, v and active there): outside, the surface follows from the traction inside.
+        """(the problem on a wider patch, v, active there); new nodes are displaced by the tractions of the old ones.
 
-        From one node that stands for all: the problem of all nodes.
+        From one node for all: the problem of all nodes.
         """
         contact, (U_x, U_z) = self.contact, self.top(v, s)
         wide = Equilibrium(contact.wider(), self.loading, self.pressure)
@@ -190,17 +190,17 @@ class Equilibrium:
         return wide, wide.unknowns(u, U_z), wide_active
 
     def motion(self):
-        """The Surface that moves."""
+        """The Surface, whose rests are the equilibria of this problem."""
         if self._surface is None:
             self._surface = Surface(self)
         return self._surface
 
 
 class Surface:
-    """The whole surface in motion: y (2, modes), the Fourier coefficients of u, unit mass for each (paper section 2.1).
+    """The Dynamics of the whole surface: y (2, modes), the Fourier coefficients of u, of unit mass (paper section 2.1).
 
-    Attributes: stiffness (3, modes) GPa/nm in rows xx, zz, c, as of `layer.Modes`, the uniform normal mode's zero under
-    a held load; critical: 2 sqrt(k_min), the friction critical for the slowest mode of the layer.
+    Attributes: stiffness (3, modes) GPa/nm in rows xx, zz, c, as of `layer.Modes`, but zero for the uniform normal mode
+    under a held load; critical: 2 sqrt(k_min), the friction that is critical for the slowest mode of the layer.
     """
 
     def __init__(self, problem):
@@ -222,11 +222,11 @@ class Surface:
             self._patch = slice(contact.first, contact.first + contact.size)
 
     def top(self, s):
-        """U in the coordinates y, complex (2,)."""
+        """U as the uniform mode of y, complex (2,)."""
         return np.array(self.problem.loading.at(s), complex) * self._count
 
     def disturbance(self, v, active):
-        """The linear maps of small disturbances at an equilibrium; those of the last one are no longer valid."""
+        """The Maps of small disturbances at an equilibrium; those given before are no longer valid."""
         if self._uniform:
             return UniformDisturbance(self, v, active)
         if self._disturbances is None:
@@ -234,7 +234,7 @@ class Surface:
         return self._disturbances.at(v, active)
 
     def start(self, v, active, s):
-        """y of the surface held in v, complex (2, modes); outside the patch it follows from the traction inside."""
+        """y of the surface at rest in v, complex (2, modes); outside the patch it follows from the traction inside."""
         problem = self.problem
         T, (U_x, U_z) = problem.traction(v, active), problem.top(v, s)
         if self._uniform:
@@ -245,8 +245,10 @@ class Surface:
         y = problem.contact.modes.displacement(self._spectrum)
         y[0, 0] += U_x * self._count
         y[1, 0] += U_z * self._count
-        self._traction[:, self._patch] = problem.surface(v) - self.displacement(y)  # v is no equilibrium: which rest
-        self._forward()  # comes next may depend on a tenth of how far it is from one
+        # v is not quite an equilibrium: the patch is put where v has it, not where its traction would
+        # put it, as a tenth of that difference may decide which rest the motion reaches
+        self._traction[:, self._patch] = problem.surface(v) - self.displacement(y)
+        self._forward()
         return y + self._spectrum
 
     def displacement(self, y):
@@ -259,7 +261,7 @@ class Surface:
         return self._u[:, self._patch]
 
     def unknowns(self, y, s):
-        """v of y: under a held load, with the top where it rests on this surface."""
+        """v of y; under a held load the top is where the layer carries that load."""
         problem = self.problem
         height = float(y[1, 0].real) / self._count
         if problem.pressure is not None:
@@ -267,7 +269,7 @@ class Surface:
         return problem.unknowns(self.displacement(y), height)
 
     def force(self, y, active):
-        """T in the coordinates y, less a held load; complex (2, modes), a buffer. One force evaluation."""
+        """T in the coordinates y, less a held load; complex (2, modes), a buffer; counts as a force evaluation."""
         contact = self.problem.contact
         contact.count()
         u = self.displacement(y)

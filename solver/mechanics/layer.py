@@ -1,6 +1,7 @@
 """Elasticity of the bonded layer: its Green's function in Fourier space, and the products with it by FFT.
 
-Tractions on the lower surface are K (u - U) for the mode exp(i q x), with K_xz = -i K_c, K_zx = +i K_c.
+To displace the lower surface by u against the top's U takes tractions K (u - U) for the mode exp(i q x), with
+K_xz = -i K_c, K_zx = +i K_c.
 """
 
 from functools import cached_property, lru_cache
@@ -17,12 +18,11 @@ _planning = Lock()  # FFTW's planner is not thread-safe
 def stiffness(q, height, E, nu):
     """(K_xx, K_zz, K_c) in GPa/nm at wavenumbers q >= 0 (1/nm) of a layer of that height (nm), each of q's shape.
 
-    Source: plane-strain layer clamped at z = h; q = 0 is the uniform mode, q h -> infinity the half-plane.
+    A plane-strain layer clamped at z = h; q = 0 is the uniform mode, q h -> infinity the half-plane.
     """
     y, sc_plus, sc_minus, s2, y2, _ = _hyperbolic(q, height, nu)
     G, kappa = E / (2.0 * (1.0 + nu)), 3.0 - 4.0 * nu
-    # D = kappa^2 s^2 - y^2 as a product of two sums, so that nothing cancels at nu -> 1/2 and small y
-    d = _det(y, kappa)
+    d = _determinant(y, kappa)
     with np.errstate(invalid="ignore", divide="ignore"):
         k_xx = 4.0 * G * (1.0 - nu) * q * sc_minus / d
         k_zz = 4.0 * G * (1.0 - nu) * q * sc_plus / d
@@ -57,7 +57,7 @@ def _excess(y):
 
 
 def _hyperbolic(q, height, nu):
-    """y = q h; then kappa s c +- y, s^2, y^2 and B = kappa c^2 + y^2 + (1-2nu)^2, all times 4 exp(-2y)."""
+    """y = q h; then kappa s c +- y, s^2, y^2, kappa c^2 + y^2 + (1-2nu)^2, times 4 exp(-2y); s = sinh y, c = cosh y."""
     y, kappa = np.asarray(q, float) * height, 3.0 - 4.0 * nu
     t = np.exp(-2.0 * y)
     scale, sc, s2, c2 = 4.0 * t, (1.0 - t) * (1.0 + t), (1.0 - t) ** 2, (1.0 + t) ** 2
@@ -71,8 +71,8 @@ def _hyperbolic(q, height, nu):
     return y, plus, minus, s2, y2, kappa * c2 + y2 + scale * (1.0 - 2.0 * nu) ** 2
 
 
-def _det(y, kappa):
-    """4 exp(-2y) (kappa^2 sinh^2 y - y^2)."""
+def _determinant(y, kappa):
+    """4 exp(-2y) (kappa^2 sinh^2 y - y^2), as a product of two sums, so that nothing cancels at nu -> 1/2, small y."""
     small, half = np.minimum(y, 1.0), np.exp(-y)
     two_s = np.where(y < 1.0, 2.0 * half * np.sinh(small), 1.0 - half * half)
     less = np.where(y < 1.0, 2.0 * half * _excess(small), two_s - 2.0 * half * y)
@@ -103,7 +103,7 @@ class Modes:
         return _modes(scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu)
 
     def shifted(self, sigma):
-        """(I + sigma C)^-1 in rows xx, zz, c: removes from a residual what interface stiffness sigma (GPa/nm) would."""
+        """(I + sigma C)^-1 in rows xx, zz, c; sigma: stiffness of the interface, GPa/nm, the same at all nodes."""
         c_xx, c_zz, c_c = sigma * self.compliance
         det = (1.0 + c_xx) * (1.0 + c_zz) - c_c**2
         return np.array([(1.0 + c_zz) / det, (1.0 + c_xx) / det, -c_c / det])
@@ -111,8 +111,7 @@ class Modes:
     @cached_property
     def kernels(self):
         """C_xx, C_zz, C_xz = -C_zx between two nodes by their distance round the cell, (3, nodes) nm/GPa."""
-        c_xx, c_zz, c_c = self.compliance
-        return np.array([np.fft.irfft(c, self.nodes) for c in (c_xx, c_zz, 1j * c_c)])
+        return _kernels(self.compliance, self.nodes)
 
     def displacement(self, traction_q):
         """C T for Fourier tractions (2, nodes//2 + 1); a new array."""
@@ -121,13 +120,18 @@ class Modes:
         return out
 
 
+def _kernels(modes, nodes):
+    """Rows xx, zz, xz in real space, by the distance between two nodes round the cell, (3, nodes)."""
+    return np.array([np.fft.irfft(c, nodes) for c in (modes[0], modes[1], 1j * modes[2])])
+
+
 @lru_cache(maxsize=16)
 def _modes(nodes, width, height, E, nu):
     return Modes(nodes, width, height, E, nu)
 
 
 def fft_size(least):
-    """The smallest length >= least of the form 4, 5 or 6 times a power of two: few, fast, and even."""
+    """The smallest length >= least of the form 4, 5 or 6 times a power of two: fast, even, and few to plan for."""
     power = 2 ** max(0, ceil(log2(max(least, 4) / 8.0)))
     return next(k * power for k in (4, 5, 6, 8) if k * power >= least)
 
@@ -135,10 +139,9 @@ def fft_size(least):
 class Convolution:
     """The product of modes (3, nodes//2 + 1), rows xx, zz, c, with a field on `size` neighbouring nodes, seen there.
 
-    The field vanishes elsewhere, so this is a linear convolution: it needs a transform of 2 size - 1 points (rounded up
-    to a fast length), not of all nodes. Exact to round-off. Buffers belong to this object; not for use by two threads.
-
-    normal_only: the first row of the field is zero throughout and its transform left out.
+    The field is zero elsewhere, so a transform of 2 size - 1 points (rounded up to a fast length) does in place of one
+    of all nodes. Exact to round-off. Buffers belong to this object; not for use by two threads. normal_only: the first
+    row of the field is zero throughout and not transformed.
 
     Attributes: field (2, size), to be filled; product (2, size), valid after `apply`.
     """
@@ -163,7 +166,7 @@ class Convolution:
 
 
 class UniformMode:
-    """The same product where all nodes carry the same traction: field and product (2, 1), modes (c_xx, c_zz)."""
+    """The same product where all nodes carry the same traction: field and product (2, 1)."""
 
     def __init__(self, modes):
         self.modes = modes[0, 0], modes[1, 0]
@@ -175,12 +178,11 @@ class UniformMode:
 
 
 def _cut(modes, nodes, size, length):
-    """Modes (3, length//2+1) of the circulant of `length` points with the given one's entries within `size` nodes."""
+    """Modes (3, length//2 + 1) of a cell of `length` nodes with the same kernels up to `size` nodes apart, 0 beyond."""
     reach = np.arange(length)
     reach = np.where(reach < size, reach, reach - length)
     inside = np.abs(reach) < size
-    kernels = [np.fft.irfft(c, nodes) for c in modes[:2]] + [np.fft.irfft(1j * modes[2], nodes)]
-    spectra = [np.fft.rfft(np.where(inside, k[reach % nodes], 0.0)) for k in kernels]
+    spectra = [np.fft.rfft(np.where(inside, k[reach % nodes], 0.0)) for k in _kernels(modes, nodes)]
     return np.array([spectra[0].real, spectra[1].real, spectra[2].imag])
 
 
@@ -188,8 +190,8 @@ def transforms(length, normal_only=False, measure=False):
     """(before, after, spectrum, forward, backward): real rows (2, length), their spectrum, and two calls.
 
     forward() fills spectrum from before; backward() fills after, times length, and destroys spectrum.
-    normal_only: forward() leaves out the first row. measure: let FFTW try out its ways for some 0.3 s and remember the
-    best for this process; otherwise what is remembered is used, or FFTW's estimate, up to a third slower.
+    normal_only: forward() leaves out the first row. measure: FFTW tries plans for some 0.3 s and remembers the fastest
+    for this process; without, a remembered plan is used, else FFTW's estimate, which takes up to a third longer.
     """
     with _planning:
         before, after = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))

@@ -52,7 +52,7 @@ def carry_on(checkpoint, scene, changed):
 def _problem(scene, checkpoint, step):
     """The Equilibrium that the state of a checkpoint solves."""
     first, size = checkpoint.patch
-    contact = Contact(scene, first, size, uniform=size == 1 and scene.surface == "flat")
+    contact = Contact(scene, first, size)
     return Equilibrium(contact, step.loading, checkpoint.pressure if step.held else None)
 
 

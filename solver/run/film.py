@@ -34,7 +34,7 @@ def through(scene, before, stage, load, most=60, limit=float("inf")):
     run = Run(scene, leave_out=ALL - {"translation"})
     run.film = []
     v = np.append(u.ravel(), -before.delta if step.held else ())
-    contact = Contact(scene, first, u.shape[1], uniform=scene.surface == "flat")
+    contact = Contact(scene, first, u.shape[1])
     state = State.at_rest(start, v, contact.within_window(np.ascontiguousarray(u)))
     checkpoint = Checkpoint(stage, 0, (first, u.shape[1]), state, load_steps=(step,), pressure=pressure)
     while not checkpoint.done:

@@ -147,7 +147,7 @@ class Run:
         elif where is None:
             where = patch(scene, BULGE) if "window" in leave_out else (0, scene.nodes)
         normal_only = self._fast and scene.phi_ratio == 0.0 and "friction" in leave_out
-        contact = Contact(scene, *where, uniform=where[1] == 1 and scene.surface == "flat", normal_only=normal_only)
+        contact = Contact(scene, *where, normal_only=normal_only)
         contact.watch = self._watch
         return contact
 
@@ -203,7 +203,7 @@ class Run:
         """The SlipEvent of a Slip, in whatever problem it happened."""
         contact, m = self._stepper.problem.contact, slip.active.size
         if slip.place != (contact.first, contact.size):
-            contact = Contact(self.scene, *slip.place, uniform=m == 1 and self.scene.surface == "flat")
+            contact = Contact(self.scene, *slip.place)
         T = contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active)
         event = slip_event(self.scene, contact.first, step.loading.coordinate(slip.load), _on_nodes(self.scene, T))
         return replace(event, stage=step.stage, kind=slip.kind, located=slip.located)
