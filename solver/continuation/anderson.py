@@ -1,14 +1,14 @@
 """Anderson (type II) acceleration of a fixed point, its secant pairs kept from one increment to the next.
 
-Source: Anderson 1965, doi:10.1145/321296.321305; Walker & Ni 2011, doi:10.1137/10078356X. The pairs are changes of
-displacement du and of residual dr; the load enters the residual as a constant, so pairs stay valid when it changes.
+Source: Anderson 1965, doi:10.1145/321296.321305; Walker & Ni 2011, doi:10.1137/10078356X. A secant pair is a change of
+the unknowns du and that of the residual dr; the load only adds to the residual, so pairs stay valid when it changes.
 """
 
 import numpy as np
 from numba import njit
 
-REGULARISATION = 1e-10  # of the normalised Gram matrix: below it, pairs count as linearly dependent
-FORGET = 1.5  # growth of the regularisation from a pair to the next older one, whose tangent is more out of date
+REGULARISATION = 1e-10  # added to the normalised Gram matrix: pairs dependent to within it do not count twice
+FORGET = 1.5  # factor of the regularisation from a pair to the next older one, whose tangent is more out of date
 
 
 class Secants:
@@ -18,8 +18,7 @@ class Secants:
         self.du = np.zeros((memory, size))
         self.dr = np.zeros((memory, size))
         self.gram = np.zeros((memory, memory))
-        self.rows = 0
-        self.slot = 0
+        self.rows, self.slot = 0, 0  # pairs kept so far, and where the next one goes
 
     def push(self, u, r, u_before, r_before):
         """Keep the pair (u - u_before, r - r_before) in place of the oldest."""
@@ -27,14 +26,10 @@ class Secants:
         _push(self.du, self.dr, self.gram, self.rows, self.slot, u, r, u_before, r_before)
         self.slot = (self.slot + 1) % len(self.du)
 
-    @property
-    def memory(self):
-        return len(self.du)
-
     def move(self, r, smooth=None):
-        """The move of u that should cancel the residual r, as far as the pairs know the tangent; a new array.
+        """The change of u that should cancel the residual r, by the tangent as the pairs know it; a new array.
 
-        smooth (array -> array): applied to the part of r that the pairs do not know; by default it is added as it is.
+        smooth (array -> array): applied to the part of r that the pairs do not span; by default that is added as it is.
         """
         move, rest = np.empty_like(r), r.copy()
         _split(self.du, self.dr, self.gram, self.rows, self.slot, r, REGULARISATION, FORGET, move, rest)
@@ -46,7 +41,7 @@ class Secants:
         self.rows = self.slot = 0
 
     def restore(self, other):
-        """Take the pairs of a copy back: those of steps that led nowhere mislead the next ones."""
+        """Go back to the pairs of a copy: those of steps that led nowhere would mislead the next ones."""
         self.du, self.dr, self.gram, self.rows, self.slot = other.du, other.dr, other.gram, other.rows, other.slot
 
     def copy(self):
@@ -77,7 +72,7 @@ def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
 
 @njit(cache=True, nogil=True)
 def _split(du, dr, gram, rows, slot, r, eps, forget, move, rest):
-    """move = -sum c_j du_j and rest = r - sum c_j dr_j with the c that make rest least."""
+    """move = -sum c_j du_j and rest = r - sum c_j dr_j, with the c that make |rest| least."""
     c = _coefficients(dr, gram, rows, slot, r, eps, forget)
     move[:] = 0.0
     for j in range(rows):

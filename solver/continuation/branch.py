@@ -1,10 +1,10 @@
-"""Following a branch: by its load while that is easy, by its arc length near its end, to the place where it ends.
+"""Following a branch: in steps of the load while that is easy, in steps of arc length near its end, which is located.
 
-Near its end the state moves without bound per unit of load, but smoothly per unit of arc length <chord, v>, the chord
-picking the unknown that moves most. So the arc is prescribed and the load solved for: a fold is the maximum of the load
-over the arc. Where a mode starts to grow before (NP1 has no potential: oscillations can), the branch ends there.
-Source: Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue problems; the one unknown: Rheinboldt &
-Burkardt 1983, doi:10.1145/357456.357460.
+At a fold the state moves without bound per unit of load, but smoothly per unit of arc length. So the arc length
+<chord, v> is prescribed and the load solved for; the chord picks the unknown that moves most. A fold is the maximum of
+the load over the arc. Where a mode starts to grow before (as NP1 has no potential, an oscillation may), the branch ends
+there. Source: Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue problems; one unknown as the arc:
+Rheinboldt & Burkardt 1983, doi:10.1145/357456.357460.
 """
 
 from dataclasses import dataclass, replace
@@ -18,34 +18,26 @@ from .state import LimitPoint, State
 
 @dataclass(frozen=True)
 class Limits:
-    """Of the continuation; lengths in units of the problem's `unit`, measured in the largest change of an unknown.
+    """Of the continuation; a "unit" is the problem's `unit`, distances of states are the largest of any unknown."""
 
-    order: of the extrapolation in the load. steps: Anderson steps of one increment, `first_steps` where there is but
-    one state to go on from, `arc_steps` of one point by arc length. farthest, surprise: a change, and a distance from
-    the extrapolation, from which on an increment is followed by arc length. short, long, shortest: first, longest and
-    least step along the arc. growth: of one step over the one before; farther, the extrapolation means nothing.
-    astray: a point so many steps off lies on another branch. beyond: part of a step, to see on which side of a fold a
-    point lies. sharpness: of the load at a fold, or that at which another mode starts to grow. approaches: of the arc
-    towards the load asked for. start: of the motion, from the end of the branch; from farther off, soft layers reach
-    other rests.
-    """
-
-    order: int = 3
-    steps: int = 60
-    first_steps: int = 150
-    arc_steps: int = 40
-    farthest: float = 0.5
-    surprise: float = 0.1
-    short: float = 0.1
-    long: float = 0.3
-    start: float = 0.05
-    shortest: float = 1e-4
-    growth: float = 3.0
-    astray: float = 3.0
-    points: int = 400
-    beyond: float = 0.1
-    sharpness: float = 1e-9
-    approaches: int = 6
+    order: int = 3  # of the polynomial that extrapolates in the load
+    steps: int = 60  # Anderson steps of one increment, at most
+    first_steps: int = 150  # the same where there is but one state to extrapolate from
+    arc_steps: int = 40  # the same for one point on the arc
+    farthest: float = 0.5  # units from the last state; increments that lead farther are followed by arc length
+    surprise: float = 0.1  # units from the extrapolation; farther off likewise: a short slip may lie in between
+    short: float = 0.1  # units, first step along the arc
+    long: float = 0.3  # units, longest step
+    shortest: float = 1e-4  # units, shortest step: if even that fails, the branch is lost
+    growth: float = 3.0  # times the step before: extrapolation over more means nothing
+    astray: float = 3.0  # times the step: a point farther off lies on another branch
+    points: int = 400  # on the arc of one increment, at most
+    beyond: float = 0.1  # of the last step, by which a point is looked at farther on: does the load fall there?
+    sharpness: float = 1e-9  # units, error of the load at the end of a branch
+    approaches: int = 6  # attempts to leave the arc for the load asked for
+    start: float = (
+        0.05  # units from the end of the branch, where the motion starts; farther, soft layers rest elsewhere
+    )
 
 
 LIMITS = Limits()
@@ -56,7 +48,7 @@ def continue_branch(corrector, watch, state, target):
     found = _by_load(corrector, watch, state, target) or _Arc(corrector, watch, state, target).followed()
     settled = np.zeros(state.active.size, bool)
     while isinstance(found, LimitPoint) and found.located:
-        # nodes that crossed the edge of the window on the way belong to the branch that ends: it ends elsewhere
+        # if nodes have crossed the edge of the window on the way here, the end is sought again with these let in or out
         active = corrector.problem.admitted(found.v, found.active, settled)
         if active is found.active:
             break
@@ -70,7 +62,7 @@ def continue_branch(corrector, watch, state, target):
 
 
 def _with_nodes(corrector, state, active):
-    """The State, and those before it, had these nodes been within the window; None if it is none then."""
+    """The State, and those before it, solved again with these nodes active; None if that fails."""
     past = []
     for load, v in state.past[:3]:
         v = v.copy()
@@ -81,14 +73,14 @@ def _with_nodes(corrector, state, active):
 
 
 def on_branch(corrector, state, target, v, active, modes=None):
-    """The State with unknowns v at load `target`, on the branch of `state`."""
+    """The State v at load `target` that follows `state` on its branch."""
     older = [p for p in state.past if p[0] != target]
     past = [(target, v), *older[: LIMITS.order + 1]]
     return State(target, v, active, past, state.secants, corrector.sharp, modes or state.modes)
 
 
 def _by_load(corrector, watch, state, target):
-    """The state at `target` by extrapolation in the load and Anderson steps, or None if that is not safe."""
+    """The state at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
     farthest = LIMITS.farthest * corrector.problem.unit
     past = state.past[: LIMITS.order + 1]
     v = combine(lagrange([load for load, _ in past], target), [u for _, u in past])
@@ -100,7 +92,7 @@ def _by_load(corrector, watch, state, target):
     if active is None or np.abs(v - state.v).max() > farthest:
         return None
     if len(past) > 1 and np.abs(v - guess).max() > LIMITS.surprise * corrector.problem.unit:
-        return None  # a short slip may lie in between
+        return None
     stability = watch.look(corrector.problem, v, active, target, state, corrector.inverse)
     return on_branch(corrector, state, target, v, active, stability.modes) if stability.rests else None
 
@@ -119,13 +111,13 @@ class _Arc:
         step = LIMITS.short * self.unit
         for _ in range(LIMITS.points):
             length = np.abs(points[0][1] - points[1][1]).max()
-            if length == 0.0:  # an edge of the window in the way, or nothing acts yet
+            if length == 0.0:  # no way to go on: a node at the edge of the window, or no interaction yet
                 return self._lost()
             chord = _chord(points[0][1] - points[1][1])
             here = [(dot(chord, v), load, v) for load, v in points[:3]]
             step = min(step, LIMITS.growth * length)
             ahead = here[0][0] + (here[0][0] - here[1][0]) * step / length
-            found = self._at(chord, ahead, here)
+            found = self._point_at(chord, ahead, here)
             if found is None or np.abs(found[1] - here[0][2]).max() > LIMITS.astray * step:
                 step *= 0.5
                 if step < LIMITS.shortest * self.unit:
@@ -142,10 +134,10 @@ class _Arc:
             step = min(2.0 * step, LIMITS.long * self.unit)
         return self._lost()
 
-    def _at(self, chord, arc, here):
-        """The point (load, v) of the branch with <chord, v> = arc, or None; predicted through here [(arc, load, v)]."""
+    def _point_at(self, chord, arc, here):
+        """The point (load, v) with <chord, v> = arc, or None; extrapolated from `here`, points (arc, load, v)."""
         arcs = [point[0] for point in here]
-        if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # states that are one, to round-off
+        if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # two points are one, to round-off
             return None
         weights = lagrange(arcs, arc)
         load = sum(weight * point[1] for weight, point in zip(weights, here, strict=True))
@@ -154,7 +146,7 @@ class _Arc:
         return None if load is None else (load, v)
 
     def _two_points(self):
-        """The last states [(load, v)], newest first; a second one, on the tangent to the branch, if there is none."""
+        """The last points [(load, v)], newest first, at least two: the second may be a step back along the tangent."""
         state = self.state
         if len(state.past) >= 2:
             return state.past[:3]
@@ -163,14 +155,14 @@ class _Arc:
         return [state.past[0], (state.load - back, state.v - back * along)]
 
     def _lost(self):
-        """No branch to follow: the motion decides, from the state at hand, under the load asked for."""
+        """The LimitPoint "lost": the motion shall start from the state at hand, under the load asked for."""
         state = self.state
         return LimitPoint(max(self.target, state.load), state.v, state.active, np.zeros_like(state.v), "lost")
 
     def _arrived(self, points, again=True):
-        """The state at `target`, between the last two points: along the arc until it is near, then at fixed load.
+        """The State at `target`, between the last two points: solved at fixed load once the arc has come near enough.
 
-        again: the newest point may lie beyond a fold.
+        again: if it does not rest, a fold may lie between the points (or just beyond), and is looked for.
         """
         state, target = self.state, self.target
         for _ in range(LIMITS.approaches):
@@ -182,7 +174,7 @@ class _Arc:
                 break
             chord = _chord(v1 - v0)
             here = [(dot(chord, u), load, u) for load, u in points[:3]]
-            found = self._at(chord, here[1][0] + part * (here[0][0] - here[1][0]), here)
+            found = self._point_at(chord, here[1][0] + part * (here[0][0] - here[1][0]), here)
             if found is None:
                 return self._lost()
             points = [points[0], found, *points[1:3]] if found[0] < target else [found, *points[1:3]]
@@ -198,7 +190,7 @@ class _Arc:
         return replace(found, past=[(target, v), *[p for p in points if p[0] < target][:3]])
 
     def _ended(self, points, chord):
-        """The LimitPoint between the last two points if the newest does not rest, else None."""
+        """The LimitPoint between the last two points, if the newest does not rest; else None."""
         load, v = points[0]
         modes = replace(self.state, modes=self.modes)
         stability = self.watch.look(self.problem, v, self.state.active, load, modes, self.corrector.inverse)
@@ -215,13 +207,13 @@ class _Arc:
         return self._located(points[1], points[0], stability)
 
     def _just_beyond(self, points):
-        """The point (load, v) a little farther along the arc than the newest, or None; the lower past a fold."""
+        """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""
         chord = _chord(points[0][1] - points[1][1])
         here = [(dot(chord, v), load, v) for load, v in points[:3]]
-        return self._at(chord, here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]), here)
+        return self._point_at(chord, here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]), here)
 
     def _located(self, before, after, stability):
-        """The LimitPoint between a state that rests and one that does not, [(load, v)], by the growth of its mode."""
+        """The LimitPoint between (load, v) that rests and one that does not: where the growth of its mode is zero."""
         state, watch = self.state, self.watch
         modes, secants = stability.modes, state.secants
         load, v = before
@@ -242,24 +234,24 @@ class _Arc:
             side = -1 if found.growth < 0.0 else 1
             if side < 0:
                 low, fall = (load, v, found.growth), found.growth
-                rise *= 0.5 if last == side else 1.0  # Illinois: an end that stays twice counts half
+                rise *= 0.5 if last == side else 1.0  # regula falsi, Illinois: an end kept twice has its value halved
             else:
                 high, rise = (load, v, found), found.growth
                 fall *= 0.5 if last == side else 1.0
             last = side
-        mode = high[2].mode * np.copysign(1.0, dot(high[2].mode, after[1] - before[1]))  # the way the surface moves
+        mode = high[2].mode * np.copysign(1.0, dot(high[2].mode, after[1] - before[1]))  # the way the state moves
         away = mode * (LIMITS.start * self.unit / max(np.abs(mode).max(), 1e-300))
         return LimitPoint(high[0], high[1], state.active, away, high[2].kind)
 
     def _fold(self, points):
-        """The load has passed its maximum: find it between the last points; if it lies beyond the target, arrive."""
+        """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""
         beyond = points[0][1]
         chord = _chord(beyond - points[1][1])
         bracket = sorted(((dot(chord, v), load, v) for load, v in points[:3]), key=lambda p: p[0])
-        sharp = 0  # predictions that were right, in a row: one may be so by chance
+        sharp = 0  # predictions in a row that were right: a single one may be so by chance
         for _ in range(20):
             arc, top = _parabola_top(bracket)
-            found = self._at(chord, arc, bracket)
+            found = self._point_at(chord, arc, bracket)
             if found is None:
                 break
             bracket = _narrowed(bracket, (arc, *found))
@@ -272,12 +264,12 @@ class _Arc:
         return LimitPoint(load, v, self.state.active, self._away(chord, bracket, (load, v), beyond), "fold")
 
     def _away(self, chord, bracket, fold, beyond):
-        """The way from the fold to a state `start` beyond it, on the unstable branch, along which the motion leaves."""
+        """The way from the fold to `start` units beyond it along the unstable branch, where the motion starts."""
         load, v = fold
         away, wanted = beyond - v, LIMITS.start * self.unit
         distance = np.abs(away).max()
         arc = dot(chord, v) + dot(chord, away) * min(LIMITS.growth, wanted / max(distance, 1e-12))
-        found = self._at(chord, arc, bracket)
+        found = self._point_at(chord, arc, bracket)
         if found is not None and found[0] < load and np.abs(found[1] - v).max() < 2.0 * wanted:
             away = found[1] - v
         return away * (wanted / max(np.abs(away).max(), 1e-300))
@@ -286,7 +278,7 @@ class _Arc:
 def _chord(step):
     """The direction along which the arc is measured: the unknown that moved most in the last step.
 
-    All unknowns together would not do where one node jumps: far more of them move with the load, and back after it.
+    The sum of all unknowns would not do where one node jumps: all the others follow the load, back after a fold too.
     """
     chord, most = np.zeros_like(step), int(np.abs(step).argmax())
     chord[most] = np.sign(step[most])
@@ -304,7 +296,7 @@ def _narrowed(bracket, point):
 def _parabola_top(bracket):
     """(arc, load) of the maximum of the parabola through (arc, load, v) in order of arc, the middle one highest.
 
-    Kept off the middle by a hundredth of the bracket, so that every point narrows it.
+    At least a hundredth of a side off the points of the bracket, so that every new point narrows it.
     """
     (a, fa), (b, fb), (c, fc) = [(p[0], p[1]) for p in bracket]
     slope, slope2 = (fb - fa) / (b - a), (fc - fb) / (c - b)

@@ -1,7 +1,7 @@
 """From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
 
-Anderson steps as a rule; where they fail, the same steps on top of the inverse of a tangent nearby, which then need
-but a few: formed by the problem, or where that is too dear by iterations whose products are kept.
+As a rule by Anderson steps; where they fail, by Anderson steps preconditioned with the inverse of a tangent nearby, of
+which a few do. The problem forms that inverse; where that takes too long, iterations stand in, whose products are kept.
 """
 
 from dataclasses import dataclass
@@ -14,36 +14,29 @@ from .inverse import Inverse
 
 @dataclass(frozen=True)
 class Limits:
-    """Of the corrector; lengths in units of the problem's `unit`.
+    """Of the corrector; a "unit" is the problem's `unit`."""
 
-    memory: secant pairs; with fewer, soft layers need more evaluations, with more, each takes longer than it saves.
-    longest: of one step of any unknown; longer ones land on other branches.
-    runaway: growth of the residual at which the steps have failed. sharp_steps: with an inverse, 2 to 10 are needed
-    where there is an equilibrium, and where there is none they lead nowhere. iterated: accuracy of an inverse that is
-    not formed; secants do the rest, and a better one takes longer.
-    """
-
-    memory: int = 40
-    longest: float = 0.15
-    runaway: float = 1e3
-    sharp_steps: int = 15
-    iterated: float = 0.3
+    memory: int = 40  # secant pairs; fewer: more evaluations for soft layers; more: steps cost more than they save
+    longest: float = 0.15  # units, of any unknown in one step; longer steps land on other branches
+    runaway: float = 1e3  # growth of the residual at which the steps have failed; on an arc, the residual in units
+    sharp_steps: int = 15  # with an inverse; 2 to 10 are needed where there is an equilibrium, else more do not help
+    iterated: float = 0.3  # relative error of an inverse by iterations; secants do the rest, less would take longer
 
 
 LIMITS = Limits()
 
 
 class Corrector:
-    """Solves one problem; holds no state between calls but scratch, and `steps`, those of the last solution."""
+    """Solves one problem; between calls it keeps the inverse at hand, and scratch."""
 
     def __init__(self, problem):
         self.problem = problem
-        self.smooth = None  # what Anderson steps do to the part of the residual that the pairs do not know
-        self.steps, self.worst = 0, np.inf
+        self.smooth = None  # for the part of the residual that no secant pair knows: `Secants.move`
+        self.steps, self.worst = 0, np.inf  # steps and residual of the last solution
         self._r = np.empty(problem.size)
-        self.sharp = None  # (v, active) where the inverse at hand was formed
+        self.sharp = None  # (v, active) of the tangent whose inverse is `smooth`, if it is one
         self._origin = None  # (v, active) of the equilibrium found last
-        self._iterated = None, None  # v, and the iterations that invert the tangent there
+        self._iterated = None, None  # v, and the Inverse whose iterations solve with the tangent there
 
     def secants(self):
         """Room for secant pairs of this problem."""
@@ -51,18 +44,14 @@ class Corrector:
 
     @property
     def inverse(self):
-        """The formed inverse of a tangent that solves start with, or None: iterations would serve no others."""
+        """The inverse of a tangent nearby, for other uses, or None if there is none, or if it is but iterations."""
         return self.smooth if self.sharp and self.sharp[0] is not self._iterated[0] else None
 
-    def residual(self, v, active, s):
-        """Largest magnitude of R."""
-        return self.problem.residual(v, active, s, self._r)
-
     def settle(self, v, active, s, secants, most):
-        """Solve for v, in place, with the set of active nodes that it implies; that set, or None if that fails.
+        """Solve for v, in place, together with the set of active nodes; returns that set, or None if it fails.
 
-        Nodes that crossed the edge of the window are let in or out and the solve repeated; each node may change once,
-        so that this ends (where a node's entry pushes it out again, no set is consistent).
+        While nodes have crossed the edge of the window, the set is changed and the solve repeated. Each node may change
+        once, so that this ends, even where becoming active pushes a node out again and no set is consistent.
         """
         settled, steps = None, 0
         while True:
@@ -78,11 +67,11 @@ class Corrector:
             active = again
 
     def solve(self, v, active, s, secants, most):
-        """Solve for v, in place, at fixed load, by so many Anderson steps at most; whether that succeeded."""
+        """Solve for v, in place, at fixed load, by at most so many Anderson steps; whether that succeeded."""
         return self._solved(v, active, s, secants, most, self._anderson) is not None
 
     def begin(self, state):
-        """Get ready to go on from a State, with the inverse that helped to reach it, if one did."""
+        """Prepare to go on from a State, with the inverse by which it was reached, if any."""
         self.sharp, self._origin = state.sharp, (state.v, state.active)
         self.smooth = self._inverse(*self.sharp) if self.sharp else self.problem.smoother(*self._origin)
 
@@ -103,15 +92,16 @@ class Corrector:
             self._iterated = v, self._iterations(v, active)
         return lambda r: -self._iterated[1].solve(r, LIMITS.iterated)
 
-    def _solved(self, v, active, s, secants, most, steps, *arc):
-        """The load at which v, changed in place, solves, or None: by `steps`, where these fail with an inverse.
+    def _solved(self, v, active, s, secants, most, method, *arc):
+        """The load at which v, changed in place by `method`, is an equilibrium, or None.
 
-        That is the one at the equilibrium found last, unless it was already.
+        Where the method fails, it is tried again with the inverse of the tangent at the equilibrium found last, unless
+        that was already in use.
         """
         guess, known = v.copy(), secants.copy()
         self._origin = self._origin or (guess, active)
         while True:
-            found = steps(v, active, s, secants, LIMITS.sharp_steps if self.sharp else most, *arc)
+            found = method(v, active, s, secants, LIMITS.sharp_steps if self.sharp else most, *arc)
             if found is not None:
                 self._origin = v.copy(), active
                 return found
@@ -153,6 +143,7 @@ class Corrector:
             if not worst < LIMITS.runaway * problem.unit:
                 return None
             v_before, r_before = v.copy(), r.copy()
+            # v must change by correction + change * response when the load does by change: chosen to stay on the arc
             correction, response = secants.move(r, self.smooth), secants.move(direction, self.smooth)
             slope = dot(chord, response)
             change = (arc - dot(chord, v) - dot(chord, correction)) / slope if slope != 0.0 else 0.0

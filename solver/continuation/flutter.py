@@ -1,36 +1,31 @@
-"""Flutter deep in the spectrum: waves of the contact that grow as oscillations, with no mode near zero to tell.
+"""Deep flutter: waves of the contact that grow as oscillations, their eigenvalues mu far from zero.
 
-NP1 has no potential, so T_x(u_z) and T_z(u_x) can feed a wave that friction does not calm. A disturbance at random,
-taken along by the linearised motion itself from state to state, turns into the wave that grows most; Rayleigh-Ritz on
-what it passes through, and on residuals times 1/(|K + Re mu| + sigma), tells its growth and the error of that.
+As NP1 has no potential, T_x(u_z) and T_z(u_x) can feed a wave more than friction takes. A random disturbance, moved by
+the linearised motion from state to state, turns into the wave that grows fastest. Rayleigh-Ritz on the displacements it
+passes through, extended by residuals times 1/(|K + Re mu| + sigma), gives its growth and the error of that.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from .motion import _blocks
+from .motion import of_blocks
 
 
 @dataclass(frozen=True)
 class Limits:
-    """steps: of the motion from one state to the next, `first` at the first. stride: over the largest frequency;
-    Verlet's scheme makes fast waves grow at longer ones. seen: displacements among which the wave is sought. kept:
-    vectors carried on. rounds: of expansion by the residuals of the `block` fastest; `most` where the growth is near
-    zero: within twice its error and `near` gamma. noise: of a wave at random, relative, added from state to state, so
-    that others can come up.
-    """
+    """Of the search for the wave that grows fastest."""
 
-    steps: int = 60
-    first: int = 600
-    stride: float = 0.6
-    seen: int = 8
-    kept: int = 12
-    rounds: int = 2
-    most: int = 12
-    block: int = 2
-    noise: float = 1e-3
-    near: float = 0.05
+    steps: int = 60  # of the linearised motion from one state to the next
+    first: int = 600  # the same at the first state, from a random disturbance
+    stride: float = 0.6  # of a step, over the inverse of the largest frequency; longer ones make fast waves grow
+    seen: int = 8  # last displacements of that motion, with which Rayleigh-Ritz begins
+    kept: int = 12  # vectors carried to the next state
+    block: int = 2  # fastest waves by whose residuals a round extends the space
+    rounds: int = 2  # so many of them
+    most: int = 12  # rounds at most where the growth is not told from zero: within twice its error plus `near` gamma
+    near: float = 0.05  # see `most`
+    noise: float = 1e-3  # random part added to the wave at every state, relative, so that others can come up
 
 
 LIMITS = Limits()
@@ -38,20 +33,20 @@ LIMITS = Limits()
 
 @dataclass(frozen=True)
 class Wave:
-    """What goes on to the next state: displacement and velocity of the disturbance, (N,) each, and a basis (k, N)."""
+    """What the search at the next state starts from: the moving disturbance, (N,) each, and a basis (k, N)."""
 
-    u: np.ndarray
-    v: np.ndarray
+    u: np.ndarray  # displacement
+    v: np.ndarray  # velocity
     basis: np.ndarray
 
 
 def deep(maps, space, friction, rate, radius, wave, tolerance):
-    """((growth, its error, mu, x), Wave) of the fastest disturbance that is found; wave: of a state nearby, or None.
+    """((growth, its error, mu, x), Wave) of the disturbance that grows fastest; wave: of a state nearby, or None.
 
-    tolerance: of the error, for a growth near zero, but of modes with |mu| < radius, which are known better by other
-    means. space: an empty `inverse.Space`.
+    tolerance: error to which a growth near zero is sought, but for |mu| < radius, where `stability.near_zero` knows
+    better. space: an empty `inverse.Space`; rate: `stability.rate`.
     """
-    u, v, seen = _moved(maps, friction, wave)
+    u, v, seen = _carried_along(maps, friction, wave)
     for x in (*seen, v, *(wave.basis if wave is not None else ())):
         space.add(x)
     sigma, rounds = maps.interface, 0
@@ -69,7 +64,7 @@ def deep(maps, space, friction, rate, radius, wave, tolerance):
             break
         rounds += 1
         for value, residual in zip(values, residuals, strict=False):
-            inverse = _blocks(maps.stiffness, lambda k, shift=value.real: 1.0 / (np.abs(k + shift) + sigma))
+            inverse = of_blocks(maps.stiffness, lambda k, shift=value.real: 1.0 / (np.abs(k + shift) + sigma))
             for part in (residual.real, residual.imag) if value.imag else (residual.real,):
                 space.add(maps.filtered(part, inverse))
     parts = [p for k in range(best.size) for p in (vectors[:, k].real, vectors[:, k].imag) if np.abs(p).max() > 1e-10]
@@ -77,17 +72,21 @@ def deep(maps, space, friction, rate, radius, wave, tolerance):
     return (growth, error, complex(values[0]), vectors[:, 0] @ space.vectors), Wave(u, v, basis)
 
 
-def _moved(maps, friction, wave):
-    """(u, v, displacements passed through), scaled to a largest u of one."""
+def _carried_along(maps, friction, wave):
+    """(u, v, last displacements): the wave, or a random disturbance, after some steps of the linearised motion.
+
+    u and v are scaled to a largest u of one. Steps are Newmark's, as in `motion`: central differences, with a mass that
+    makes modes of the layer stable.
+    """
     rng = np.random.default_rng(0)
     if wave is None:
         u, v, steps = rng.normal(size=maps.size), np.zeros(maps.size), LIMITS.first
     else:
         u, v, steps = wave.u + LIMITS.noise * rng.normal(size=maps.size), wave.v, LIMITS.steps
-    # no wave faster than this can grow: its 2 x 2 blocks differ from symmetric ones by too little
+    # faster waves cannot grow: for them the asymmetry of J is too small against friction
     fastest = min((maps.asymmetry / friction) ** 2, maps.stiffest) + maps.interface
     dt = LIMITS.stride / np.sqrt(fastest)
-    inverse = _blocks(maps.stiffness, lambda k: 1.0 / (1.0 + 0.25 * dt * dt * (k + maps.interface)))
+    inverse = of_blocks(maps.stiffness, lambda k: 1.0 / (1.0 + 0.25 * dt * dt * (k + maps.interface)))
     seen, drag = [], 0.5 * friction * dt
     for left in range(steps, 0, -1):
         v = ((1.0 - drag) * v + dt * maps.filtered(maps.product(u), inverse)) / (1.0 + drag)

@@ -15,29 +15,27 @@ from .state import Increment, NotConverged, Slip, State
 
 @dataclass(frozen=True)
 class Limits:
-    """check: steps between two looks at the residual. budget: force evaluations of one increment. diverged, slipped: in
-    units of the problem's `unit`; a move beyond `slipped` and twice the increment of the load is a slip.
-    """
+    """Of an increment; a "unit" is the problem's `unit`."""
 
-    check: int = 20
-    budget: int = 1_000_000
-    diverged: float = 1e9
-    slipped: float = 0.5
+    check: int = 20  # steps between two looks at the residual
+    budget: int = 1_000_000  # force evaluations
+    diverged: float = 1e9  # units, of the residual
+    slipped: float = 0.5  # units, and twice the load's increment: a state that moved farther has slipped
 
 
 LIMITS = Limits()
 
 
 class Gfmd:
-    """Advances States of one problem by damped motion; the contract is that of `quasistatic.QuasiStatic`."""
+    """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    pace = 1.0  # of its time steps, over the usual ones
+    pace = 1.0  # factor of the usual time steps
 
     def __init__(self, problem, damping, closed):
         self.problem, self.damping, self.closed = problem, damping, closed
 
     def start(self, load):
-        """The State of unknowns that nothing acts on."""
+        """The State of an undeformed layer at that load."""
         v = self.problem.undeformed(load)
         return State.at_rest(load, v, self.problem.active_of(v, load))
 
@@ -47,20 +45,20 @@ class Gfmd:
             v, active, residual = self._settled(state, target)
             if not self.problem.crowded(v, active, target):
                 break
-            state = self.widened(state)
+            state = self._grown(state)
         moved, unit = np.abs(v - state.v).max(), self.problem.unit
         slipped = moved > LIMITS.slipped * unit + 2.0 * abs(target - state.load)
         after = State.at_rest(target, v, active)
         slips = (Slip(state.load, state.v, state.active, "lost", False, after, self.problem.place),) if slipped else ()
         return Increment(after, residual, slips)
 
-    def widened(self, state):
+    def _grown(self, state):
         """The same state in a problem of more unknowns, which takes the place of the present one."""
         self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
         return State.at_rest(state.load, v, active)
 
     def _settled(self, state, target):
-        """(v, active, residual) at rest, the active nodes those of v; they change between motions only, once each."""
+        """(v, active, residual) at rest; active nodes change between two motions only, each once, to those of v."""
         v, active, load, settled = state.v, state.active, state.load, np.zeros(state.active.size, bool)
         while True:
             v, residual = self._moved(v, active, load, target)
@@ -82,7 +80,7 @@ class Gfmd:
             residual = problem.residual(v, active, target, r)
             if residual <= problem.tolerance:
                 return v, residual
-            problem.active_of(v, target)  # which tells where nothing interacts any longer that bears a weight
+            problem.active_of(v, target)  # raises PulledOff once the contact no longer carries a held load
             if not residual < LIMITS.diverged * problem.unit:
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
             if problem.evaluations > limit:
@@ -94,5 +92,5 @@ class Gfmd:
         return (ExplicitMotion if isfinite(self.damping) else Creep)(dynamics, y, load, self.damping, self.closed)
 
     def _stiffness(self, dynamics, v, active):
-        """Of the interaction, GPa/nm, which limits the steps."""
+        """Largest stiffness of the interaction, GPa/nm, which limits the steps."""
         return dynamics.interface(v, active)

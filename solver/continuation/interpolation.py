@@ -1,11 +1,11 @@
-"""Lagrange interpolation of states (2, m) over a scalar: load, arc length, or the distance to a fold."""
+"""Lagrange interpolation of states over a scalar: load, arc length, or the root of the distance to a fold."""
 
 import numpy as np
 from numba import njit
 
 
 def lagrange(nodes, x):
-    """Weights of the polynomial through the given nodes at x, (len(nodes),)."""
+    """Weights of the values at `nodes` in that of their polynomial at x, a list."""
     weights = []
     for i, here in enumerate(nodes):
         weight = 1.0

@@ -1,17 +1,17 @@
-"""Solves with the tangent of an equilibrium, each the easier for those before it; spaces for Rayleigh-Ritz."""
+"""Iterative solves with the tangent of an equilibrium, each using those before it; spaces for Rayleigh-Ritz."""
 
 import numpy as np
 from numba import njit
 
 from .anderson import dot
 
-ACCURACY = 1e-2  # of a solve, over its right side
-MOST = 240  # products with the tangent, for all solves at one equilibrium
-FIRST = 16  # products from a start at random, after which the leading modes of the tangent stand out
+ACCURACY = 1e-2  # of a solve: residual over right side
+MOST = 240  # products with the tangent in all solves at one equilibrium
+FIRST = 16  # products in `leading`, from a random vector: then the leading modes of the tangent stand out
 
 
 class Inverse:
-    """A^-1 for the tangent A = dR/dv, by generalised conjugate residuals whose pairs (z, A z) are kept for the next."""
+    """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
 
     def __init__(self, size):
         self.product = self._smooth = self._secants = None
@@ -19,12 +19,12 @@ class Inverse:
         self._z, self._q = np.empty((2, MOST, size))
 
     def of_tangent(self, product, smooth, secants):
-        """The same memory for another tangent, w -> A w; smooth, secants: None, or what may tell of its inverse."""
+        """Start anew with another tangent, w -> A w; smooth, secants: preconditioners as in `Secants.move`, or None."""
         self.product, self._smooth, self._secants, self.rows = product, smooth, secants, 0
         return self
 
     def of(self, maps, force):
-        """The whole-surface x with (K - J) x = force."""
+        """The whole-surface disturbance x with (K - J) x = force, by a solve for its unknowns."""
         return maps.spread(self.solve(-maps.load(force)), force)
 
     def solve(self, b, accuracy=ACCURACY):
@@ -42,7 +42,7 @@ class Inverse:
         return w
 
     def keep(self, z, q):
-        """Add a pair (z, A z), both changed; False if it tells nothing new."""
+        """Add a pair (z, q = A z), both overwritten; False if it is not independent of those kept."""
         known = self.rows
         new = orthonormalise(self._q, known, q, self._z, z)
         self.rows += new
@@ -50,15 +50,15 @@ class Inverse:
 
 
 def leading(inverse):
-    """Some modes of the tangent nearest to zero or above, (k, size); its products are kept in `inverse`."""
+    """Some modes of the tangent with the largest eigenvalues, (k, size), by Arnoldi steps, which `inverse` keeps."""
     w = np.random.default_rng(0).normal(size=inverse.size)
     basis, images = [], []
     for _ in range(min(FIRST, inverse.size)):
-        for _ in range(2):
+        for _ in range(2):  # twice, against round-off
             for b in basis:
                 w = w - (b @ w) * b
         length = np.linalg.norm(w)
-        if length < 1e-12:  # they span all that there is
+        if length < 1e-12:  # the basis spans all that there is
             break
         basis.append(w / length)
         images.append(inverse.product(basis[-1]))
@@ -71,7 +71,7 @@ def leading(inverse):
 
 
 class Space:
-    """Orthonormal disturbances and their images under M = J - K."""
+    """Orthonormal disturbances V, their images M V under M = J - K, and V^T M V."""
 
     def __init__(self, size, room):
         self.rows, self._maps = 0, None
@@ -79,7 +79,7 @@ class Space:
         self._matrix, self._nothing = np.empty((room, room)), np.empty((room, 0))
 
     def emptied(self, maps):
-        """The same memory for another equilibrium."""
+        """Empty, for another equilibrium; the same memory."""
         self.rows, self._maps = 0, maps
         return self
 
@@ -89,11 +89,11 @@ class Space:
 
     @property
     def matrix(self):
-        """V M V."""
+        """V^T M V."""
         return self._matrix[: self.rows, : self.rows]
 
     def add(self, x):
-        """Add the part of x that is new."""
+        """Add the part of x that is independent of V."""
         k = self.rows
         if not orthonormalise(self._v, k, x.copy(), self._nothing, self._nothing[0]):
             return
@@ -103,7 +103,7 @@ class Space:
         self._matrix[k, :k] = self._w[:k] @ self._v[k]
 
     def residuals(self, vectors, values):
-        """M x - mu x of the x with coefficients `vectors` (rows, k), complex (k, N)."""
+        """M x - mu x of the Ritz vectors x with coefficients `vectors` (rows, k), values mu (k,); (k, N)."""
         real = vectors.T.real @ self._w[: self.rows] - (vectors * values).T.real @ self.vectors
         if not values.imag.any():
             return real
@@ -112,7 +112,9 @@ class Space:
 
 @njit(cache=True, nogil=True)
 def orthonormalise(rows, known, q, others, z):
-    """Make q a row orthonormal to the first `known` rows, z of `others` following; False if nothing is left of it."""
+    """Append q to `rows`, made orthonormal to the first `known`, and z, transformed alike, to `others`; False if q
+    depends on them, or there is no room.
+    """
     before = np.sqrt(dot(q, q))
     for _ in range(2):
         for k in range(known):
@@ -133,7 +135,7 @@ def orthonormalise(rows, known, q, others, z):
 
 @njit(cache=True, nogil=True)
 def _share(z, q, first, last, w, r):
-    """Move from r to w what the pairs of these rows solve."""
+    """Project r on the rows of q from first to last: add the solution to w, subtract it from r."""
     for k in range(first, last):
         share = dot(q[k], r)
         for i in range(w.size):

@@ -2,14 +2,15 @@
 
     u'' = K (U - u) + T(u) - gamma u',  gamma = damping times that critical for the slowest mode  (paper section 2.1)
 
-Explicit steps would have to follow the fastest mode. Instead every mode of stiffness k is given the mass
+Explicit steps would have to follow the fastest mode. Instead steps of central differences give each mode the mass
 
     M = 1 + dt^2/4 (K + sigma),  friction gamma M^1/2,
 
 which is Newmark's average acceleration for the layer and an interface of stiffness sigma: modes slow against dt, which
-decide where a slip ends, move as before, and fast ones follow them. Diagonal in Fourier space, it costs nothing.
+decide where a slip ends, move as with unit mass, and fast ones follow. Diagonal in Fourier space, it costs nothing.
 Stable while the interface is softer than sigma + 4/dt^2. Newmark 1959; mass as in Zhou, Moseler & Mueser 2019,
-doi:10.1103/PhysRevB.99.144103.
+doi:10.1103/PhysRevB.99.144103. Where the layer is soft against dt: M = 1 + dt^2/12 K, which gives the frequencies of
+the layer's modes to the fourth order in dt.
 
 Infinite damping: the overdamped limit of uniform mobility, gamma u' = K (U - u) + T(u), by linearly implicit steps.
 """
@@ -24,32 +25,25 @@ from numba import njit
 
 @dataclass(frozen=True)
 class Limits:
-    """Of the motion.
+    """Of the motion's steps; "closed": a node on springs in registry and in touch, where they are stiffest."""
 
-    step: times the period/(2 pi) of a node on closed springs; from 1/2 on, slips of little damping stop short. weak:
-    damping below which steps get shorter with it, as errors of energy decide how many sites inertia carries. sigma:
-    of the interface's stiffness in the masses, over the closed one, at least. safe: of the stiffness at which steps
-    grow unstable; idle: powers of two by which the stiffness may fall before they are adapted. explicit: of the longest
-    stable step. creep: step of the overdamped limit, over the time in which closed springs decay.
-    """
-
-    step: float = 0.4
-    weak: float = 0.6
-    sigma: float = 1.0
-    safe: float = 0.6
-    idle: int = 2
-    explicit: float = 0.5
-    creep: float = 0.25
+    step: float = 0.4  # times period/(2 pi) of a closed node; from 0.5 on, slips of little damping stop short
+    weak: float = 0.6  # damping below which steps shorten with it: errors of energy decide over how many sites it slips
+    sigma: float = 1.0  # least sigma in the masses, over the closed stiffness
+    safe: float = 0.6  # largest stiffness of the interface, over that at which steps grow unstable
+    idle: int = 2  # powers of two by which the interface may soften before steps are adapted to it
+    explicit: float = 0.5  # of the longest stable explicit step
+    creep: float = 0.25  # step in the overdamped limit, over the time in which a closed node relaxes
 
 
 LIMITS = Limits()
 
 
 class Motion:
-    """y (2, modes) and its change per step, under a fixed load; begins at rest. Masses as above."""
+    """y (2, modes) and its change per step, from rest, under the load given; masses as above."""
 
     def __init__(self, dynamics, y, load, damping, closed):
-        """closed: stiffness of the interaction at its closed place, GPa/nm; damping: over critical."""
+        """closed: stiffness of closed springs (see Limits), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
         self._step = LIMITS.step / sqrt(closed) * min(1.0, damping / LIMITS.weak)
@@ -58,47 +52,50 @@ class Motion:
         self._tables = lru_cache(maxsize=16)(self._of_stiffness)
 
     def soften(self, stiffness, pace=1.0):
-        """Adapt the steps to an interaction of that largest stiffness, GPa/nm; the kinetic energy stays.
+        """Adapt masses and steps to an interaction of that largest stiffness, GPa/nm; kinetic energy is kept.
 
-        pace: of the steps, over the usual ones.
+        pace: factor of the usual steps.
         """
         power = ceil(log2(max(stiffness, self.closed) / LIMITS.safe)), pace
         if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= LIMITS.idle:
-            return  # steps that change to and fro would heat what moves
+            return  # changing to and fro would add energy
         mass, self._keep, self._push, self.step = self._tables(*power)
         if self._power is not None:
-            self.change = _applied(
-                _blocks(mass, lambda m: m**-0.5), _applied(_blocks(self._mass, np.sqrt), self.change)
-            )
+            root_energy = _applied(of_blocks(self._mass, np.sqrt), self.change)
+            self.change = _applied(of_blocks(mass, lambda m: m**-0.5), root_energy)
         self._power, self._mass = power, mass
-        self.time = 1.0 / sqrt(float(mass[:2].min()))  # that a step takes for the slowest modes, which follow heavier
+        self.time = 1.0 / sqrt(float(mass[:2].min()))  # per step; with masses above one, of the slowest modes
 
     def _of_stiffness(self, power, pace):
-        """(mass / step^2, keep, push, step): change' = keep change + push force, in rows xx, zz, c each."""
-        step, k = pace * self._step, self.dynamics.stiffness
-        largest = float((np.maximum(k[0], k[1]) + np.abs(k[2])).max())
-        stiffness = 2.0**power * LIMITS.safe
-        if 2.0 / 3.0 * largest + stiffness <= LIMITS.safe * 4.0 / step**2:
+        """(mass / step^2, keep, push, step): the next change is keep change + push force; rows xx, zz, c each."""
+        step, stiffness = pace * self._step, 2.0**power * LIMITS.safe
+        if 2.0 / 3.0 * self._stiffest() + stiffness <= LIMITS.safe * 4.0 / step**2:
             return self._newmark(step, lambda k: 1.0 + step * step / 12.0 * k)
         sigma = max(0.0, 2.0**power - 4.0 / step**2) + LIMITS.sigma * self.closed
         return self._newmark(step, lambda k: 1.0 + 0.25 * step * step * (k + sigma))
 
+    def _stiffest(self):
+        """A bound on the stiffness of any mode of the layer, GPa/nm."""
+        k = self.dynamics.stiffness
+        return float((np.maximum(k[0], k[1]) + np.abs(k[2])).max())
+
     def _newmark(self, step, mass):
+        """As `_of_stiffness`; mass: a function of a mode's stiffness."""
         k = self.dynamics.stiffness
 
         def friction(x):
             return 0.5 * self.friction * step * np.sqrt(mass(x))
 
-        keep = _blocks(k, lambda x: (mass(x) - friction(x)) / (mass(x) + friction(x)))
-        push = _blocks(k, lambda x: step * step / (mass(x) + friction(x)))
-        return _blocks(k, lambda x: mass(x) / step**2), keep, push, step
+        keep = of_blocks(k, lambda x: (mass(x) - friction(x)) / (mass(x) + friction(x)))
+        push = of_blocks(k, lambda x: step * step / (mass(x) + friction(x)))
+        return of_blocks(k, lambda x: mass(x) / step**2), keep, push, step
 
     def advance(self, active, steps):
-        """So many steps."""
+        """Make so many steps."""
         for _ in range(steps):
             force = self.dynamics.force(self.y, active)
             _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push, self._top)
-            if self._starts:  # from rest, the first change is that of half a step
+            if self._starts:  # from rest, the first change is half that of a step
                 self.change *= 0.5
                 self.y -= self.change
                 self._starts = False
@@ -108,9 +105,9 @@ class Motion:
         self._top = self.dynamics.top(load)
 
     def swing(self):
-        """y of the amplitudes that the velocities would reach against the layer alone: K^-1/2 u'."""
-        least = 0.25 * self.dynamics.critical**2  # a mode without stiffness moves as the slowest of the others
-        root = _blocks(self.dynamics.stiffness, lambda k: np.maximum(k, least) ** -0.5)
+        """Amplitudes in y to which the velocities would carry the modes against the layer alone: K^-1/2 u'."""
+        least = 0.25 * self.dynamics.critical**2  # k_min; also for the mode that a held load leaves without stiffness
+        root = of_blocks(self.dynamics.stiffness, lambda k: np.maximum(k, least) ** -0.5)
         return _applied(root, self.change / self.step)
 
 
@@ -118,20 +115,18 @@ class ExplicitMotion(Motion):
     """Verlet steps of unit masses, as the paper has them."""
 
     def _of_stiffness(self, power, pace):
-        k = self.dynamics.stiffness
-        largest = float((np.maximum(k[0], k[1]) + np.abs(k[2])).max())
-        step = pace * LIMITS.explicit * 2.0 / sqrt(largest + 2.0**power * LIMITS.safe)
+        step = pace * LIMITS.explicit * 2.0 / sqrt(self._stiffest() + 2.0**power * LIMITS.safe)
         return self._newmark(step, np.ones_like)
 
 
 class Creep(Motion):
-    """The overdamped limit: friction is one, and there are no masses."""
+    """The overdamped limit, in units of time in which gamma is one: no masses; linearly implicit steps."""
 
     def _of_stiffness(self, power, pace):
         k, sigma = self.dynamics.stiffness, 2.0**power
         step = pace * LIMITS.creep / sigma
-        mass = _blocks(k, lambda x: np.full_like(x, step**-2))
-        return mass, np.zeros_like(k), _blocks(k, lambda x: step / (1.0 + step * (x + sigma))), step
+        mass = of_blocks(k, lambda x: np.full_like(x, step**-2))
+        return mass, np.zeros_like(k), of_blocks(k, lambda x: step / (1.0 + step * (x + sigma))), step
 
     def swing(self):
         """None: nothing goes on by inertia."""
@@ -139,12 +134,12 @@ class Creep(Motion):
 
 
 def motion_of(dynamics, y, load, damping, closed):
-    """The motion of a slip at that damping, over critical; inf: the overdamped limit."""
+    """The Motion of a slip at that damping, over critical; inf: Creep."""
     return (Motion if isfinite(damping) else Creep)(dynamics, y, load, damping, closed)
 
 
-def _blocks(k, function):
-    """A function of the symmetric 2 x 2 blocks k (3, modes), rows xx, zz, c."""
+def of_blocks(k, function):
+    """A matrix function of the Hermitian 2 x 2 blocks k (3, modes), rows xx, zz, c, by its values at eigenvalues."""
     mean, half = 0.5 * (k[0] + k[1]), 0.5 * (k[0] - k[1])
     radius = np.hypot(half, k[2])
     above, below = function(mean + radius), function(mean - radius)
@@ -162,7 +157,7 @@ def _applied(blocks, y):
 
 @njit(cache=True, nogil=True)
 def _step(y, change, force, k, keep, push, top):
-    """One step of all modes in place, from the traction `force` (2, modes)."""
+    """One step of all modes in place, under the traction `force` (2, modes) and the top's displacement `top` (2,)."""
     for q in range(y.shape[1]):
         x, z = y[0, q], y[1, q]
         if q == 0:

@@ -14,12 +14,10 @@ from .state import Increment, LimitPoint, NotConverged, Slip, State
 
 @dataclass(frozen=True)
 class Limits:
-    """slips: in one increment; soft layers drawn in make some ten. moved: in units of the problem, beyond twice
-    the rest of the increment; a state that could not be followed and moved less has not slipped.
-    """
+    """Of an increment."""
 
-    slips: int = 100
-    moved: float = 0.5
+    slips: int = 100  # at most; soft layers drawn into contact make some ten
+    moved: float = 0.5  # units of the problem, and twice the load's rest: a lost state that moved less has not slipped
 
 
 LIMITS = Limits()
@@ -28,22 +26,21 @@ LIMITS = Limits()
 class QuasiStatic:
     """Advances States of one problem along its load; holds no state between calls but scratch.
 
-    Attributes: problem, replaced by a wider one where the states need it; film, None or a list that takes the states of
-    motions, as `slip.motion_to_rest` gives them.
+    Attributes: problem, replaced by a grown one where the states need it; film: `slip.motion_to_rest`'s, None at first.
     """
 
     def __init__(self, problem, damping, closed):
-        """damping: of the motion, over critical; closed: stiffness of the interaction at its closed place, GPa/nm."""
+        """damping: of the motion, over critical; closed: as of `motion.Motion`."""
         self.problem, self.damping, self.closed = problem, damping, closed
         self.watch, self.corrector, self.film = Watch(damping), Corrector(problem), None
 
     def start(self, load):
-        """The State of unknowns that nothing acts on."""
+        """The State of an undeformed layer at that load."""
         v = self.problem.undeformed(load)
         return State.at_rest(load, v, self.problem.active_of(v, load))
 
     def increment(self, state, target):
-        """The Increment to load `target` from `state`; raises NotConverged. May use up the state's secant pairs."""
+        """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
         slips = []
         while True:
             if state.unsure:
@@ -55,7 +52,7 @@ class QuasiStatic:
                 hidden = self.problem.hides(found.v, found.active)
                 if not (hidden or self.problem.crowded(found.v, found.active, target)):
                     return Increment(found, self.corrector.worst, tuple(slips))
-                state = replace(self.widened(state), unsure=hidden)
+                state = replace(self._grown(state), unsure=hidden)
                 continue
             place = self.problem.place
             landed = self._through(found)
@@ -66,12 +63,12 @@ class QuasiStatic:
             state = landed
             hidden = self.problem.hides(state.v, state.active)
             arrived = state.load == target and not (hidden or self.problem.crowded(state.v, state.active, target))
-            if state.load > target or arrived:  # it did not come to rest before, or rests where it was to go
+            if state.load > target or arrived:
                 residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
                 return Increment(state, residual, tuple(slips))
 
     def _released(self, state):
-        """The State that the motion leads to from one that may not rest under the present control."""
+        """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
         stability = self.watch.sure(self.problem, state.v, state.active, state.load)
         if stability.rests:
             return replace(state, unsure=False)
@@ -79,7 +76,7 @@ class QuasiStatic:
         away *= BRANCH.start * self.problem.unit / np.abs(away).max()
         return self._through(LimitPoint(state.load, state.v, state.active, away, stability.kind))
 
-    def widened(self, state):
+    def _grown(self, state):
         """The same state in a problem of more unknowns, which takes the place of the present one."""
         self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
         self.corrector = Corrector(self.problem)
@@ -95,7 +92,7 @@ class QuasiStatic:
         return state
 
     def _report(self, slips, before, end, landed, place):
-        """Add the Slip from the end of a branch to the state landed in, unless it merely could not be followed."""
+        """Add the Slip from the end of a branch to the state landed in, unless the branch was lost and goes on."""
         if not end.located and landed.v.size == before.v.size:
             moved = np.abs(landed.v - before.v).max()
             if moved < LIMITS.moved * self.problem.unit + 2.0 * abs(end.load - before.load):

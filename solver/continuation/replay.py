@@ -1,8 +1,8 @@
 """Sliding repeats itself: translation by a lattice site is an exact symmetry, so one period of a run tells the rest.
 
-If v is an equilibrium at load s, then v moved on by k sites is one at s + k a, and rests as v does. Once a slip has
-landed on a state that was passed k sites before, later states are known ones moved on; the residual of each is
-evaluated, to be sure. A period may hold several slips.
+If v is an equilibrium at load s, then v moved on by k sites is one at s + k a, and rests if v does. Once a slip has
+landed in a state that was passed k sites before, all later states are known ones moved on by k sites, 2 k and so on.
+The residual of each is evaluated, to be sure. A period may hold several slips.
 """
 
 from bisect import bisect_left
@@ -18,17 +18,13 @@ from .state import Increment, Slip
 
 @dataclass(frozen=True)
 class Limits:
-    """same: of the unit; closer states at one load are one equilibrium, others lie part of a site off.
-    begins: nm, before its first state: there a branch begins, lest rounding decide.
-    stencil: known states through which one in between is interpolated. steps: Anderson steps to make it exact.
-    longest: sites of a period that are looked for.
-    """
+    """Of recognising and using a period."""
 
-    same: float = 0.01
-    begins: float = 1e-6
-    stencil: int = 6
-    steps: int = 60
-    longest: int = 12
+    same: float = 0.01  # units of the problem; states closer than that are the same, others are part of a site off
+    begins: float = 1e-6  # nm by which a branch is taken to begin before its first state, lest rounding decide
+    stencil: int = 6  # known states through which one in between is interpolated
+    steps: int = 60  # Anderson steps to solve from there, at most
+    longest: int = 12  # sites, longest period that is looked for
 
 
 LIMITS = Limits()
@@ -51,7 +47,7 @@ class Branch:
         self.states.insert(i, (v, active))
 
     def state_at(self, load, stencil=LIMITS.stencil):
-        """(v, active) at `load`: interpolated over the root of the distance to the end, in which a fold is smooth."""
+        """(v, active) at `load`: interpolated over the root of the load's distance to the end, smooth at a fold."""
         i = bisect_left(self.loads, load)
         low = min(max(i - stencil // 2, 0), max(len(self.loads) - stencil, 0))
         near = slice(low, low + stencil)
@@ -62,7 +58,7 @@ class Branch:
 
 @dataclass
 class Record:
-    """The branches of a run in order. Once it repeats itself: period, nm, and the loads between which all is known."""
+    """The branches of a run in order. Once it repeats itself, those of a period: loads, nm, from `home` to `end`."""
 
     branches: list
     period: float | None = None
@@ -75,7 +71,7 @@ class Record:
         return Record([Branch([state.load], [(state.v, state.active)])])
 
     def copy(self):
-        """The same states in lists of their own, so that going on with one leaves the other as it is."""
+        """The same states in lists of its own, so that adding to one Record leaves the other as it is."""
         return replace(self, branches=[replace(b, loads=list(b.loads), states=list(b.states)) for b in self.branches])
 
     def add(self, increment):
@@ -95,7 +91,7 @@ class Record:
         return None
 
     def resting(self, load):
-        """The next known load at which the surface rests: a slip may come to rest later than it begins."""
+        """The next known load at which the surface rests: after a slip it may be one higher than the slip's."""
         if load < self.home:
             return self.home
         after = [b.loads[0] for b in self.branches if b.loads[0] >= load]
@@ -103,7 +99,7 @@ class Record:
 
 
 class Replay:
-    """A stepper that wraps another along a load that is a displacement: what repeats is moved on, not solved for."""
+    """A stepper around another, for a load that is the displacement U_x: what repeats is moved on, not solved."""
 
     def __init__(self, stepper, spacing):
         self.stepper, self.spacing = stepper, spacing
@@ -135,7 +131,7 @@ class Replay:
         return done
 
     def _close(self, record, slip):
-        """Find out whether the state that a slip landed in was passed before, some sites back."""
+        """Find out whether the state in which a slip landed was passed some sites before: if so, a period is known."""
         first, landed = record.branches[0].loads[0], slip.after
         same = LIMITS.same * self.problem.unit
         for sites in range(1, min(LIMITS.longest, floor((slip.load - first) / self.spacing + 1e-3)) + 1):
@@ -157,14 +153,14 @@ class Replay:
             return
 
     def _known(self, state, record, target):
-        """The Increment to `target` from the record; None if it tells nothing."""
+        """The Increment to `target` from the record; None if that does not tell, or the result differs."""
         turns = max(0, ceil((target - record.end) / record.period))
         shift, problem = turns * record.period, self.problem
         load = record.resting(target - shift)
         branch = record.branch_at(load)
         if branch is None:
             return None
-        if load > target - shift:  # it does not rest before; else the load asked for, to the last digit
+        if load > target - shift:  # the surface does not rest before; else `target` stays as it is, to the last bit
             target = load + shift
         v, active = branch.state_at(load)
         guess, before = problem.translated(v, shift), problem.evaluations
@@ -173,7 +169,7 @@ class Replay:
         active = self.stepper.corrector.settle(v, active, target, secants, LIMITS.steps)
         if active is None or not self._same(np.abs(v - guess).max(), branch, load):
             return None
-        if problem.evaluations > before + 1:  # not accurate enough as interpolated: now it is known better
+        if problem.evaluations > before + 1:  # interpolation did not meet the tolerance: the record takes the solution
             branch.add(load, problem.translated(v, -shift), active)
         slips = tuple(self._slips(record, state.load, target))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
@@ -181,7 +177,10 @@ class Replay:
         return Increment(moved, self.stepper.corrector.worst, slips, True)
 
     def _same(self, moved, branch, load):
-        """Whether a state that far from the interpolated one is the same; towards flutter a branch may bend."""
+        """Whether a state solved for, which moved so far (nm) from the interpolated one, is the same.
+
+        Towards flutter a branch may bend sharply: as far as interpolation with fewer states differs is allowed for.
+        """
         same = LIMITS.same * self.problem.unit
         if moved <= same:
             return True
@@ -189,7 +188,7 @@ class Replay:
         return bool(moved <= same + np.abs(coarser).max())
 
     def _slips(self, record, low, high):
-        """The known Slips between two loads, the higher included."""
+        """The known Slips at loads above `low`, up to `high`."""
         for turns in range(ceil((low - record.end) / record.period), ceil((high - record.end) / record.period) + 1):
             shift = turns * record.period
             for branch in record.branches:

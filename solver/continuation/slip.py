@@ -12,67 +12,58 @@ from .state import NotConverged, State
 
 @dataclass(frozen=True)
 class Limits:
-    """Of a slip; lengths in units of the problem's `unit`.
+    """Of a slip; a "unit" is the problem's `unit`, a "look" examines the state of the motion and adapts the steps."""
 
-    check: steps between two looks at where the motion has got. left: distance from the end of the branch from which on
-    the slow start of the motion is over, for which its steps are `slow` times longer. crawl: least and most way between
-    two looks at which steps of the overdamped limit stay as they are, and how much longer they may get. finer:
-    divisions of the steps, each where the ones before diverged, as surfaces clashed; from a fold, whole steps that do
-    not lead to rest are not believed either: a soft layer may swing on and on at one step, and at no other.
-    shortest: slip; short: the landing, as follows, of one that ends before the surface has left.
-    landing: swing and residual below which Anderson steps may finish, less each time they fail; from 0.1 on they reach
-    other rests than the motion. From damping `creeps` on, a residual of `crept` times that is enough. drawn: how far
-    these steps may lead; landing_steps: of them. come_and_go: changes of a node at the edge of the window, after which
-    it stays as it is.
-    patience: periods of the slowest mode (over damping below one), and at least `steps` steps, `creep_steps` in the
-    overdamped limit, after which a motion counts as one that does not come to rest under this load; then the load goes
-    on until it does, or for `farthest`: in every look by the share `raise_[1]` of the way that it has gone, between the
-    other two; oscillations grow slowly where they begin to: raised ten times as fast, the load went 0.3 nm too far,
-    and where it is raised faster than the last, the surface slides on and on. budget: force evaluations. diverged:
-    displacement, or stiffness over the closed one. filmed: way between two states that a film takes.
-    """
-
-    check: int = 8
-    left: float = 0.2
-    shortest: float = 0.08
-    short: float = 1e-5
-    slow: float = 3.0
-    crawl: tuple = (0.02, 0.08, 256.0)
+    check: int = 8  # steps between two looks
+    left: float = 0.2  # units from the end of the branch, within which the motion counts as starting
+    slow: float = 3.0  # times longer steps while it is starting, as it grows slowly then
+    # divisors of the steps, each tried where the one before diverged, as when surfaces clash. From a fold, a motion in
+    # whole steps that does not rest is tried again as well: a soft layer may swing for ever at one step and at no other
     finer: tuple = (1, 2, 4, 16)
-    creeps: float = 0.5
-    crept: float = 0.1
-    landing: float = 0.03
-    drawn: float = 0.3
-    landing_steps: int = 60
-    come_and_go: int = 10
-    patience: float = 8.0
-    steps: int = 4000
-    creep_steps: int = 40_000
-    raise_: tuple = (1e-4, 1e-2, 1e-3)
-    farthest: float = 5.0
-    budget: int = 300_000
-    diverged: float = 1e9
-    filmed: float = 0.01
+    crawl_least: float = 0.02  # units between two looks; in the overdamped limit steps double where a state moves less
+    crawl_most: float = 0.08  # units between two looks; they are halved where it moves more
+    crawl_longest: float = 256.0  # times as long as usual, at most
+    landing: float = 0.03  # units of residual and swing, below which Anderson steps look for the rest; above 0.1 they
+    # reach other rests than the motion; 0.3 times as much each time they fail
+    short: float = 1e-5  # units, the same while the motion is starting
+    shortest: float = 0.08  # units; a rest closer to the end of the branch than that does not count as one
+    creeps: float = 0.5  # damping over critical, from which on a residual of `crept` landings will do at any swing
+    crept: float = 0.1  # see `creeps`
+    drawn: float = 0.3  # units, farthest that Anderson steps may lead
+    landing_steps: int = 60  # Anderson steps, at most; 100 reached no more rests on 13 scenes of the slider box
+    come_and_go: int = 10  # changes of a node at the edge of the window, after which it stays as it is
+    patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
+    steps: int = 4000  # of a restless motion, at least
+    creep_steps: int = 40_000  # the same in the overdamped limit
+    # where a motion is restless, the load is raised in every look until it rests. Oscillations grow slowly where they
+    # begin: raised ten times as fast, the load went 0.3 nm too far; by more than `raise_most`, surfaces slide on and on
+    raise_share: float = 1e-2  # of the way that the load has gone since the end of the branch
+    raise_least: float = 1e-4  # units
+    raise_most: float = 1e-3  # units
+    farthest: float = 5.0  # units by which the load may be raised
+    budget: int = 300_000  # force evaluations of one motion
+    diverged: float = 1e9  # units of displacement; or stiffness of the interaction over the closed one
+    filmed: float = 0.01  # units between two states that a film takes
 
 
 LIMITS = Limits()
 
 
 class TooLong(NotConverged):
-    """Steps of the motion were too long, or seem so."""
+    """The motion diverged, or did not come to rest where shorter steps may."""
 
 
 def motion_to_rest(problem, watch, damping, end, closed, film=None):
-    """(problem, State) at which the motion from a LimitPoint comes to rest; raises NotConverged.
+    """(problem, State) in which the motion from a LimitPoint comes to rest; raises NotConverged.
 
-    At the load of the LimitPoint, or, if there the motion goes on for ever, at the next load at which it does not.
-    damping: over critical; closed: stiffness of the interaction at its closed place. The problem grows where it must.
-    film: a list that takes (problem, v, active, load) of states on the way, from the end of the branch to rest.
+    The load is that of the LimitPoint or, if the motion does not rest there, the next at which it does. The problem is
+    the one given, or one grown from it. damping: over critical; closed: as of `motion.Motion`. film: a list that takes
+    (problem, v, active, load) of states on the way, from the end of the branch to the rest.
     """
     begun = len(film) if film is not None else 0
     for finer in LIMITS.finer:
         try:
-            return _moved(problem, watch, damping, end, closed, finer, film)
+            return _with_steps(finer, problem, watch, damping, end, closed, film)
         except TooLong as failure:
             last = failure
             if film is not None:
@@ -80,8 +71,8 @@ def motion_to_rest(problem, watch, damping, end, closed, film=None):
     raise last
 
 
-def _moved(problem, watch, damping, end, closed, finer, film=None):
-    """`motion_to_rest` with the usual steps divided by `finer`; raises TooLong."""
+def _with_steps(finer, problem, watch, damping, end, closed, film):
+    """`motion_to_rest` with the usual steps divided by `finer`; raises TooLong where these may be too long."""
     load, v, unit, end_v = end.load, end.v + end.away, problem.unit, end.v
     end_active = end.active
     if film is not None:
@@ -92,27 +83,27 @@ def _moved(problem, watch, damping, end, closed, finer, film=None):
     changes, r = np.zeros(active.size, int), np.empty(problem.size)
     landing, looks, limit = LIMITS.landing * unit, 0, problem.evaluations + LIMITS.budget
     short, elapsed, ahead = LIMITS.short * unit, 0.0, np.zeros(problem.size)
-    patience, least, crawl, modes = 0.0, LIMITS.creep_steps, 1.0, None
+    patience, least_steps, crawl, modes = 0.0, LIMITS.creep_steps, 1.0, None
     if isfinite(damping):
-        least = LIMITS.steps
+        least_steps = LIMITS.steps
         patience = LIMITS.patience * 4.0 * np.pi / (dynamics.critical * min(1.0, damping))
     while True:
-        near = end.located and np.abs(v - end_v).max() < LIMITS.left * unit
-        # surfaces that are about to clash stiffen
+        starting = end.located and np.abs(v - end_v).max() < LIMITS.left * unit
+        # also where the state will be at the next look, as surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(v, active), dynamics.interface(v + ahead, active))
         if not stiffness < LIMITS.diverged * closed:
             raise TooLong("the motion diverges")
-        slow = LIMITS.slow if near else 1.0
+        pace = LIMITS.slow if starting else 1.0
         if not isfinite(damping):  # without inertia, steps may follow the speed
-            crawl = slow = _longer(crawl, np.abs(ahead).max() / unit)
-        motion.soften(stiffness, slow / finer)
+            crawl = pace = _crawl_pace(crawl, np.abs(ahead).max() / unit)
+        motion.soften(stiffness, pace / finer)
         if film is None:
             motion.advance(active, LIMITS.check)
         else:
             _filmed(film, problem, motion, active, load)
         looks, elapsed, before = looks + 1, elapsed + LIMITS.check * motion.time, v
         v = dynamics.unknowns(motion.y, load)
-        if not np.abs(v).max() < LIMITS.diverged * unit:  # nan is not, either
+        if not np.abs(v).max() < LIMITS.diverged * unit:  # nan fails it too
             raise TooLong("the motion diverges")
         ahead = v - before
         now = problem.active_of(v, load)
@@ -126,7 +117,7 @@ def _moved(problem, watch, damping, end, closed, finer, film=None):
                 dynamics = motion.dynamics = problem.motion()
                 changes, r, ahead = np.zeros(active.size, int), np.empty(problem.size), np.zeros(problem.size)
         worst = problem.residual(v, active, load, r)
-        small = short if near else landing
+        small = short if starting else landing
         if worst < small:
             calm = damping >= LIMITS.creeps and worst < LIMITS.crept * small
             if calm or np.abs(dynamics.displacement(motion.swing())).max() < small:
@@ -135,15 +126,15 @@ def _moved(problem, watch, damping, end, closed, finer, film=None):
                     if film is not None:
                         film.append((problem, state.v, state.active, load))
                     return problem, state
-                short, landing = (0.3 * short, landing) if near else (short, 0.3 * landing)
-        returned = near and worst <= problem.tolerance  # the end of the branch lies a little farther
-        restless = elapsed > patience and looks * LIMITS.check > least
+                short, landing = (0.3 * short, landing) if starting else (short, 0.3 * landing)
+        returned = starting and worst <= problem.tolerance  # the branch goes on a little farther than thought
+        restless = elapsed > patience and looks * LIMITS.check > least_steps
         if restless and finer == 1 and end.kind == "fold":
             raise TooLong("the motion does not come to rest")
         if returned or restless:
-            least, share, most = LIMITS.raise_
-            load += min(max(least * unit, share * (load - end.load)), most * unit)
-            landing = LIMITS.landing * unit
+            share = LIMITS.raise_share * (load - end.load)
+            load += min(max(LIMITS.raise_least * unit, share), LIMITS.raise_most * unit)
+            landing, least_steps = LIMITS.landing * unit, 0  # from now on, only the periods count
             motion.drive(load)
         if load > end.load + LIMITS.farthest * unit:
             raise NotConverged(f"the surface does not come to rest: it flutters, residual {worst:.2g} nm")
@@ -152,7 +143,7 @@ def _moved(problem, watch, damping, end, closed, finer, film=None):
 
 
 def _filmed(film, problem, motion, active, load):
-    """The steps between two looks, with the states that are some way from the last in the film added to it."""
+    """Make the steps between two looks; a state far enough from the film's last one is added to it."""
     for _ in range(LIMITS.check):
         motion.advance(active, 1)
         v, last = motion.dynamics.unknowns(motion.y, load), film[-1][1]
@@ -160,17 +151,17 @@ def _filmed(film, problem, motion, active, load):
             film.append((problem, v, active, load))
 
 
-def _longer(slow, moved):
-    """How many times longer the steps should be, which were `slow` times longer when the state moved so far."""
-    if moved == 0.0 or LIMITS.crawl[0] <= moved <= LIMITS.crawl[1]:
-        return slow
-    return min(2.0 * slow, LIMITS.crawl[2]) if moved < LIMITS.crawl[0] else max(0.5 * slow, 1.0)
+def _crawl_pace(pace, moved):
+    """How many times longer than usual the next steps may be, if at `pace` the state moved so many units."""
+    if moved == 0.0 or LIMITS.crawl_least <= moved <= LIMITS.crawl_most:
+        return pace
+    return min(2.0 * pace, LIMITS.crawl_longest) if moved < LIMITS.crawl_least else max(0.5 * pace, 1.0)
 
 
 def _landed(problem, watch, v, active, load, modes):
-    """(State by Anderson steps from v, None if they fail, lead away, or to no rest; modes of what they led to).
+    """(State that Anderson steps reach from v, None if they fail, lead too far, or to one that does not rest; its modes).
 
-    modes: of what the landing before led to: while oscillations go on, often the same equilibrium, which is no rest.
+    modes: of the landing before, or None: while an oscillation goes on, that often led to the same state.
     """
     corrector = Corrector(problem)
     corrector.begin(State.at_rest(load, v, active))

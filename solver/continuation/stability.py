@@ -1,14 +1,14 @@
-"""Whether an equilibrium is a rest of the motion: the growth of the disturbance that grows fastest, real or complex.
+"""Whether an equilibrium is a rest of the motion: the growth Re(lambda) of the disturbance that grows fastest.
 
 A disturbance x exp(lambda t) of a rest obeys (J - K) x = mu x with lambda^2 + gamma lambda = mu. Three kinds may grow:
 
-fold      a real mu passes zero, as does an eigenvalue of the tangent dR/dv of the equilibrium;
-soft      on its way there it meets that of a long wave of the layer, |mu| a few k_min, and both become complex;
-deep      waves of the contact, |mu| some E: of these `flutter` tells.
+fold           a real mu passes zero, and with it an eigenvalue of the equilibrium's tangent dR/dv;
+soft flutter   on its way to zero it meets the mu of a long wave of the layer, |mu| a few k_min: both turn complex;
+deep flutter   waves of the contact, with |mu| of the order of E: found by `flutter`.
 
-The first two are the mu nearest to zero. They are sought in a space V of whole-surface disturbances by Rayleigh-Ritz,
-that grows by (K - J)^-1 r, r the residual of the candidate (Davidson 1975 with inverse iteration): a solve with the
-tangent of the equilibrium. Spaces are carried from state to state, so that most of them need but the products V -> M V.
+The first two have the mu nearest to zero. They are sought by Rayleigh-Ritz in a space V of whole-surface disturbances,
+which is extended by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration): a solve
+with the tangent. Spaces are carried from state to state, so that most states need only the products M V, M = J - K.
 """
 
 from dataclasses import dataclass, replace
@@ -22,40 +22,29 @@ from .inverse import Inverse, Space, leading
 
 @dataclass(frozen=True)
 class Limits:
-    """Growths in units of gamma, of k_min in the overdamped limit; |mu| in units of k_min.
+    """Growths over gamma (over k_min in the overdamped limit), |mu| over k_min, unless said otherwise."""
 
-    unstable: 1/time, growth from which on an equilibrium is none. dense: size of a disturbance up to which all mu are
-    computed; below the damping `weak`, where many modes grow at nearly one rate, up to `weakly_dense`. radius: of |mu|
-    within which modes count as near zero; soft pairs form at 5 to 20. wide: the same where waves of the contact may
-    flutter, whose softest lie there. kept: vectors carried on, two pairs and two more.
-    fine, coarse: error of a growth, of `sure` and of `look`, and 3 times the latter of a wave. clear: a growth below
-    minus that need not be known better. sure: growths are told from zero by so many errors. most, some: vectors added
-    to the space by `sure` and `look`. room: for all, with those of `flutter`.
-    A state is not looked at while the one looked at last is at most `patience` points and `far` units of the problem
-    away, less where growths were above minus `calm`, in proportion to their square; while growths that rise as between
-    the last two looks, times `steeper`, stay below zero; and while the state moves no more than `speed` times as fast
-    with the load as there: towards a fold at distance d that is d^-1/2, so that looks get the denser the nearer it is.
-    """
-
-    unstable: float = 1e-6
-    dense: int = 32
-    weak: float = 0.4
-    weakly_dense: int = 300
-    radius: float = 20.0
-    wide: float = 80.0
-    kept: int = 6
-    fine: float = 1e-8
-    coarse: float = 1e-3
-    clear: float = 0.25
-    sure: float = 4.0
-    most: int = 60
-    some: int = 20
-    room: int = 300
-    calm: float = 0.4
-    patience: int = 20
-    far: float = 1.5
-    speed: float = 1.15
-    steeper: float = 4.0
+    unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest
+    dense: int = 32  # size of a disturbance up to which all its mu are computed
+    weakly_dense: int = 300  # the same below the damping `weak`, where many modes grow at nearly one rate
+    weak: float = 0.4  # damping, over critical
+    radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of soft flutter form at 5 to 20
+    wide: float = 80.0  # the same where deep flutter is possible: its softest waves lie there
+    kept: int = 6  # vectors carried to the next state: two complex pairs and two more
+    fine: float = 1e-8  # error of a growth, by `sure`
+    coarse: float = 1e-3  # error of a growth, by `look`; three times that for waves of deep flutter
+    clear: float = 0.25  # a growth below minus that need not be known better
+    sure: float = 4.0  # errors by which a growth must differ from zero to be told from it
+    most: int = 60  # vectors that `sure` may add to the space
+    some: int = 20  # vectors that `look` may add
+    room: int = 300  # vectors for which there is memory, those of `flutter` included
+    # `look` takes a state to rest, without a look, while all of this holds, compared with the one looked at last:
+    patience: int = 20  # no more states than that have been passed over
+    far: float = 1.5  # units of the problem, farthest; times (growth/calm)^2 where -growth is less than `calm`
+    calm: float = 0.4  # see `far`
+    steeper: float = 4.0  # a growth rising so many times as steeply as between the last two looks is negative still
+    # times as fast that states move with the load; towards a fold at distance d this goes as d^-1/2, so that looks
+    speed: float = 1.15  # become the denser the nearer it is
 
 
 LIMITS = Limits()
@@ -63,7 +52,7 @@ LIMITS = Limits()
 
 @dataclass(frozen=True)
 class Stability:
-    """Of an equilibrium: growth of its fastest mode, 1/time; kind: of its loss; mode (size,); modes: to go on from."""
+    """Of an equilibrium: growth of its fastest mode, 1/time, kind, unknowns (size,); Modes for the next state."""
 
     growth: float
     kind: str = "bifurcation"
@@ -77,30 +66,30 @@ class Stability:
 
 @dataclass(frozen=True)
 class Modes:
-    """What was found at the last state looked at: growth and v there, the load's speed, points since, and spaces."""
+    """What was found at the state looked at last, with v there; and what the next search starts from."""
 
     growth: float
     v: np.ndarray
     speed: float = 0.0  # |dv| per load there
-    rise: float = 0.0  # of the growth, per nm of way, since the look before
-    since: int = 0
-    space: np.ndarray | None = None  # (k, N), orthonormal
+    rise: float = 0.0  # of the growth since the look before, per nm of |dv|
+    since: int = 0  # states passed over since
+    space: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     wave: Wave | None = None
 
 
 class Watch:
-    """Looks at the stability of the states of a run with the given damping of its motion, over critical."""
+    """Tells whether the states of a run rest, under a motion of that damping over critical."""
 
     def __init__(self, damping):
         self.damping, self._scratch = damping, None
 
     def look(self, problem, v, active, s, state, smooth=None):
-        """The Stability of a new state on the branch of `state`; smooth: as `sure`."""
+        """The Stability of a state that follows `state` on its branch, to `coarse`; smooth: as in `sure`."""
         modes = state.modes
         if state.unsure or not isinstance(modes, Modes) or modes.v.size != v.size:
             return self.sure(problem, v, active, s, smooth=smooth)
         speed = np.abs(v - state.v).max() / max(abs(s - state.load), 1e-300)
-        dense = problem.size <= LIMITS.dense  # all mu are to be had at no cost
+        dense = problem.size <= LIMITS.dense  # all mu are had at no cost
         if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
             way, depth = np.abs(v - modes.v).max(), max(0.0, -modes.growth)
             far = LIMITS.far * problem.unit * min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
@@ -109,14 +98,14 @@ class Watch:
         return self._judged(problem, v, active, modes, state.secants, speed, False, smooth)
 
     def sure(self, problem, v, active, s, modes=None, secants=None, smooth=None):
-        """The Stability of an equilibrium, to `fine`; modes, secants: of one nearby, if known.
+        """The Stability of an equilibrium, to `fine`; modes, secants: of a state nearby, if known.
 
         smooth: a function close to the inverse of -dR/dv, if one is at hand.
         """
         return self._judged(problem, v, active, modes, secants, 0.0, True, smooth)
 
     def _scale(self, problem):
-        """gamma, or, where that is infinite, k_min: what growths are measured by."""
+        """gamma, or k_min where gamma is infinite: what growths are compared with."""
         critical = problem.motion().critical
         return self.damping * critical if np.isfinite(self.damping) else 0.25 * critical**2
 
@@ -131,7 +120,7 @@ class Watch:
             waves = self.damping < maps.flutter(motion.critical)
             k_min = 0.25 * motion.critical**2
             radius = (LIMITS.wide if waves else LIMITS.radius) * k_min
-            start = self._start(problem, maps, v, active, known.space, secants, smooth)
+            start = self._start_vectors(problem, maps, v, active, known.space, secants, smooth)
             _, room, inverse = self._scratch
             scale = self._scale(problem)
             (growth, mu, x), space = near_zero(maps, inverse, friction, radius, scale, start, fine, room.emptied(maps))
@@ -145,10 +134,10 @@ class Watch:
         kind = "flutter" if abs(mu.imag) > 1e-9 * abs(mu) else "bifurcation"
         way = np.abs(v - modes.v).max() if modes else 0.0
         rise = max(0.0, growth - modes.growth) / way if way > 0.0 else 0.0
-        return Stability(growth, kind, maps.seen(_largest(x)), Modes(growth, v, speed, rise, 0, space, wave))
+        return Stability(growth, kind, maps.seen(_largest_phase(x)), Modes(growth, v, speed, rise, 0, space, wave))
 
-    def _start(self, problem, maps, v, active, space, secants, smooth):
-        """The vectors to begin with; readies the memory for this equilibrium."""
+    def _start_vectors(self, problem, maps, v, active, space, secants, smooth):
+        """The vectors that the search starts from; makes the scratch ready for this equilibrium."""
         sizes = maps.size, problem.size
         if self._scratch is None or self._scratch[0] != sizes:
             self._scratch = sizes, Space(maps.size, LIMITS.room), Inverse(problem.size)
@@ -157,8 +146,8 @@ class Watch:
         return space if space is not None else np.array([maps.spread(w) for w in leading(inverse)])
 
 
-def _largest(x):
-    """The real part of a mode in the phase in which it is largest: that of an eigenvector is any."""
+def _largest_phase(x):
+    """The real part of an eigenvector, turned to the phase in which it is largest."""
     return (x * np.exp(-0.5j * np.angle((x * x).sum()))).real
 
 
@@ -177,7 +166,7 @@ def rate(mu, friction):
 
 
 def inside(mu, friction):
-    """How far mu lies inside the parabola Im^2 = -friction^2 Re, where disturbances decay, to first order, GPa/nm."""
+    """Distance, to first order, of mu from the parabola Im^2 = -friction^2 Re within which modes decay, GPa/nm."""
     depth = -mu.real
     if np.isinf(friction):
         return depth
@@ -186,17 +175,18 @@ def inside(mu, friction):
 
 
 def near_zero(maps, inverse, friction, radius, scale, start, fine, space):
-    """((growth, mu, x), vectors (k, N)) of the fastest mode with |mu| < radius, GPa/nm, from the vectors `start`.
+    """((growth, mu, x), vectors (k, N) to go on from) of the fastest mode with |mu| < radius, GPa/nm.
 
-    scale: of growths; space: an empty Space. Looked at coarsely, it may end once no mode can lie outside the parabola.
+    start: vectors to begin with; scale: of growths; space: an empty Space. Unless `fine`, the search ends once it is
+    told whether a mode lies outside the parabola.
     """
     for x in start:
         space.add(x)
     first = space.rows
-    space.add(inverse.of(maps, _noise(maps.size)))  # modes of another symmetry than those known come up in this
+    space.add(inverse.of(maps, _noise(maps.size)))  # else modes of another symmetry than those known would be missed
     most = LIMITS.most if fine else LIMITS.some
     while True:
-        values, vectors, strange = _near(space, radius)
+        values, vectors, strange = _ritz_pairs(space, radius)
         depth, rates = inside(values, friction), rate(values, friction)
         residuals = space.residuals(vectors, values)
         miss = np.sqrt((np.abs(residuals) ** 2).sum(axis=1))
@@ -216,7 +206,7 @@ def near_zero(maps, inverse, friction, radius, scale, start, fine, space):
         if space.rows == rows:
             break
     if growth > 0.0 and error > LIMITS.coarse * scale:
-        growth -= 2.0 * error  # what is called unstable is
+        growth -= 2.0 * error  # so that what is called unstable is
     parts = [part for k in np.argsort(depth) for part in _parts(vectors[:, k])]
     basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0]
     return (growth, complex(values[i]), vectors[:, i] @ space.vectors), basis.T @ space.vectors
@@ -230,12 +220,12 @@ def _noise(size):
     return noise
 
 
-def _near(space, radius):
-    """(values, vectors, False): Ritz values with |mu| < radius or Re mu > 0, one of each pair; (.., True): none is."""
+def _ritz_pairs(space, radius):
+    """(values, vectors, strange) with |mu| < radius or Re mu > 0, one of each complex pair; strange: there is none."""
     values, vectors = np.linalg.eig(space.matrix)
     size = np.abs(values)
     near = (size < radius) | (values.real > 0.0)
-    strange = not near.any()  # stiff contact all over, or a space out of date
+    strange = not near.any()  # contact is stiff everywhere, or the space is out of date: then the smallest
     if strange:
         near = size <= size.min()
     near &= values.imag >= 0.0
@@ -243,12 +233,12 @@ def _near(space, radius):
 
 
 def _error(miss, mu, friction):
-    """Of the growth at a Ritz value mu, for a residual `miss` per unit of the vector."""
+    """Error of the growth at a Ritz value mu whose unit vector has a residual of length `miss`."""
     if np.isinf(friction):
         return miss
     return min(miss / max(abs(np.sqrt(friction**2 + 4.0 * complex(mu))), 1e-300), miss**0.5)
 
 
 def _parts(x):
-    """Real and imaginary part of x, the latter if there is one."""
+    """(real part, imaginary part) of x; the latter only if it is not round-off."""
     return (x.real, x.imag) if np.iscomplexobj(x) and np.abs(x.imag).max() > 1e-10 * np.abs(x).max() else (x.real,)

@@ -1,4 +1,4 @@
-"""Where a run stands: an equilibrium, what the next increment may use of those before, and how one fails."""
+"""Where a run stands: an equilibrium with what the next increment may use; slips; and how increments fail."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ class OutOfTime(NotConverged):
 
 
 class PulledOff(NotConverged):
-    """A load is held under which the contact came apart in a slip: the end of the run."""
+    """Under a held load the contact came apart in a slip: the end of the run."""
 
 
 @dataclass
@@ -25,12 +25,12 @@ class State:
 
     load: float  # nm
     v: np.ndarray  # (size,) unknowns
-    active: np.ndarray  # nodes within the interaction window, held while an increment is solved
+    active: np.ndarray  # nodes within the interaction window; fixed during a solve
     past: list = field(default_factory=list)  # [(load, v)] on this branch, newest first, this one included
     secants: Secants | None = None
-    sharp: tuple | None = None  # (v, active) whose tangent is inverted for solves, where these need it
+    sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
     modes: object = None  # what `stability.Watch` knows of the modes that may grow
-    unsure: bool = False  # whether it may be unstable, or no equilibrium, under the loading to come
+    unsure: bool = False  # it may be unstable, or no equilibrium at all, under the loading to come
     record: object = None  # what `replay.Replay` knows of the states before
 
     @staticmethod
@@ -41,24 +41,27 @@ class State:
 
 @dataclass(frozen=True)
 class LimitPoint:
-    """The end of a branch: the load, the unknowns there, and the way in which the motion leaves."""
+    """The end of a branch: the load, the unknowns there, and where the motion starts.
+
+    kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
+    real mode does, but not at a fold; "lost", where the branch could not be followed: the motion decides if it ends.
+    """
 
     load: float
     v: np.ndarray
     active: np.ndarray
-    away: np.ndarray  # (size,) displacement from v at which the motion starts, at rest
-    kind: str  # "fold": the load has a maximum; "flutter": an oscillation grows; "bifurcation": a mode grows at
-    # another place than a fold; "lost": the branch could not be followed, the motion decides whether it ends here
+    away: np.ndarray  # (size,): the motion starts from rest at v + away
+    kind: str
 
     @property
     def located(self):
-        """Whether the load is that of the end of the branch, and not merely of the increment in which it ended."""
+        """Whether `load` is that of the end itself, not of the increment in which the branch was lost."""
         return self.kind != "lost"
 
 
 @dataclass(frozen=True)
 class Slip:
-    """A branch that ended: where, in which way, and the unknowns there; after: the State landed in."""
+    """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again."""
 
     load: float
     v: np.ndarray
@@ -66,17 +69,17 @@ class Slip:
     kind: str
     located: bool
     after: State
-    place: object = None  # the problem's own, which tells what v describes
+    place: object = None  # `place` of the problem that v belongs to
 
 
 @dataclass(frozen=True)
 class Increment:
     """The outcome of one increment: the state reached, its residual (nm), slips on the way.
 
-    The state is that at the load asked for, or at a higher one, if the surface came to rest there only.
+    The state's load is the one asked for, or a higher one if after a slip the surface did not rest before.
     """
 
     state: State
     residual: float
     slips: tuple = ()
-    repeated: bool = False  # a known state moved on by lattice periods, verified, not solved for
+    repeated: bool = False  # known from earlier, moved on by lattice periods and verified

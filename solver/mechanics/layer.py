@@ -82,7 +82,7 @@ def _determinant(y, kappa):
 class Modes:
     """The layer's stiffness and compliance at every wavenumber of the periodic cell, coupling dropped at Nyquist.
 
-    Attributes: stiffness (GPa/nm) and compliance (nm/GPa), (3, nodes//2 + 1) in rows xx, zz, c; k_xx, k_zz, k_c.
+    Attributes: stiffness (GPa/nm) and compliance (nm/GPa), (3, nodes//2 + 1) in rows xx, zz, c.
     """
 
     def __init__(self, nodes, width, height, E, nu):
@@ -94,7 +94,6 @@ class Modes:
             self.stiffness[2, -1] = self.compliance[2, -1] = 0.0
             # without coupling each component is its own inverse
             self.compliance[:2, -1] = 1.0 / self.stiffness[:2, -1]
-        self.k_xx, self.k_zz, self.k_c = self.stiffness
         self.stiffness.flags.writeable = self.compliance.flags.writeable = False
 
     @staticmethod
@@ -152,7 +151,6 @@ class Convolution:
             length = nodes
         else:
             modes = _cut(modes, nodes, size, length)
-        self.length = length
         self._multipliers = np.ascontiguousarray(modes / length)
         self._before, self._after, self._spectrum, self._forward, self._backward = transforms(length, normal_only)
         self.field, self.product = self._before[:, :size], self._after[:, :size]
