@@ -2,12 +2,31 @@
 
 import numpy as np
 
-from solver.run.frame import contact_edges
-
 
 def edges(scene, frame):
-    """(patches, 2) nm: the trailing and the leading edge of every patch of a Frame."""
-    return contact_edges(scene, frame.T, frame.first)
+    """(patches, 2) nm, undeformed: the trailing and the leading edge of every patch of a Frame; nan in full contact.
+
+    A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
+    """
+    least = scene.tolerance * scene.phi_n / scene.delta_n**2  # as in `contact_area`
+    n, T_z = frame.T.shape[1], frame.T[1] - least
+    closed = n == scene.nodes
+    if closed and (T_z > 0.0).all():
+        return np.full((1, 2), np.nan)
+    if closed:  # once round, from a node without contact
+        start = next(k for k in (0, -1, *range(n)) if T_z[k] <= 0.0)
+        at = np.arange(start, start + n + 1)
+        T_z = T_z[at % n]
+    else:  # beyond a patch there is no traction
+        at, T_z = np.arange(-1, n + 1), np.concatenate(([-least], T_z, [-least]))
+    changes = np.flatnonzero(np.diff(T_z > 0.0))
+    found = (at[changes] + T_z[changes] / (T_z[changes] - T_z[changes + 1])).reshape(-1, 2)
+    if closed and len(found) > 1 and found[-1, 1] > n:
+        gaps = np.append(found[1:, 0], found[0, 0] + n) - found[:, 1]
+        k = int(np.argmax(gaps)) + 1
+        found = np.concatenate((found[k:], found[:k] + n))
+        found -= n * (found[0, 0] // n)
+    return (frame.first + found) * scene.spacing
 
 
 def peel_asymmetry(scene, before, after):

@@ -7,7 +7,7 @@ from solver import Scene
 from solver.mechanics.contact import Contact
 from solver.mechanics.dense import inverted
 from solver.mechanics.equilibrium import Equilibrium
-from solver.run.loading import shear
+from solver.run.loading import sideways
 
 SCENES = {
     "stiff": Scene(nodes=128, width=312.5, delta_bar=0.3),
@@ -21,7 +21,7 @@ SCENES = {
 def test_the_inverse_of_a_tangent_undoes_it(name, held):
     """To single precision times what a soft layer loses; off-registry contact, so that all four tangents count."""
     scene, rng = SCENES[name], np.random.default_rng(1)
-    problem = Equilibrium(Contact(scene, 10, 108), shear(scene), 0.01 if held else None)
+    problem = Equilibrium(Contact(scene, 10, 108), sideways(1.0, -scene.delta), 0.01 if held else None)
     u = np.array([rng.uniform(-0.3, 0.3, 108), rng.uniform(-0.2, 0.5, 108) - scene.profile[10:118]])
     v = problem.unknowns(u, -scene.delta)
     active = np.arange(108) % 7 > 0
@@ -39,5 +39,5 @@ def test_blocks_are_inverted_as_the_whole():
 def test_a_singular_tangent_or_none_at_all_has_no_inverse():
     """No node acts: nothing to invert. Then other steps are taken."""
     scene = SCENES["stiff"]
-    problem = Equilibrium(Contact(scene, 10, 108), shear(scene))
+    problem = Equilibrium(Contact(scene, 10, 108), sideways(1.0, -scene.delta))
     assert problem.inverse(problem.undeformed(0.0), np.zeros(108, bool)) is None

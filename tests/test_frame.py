@@ -4,17 +4,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from peeling import peel_asymmetry
+from peeling import edges, peel_asymmetry
 
 from solver import Scene
-from solver.run.frame import contact_area, contact_edges, forces
+from solver.run.frame import contact_area, forces
 
 SCENE = Scene(nodes=100, width=250.0)
 
 
 def of_contact(T, first=0):
     """(A_bar, edges) of these tractions."""
-    return contact_area(SCENE, T, first), contact_edges(SCENE, T, first)
+    return contact_area(SCENE, T), edges(SCENE, SimpleNamespace(T=T, first=first))
 
 
 def test_area_interpolates_between_nodes():
@@ -29,7 +29,7 @@ def test_area_moves_smoothly_while_nodes_come_and_go():
     areas = []
     for top in np.linspace(0.9, 1.1, 50):
         tz = top - (np.arange(100) - 50) ** 2 / 60.0
-        areas.append(contact_area(SCENE, np.array([0 * tz, tz]), 0))
+        areas.append(contact_area(SCENE, np.array([0 * tz, tz])))
     steps = np.diff(areas)
     assert steps.min() > 0 and steps.max() < 3 * steps.min()
 
@@ -51,8 +51,8 @@ def test_no_contact_and_full_contact():
 def test_two_patches_add_up():
     tz = np.full(100, -1.0)
     tz[10:20] = tz[50:55] = 1.0
-    area, edges = of_contact(np.array([0 * tz, tz]))
-    assert (area, len(edges)) == (pytest.approx(0.15), 2)
+    area, found = of_contact(np.array([0 * tz, tz]))
+    assert (area, len(found)) == (pytest.approx(0.15), 2)
 
 
 def test_attraction_is_negative_and_friction_opposes_the_pull():
@@ -63,8 +63,8 @@ def test_attraction_is_negative_and_friction_opposes_the_pull():
 def test_edges_of_every_patch_come_in_order():
     tz = np.full(100, -1.0)
     tz[10:20] = tz[50:55] = 1.0
-    edges = contact_edges(SCENE, np.array([0 * tz, tz]), 0)
-    assert edges == pytest.approx(2.5 * np.array([[9.5, 19.5], [49.5, 54.5]]))
+    _, found = of_contact(np.array([0 * tz, tz]))
+    assert found == pytest.approx(2.5 * np.array([[9.5, 19.5], [49.5, 54.5]]))
 
 
 @pytest.mark.parametrize("shift", [0, 45, 52, 80, 88, 95])
@@ -73,11 +73,11 @@ def test_a_contact_across_the_ends_of_the_cell_is_one_patch_and_its_edges_go_on(
     tz = np.full(100, -1.0)
     tz[10:20] = tz[25:30] = 1.0
     T = np.array([0 * tz, np.roll(tz, shift)])
-    area, edges = of_contact(T)
-    assert (area, len(edges)) == (pytest.approx(0.15), 2)
-    trailing, leading = edges[0, 0], edges[-1, 1]
-    assert (edges[:, 1] - edges[:, 0]).sum() == pytest.approx(15 * 2.5)
-    assert (np.diff(edges.ravel()) > 0.0).all()
+    area, found = of_contact(T)
+    assert (area, len(found)) == (pytest.approx(0.15), 2)
+    trailing, leading = found[0, 0], found[-1, 1]
+    assert (found[:, 1] - found[:, 0]).sum() == pytest.approx(15 * 2.5)
+    assert (np.diff(found.ravel()) > 0.0).all()
     if T[1, 0] > 0.0 and T[1, -1] > 0.0:  # across the ends: the order starts behind the widest gap
         assert (trailing, leading) == pytest.approx(((9.5 + shift) % 100 * 2.5, ((9.5 + shift) % 100 + 20) * 2.5))
     else:

@@ -23,8 +23,8 @@ class Limits:
     crawl_least: float = 0.02  # units between two looks; in the overdamped limit steps double where a state moves less
     crawl_most: float = 0.08  # units between two looks; they are halved where it moves more
     crawl_longest: float = 256.0  # times as long as usual, at most
-    landing: float = 0.03  # units of residual and swing, below which Anderson steps look for the rest; above 0.1 they
-    # reach other rests than the motion; 0.3 times as much each time they fail
+    # units of residual and swing below which Anderson steps look for the rest, 0.3 times as much each time they fail;
+    landing: float = 0.03  # from 0.1 on they reach other rests than the motion
     short: float = 1e-5  # units, the same while the motion is starting
     shortest: float = 0.08  # units; a rest closer to the end of the branch than that does not count as one
     creeps: float = 0.5  # damping over critical, from which on a residual of `crept` landings will do at any swing
@@ -89,7 +89,7 @@ def _with_steps(finer, problem, watch, damping, end, closed, film):
         patience = LIMITS.patience * 4.0 * np.pi / (dynamics.critical * min(1.0, damping))
     while True:
         starting = end.located and np.abs(v - end_v).max() < LIMITS.left * unit
-        # also where the state will be at the next look, as surfaces that are about to clash stiffen
+        # here, and about where the state will be at the next look, as surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(v, active), dynamics.interface(v + ahead, active))
         if not stiffness < LIMITS.diverged * closed:
             raise TooLong("the motion diverges")
@@ -159,7 +159,7 @@ def _crawl_pace(pace, moved):
 
 
 def _landed(problem, watch, v, active, load, modes):
-    """(State that Anderson steps reach from v, None if they fail, lead too far, or to one that does not rest; its modes).
+    """(State that Anderson steps lead to from v, None if they fail, go too far or find no rest; the modes there).
 
     modes: of the landing before, or None: while an oscillation goes on, that often led to the same state.
     """

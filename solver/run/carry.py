@@ -10,7 +10,7 @@ from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..scene import SURFACES, SceneError
 from .load_steps import LoadStep, load_steps_of
-from .loading import Loading
+from .loading import vertical
 from .loadpath import Checkpoint
 from .slices import owned
 
@@ -20,10 +20,10 @@ GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() fo
 def carry_on(checkpoint, scene, changed):
     """The Checkpoint from which the run of `scene` that stands at `checkpoint` goes on as one of the Scene `changed`.
 
-    A new indentation is walked in steps of du_z at the same U_x (stage "press"); all else takes effect at once, in an
-    increment 0 at the same U_x, where the motion decides where the state goes. Then the load step goes on to u_x_max.
-    A load that is held stays the same, in N/m, unless the indentation changes: then it is the load found there. A jump
-    of the state in increment 0 is the doing of the parameters: no slip is reported. For method fast.
+    A new indentation is approached in steps of du_z at the same U_x (stage "press"). All else takes effect at once, in
+    an increment 0 at the same U_x: if the state does not rest there, the motion leads on; no slip is reported, as the
+    parameters did it. Then the load step goes on to u_x_max. A held load stays the same, in N/m, unless the indentation
+    changes: then it is the load found there. For method fast only.
     Raises SceneError where `changed` has another surface or does not lead through here, ValueError out of shear.
     """
     if changed == scene:
@@ -51,13 +51,11 @@ def carry_on(checkpoint, scene, changed):
 
 def _problem(scene, checkpoint, step):
     """The Equilibrium that the state of a checkpoint solves."""
-    first, size = checkpoint.patch
-    contact = Contact(scene, first, size)
-    return Equilibrium(contact, step.loading, checkpoint.pressure if step.held else None)
+    return Equilibrium(Contact(scene, *checkpoint.patch), step.loading, checkpoint.pressure if step.held else None)
 
 
 def _refuse(scene, changed):
-    """Raises SceneError where `changed` is no scene that the state of `scene` can go on in."""
+    """Raises SceneError where `changed` has another surface, on which no state of `scene` can go on."""
     given = "allowed: its value while a run goes on", "start the run anew"
     for name in GEOMETRY:
         same = name not in ("nodes", "width") and np.array_equal(changed.profile, scene.profile)
@@ -66,7 +64,7 @@ def _refuse(scene, changed):
 
 
 def _rest(stage, changed, load):
-    """The load steps of `changed` from that load of that stage on."""
+    """The load steps of `changed` from that load (nm) of that stage on."""
     load_steps = load_steps_of(changed)
     place = next((i for i, step in enumerate(load_steps) if step.stage == stage), None)
     if place is None:
@@ -87,7 +85,6 @@ def _press(scene, changed, top, held):
     wanted = changed.delta if not held or changed.hold == "delta" or changed.delta_bar != scene.delta_bar else now
     if abs(wanted - now) <= 1e-12 * changed.delta_0:
         return None
-    increments = ceil(abs(wanted - now) / (changed.du_z * changed.delta_n) - 1e-9)
-    sign = 1.0 if wanted > now else -1.0
-    loading = Loading("delta" if sign > 0.0 else "-delta", (top[0], 0.0), (0.0, -sign))
-    return LoadStep("press", loading, sign * now, changed.du_z * changed.delta_n, increments, sign * wanted)
+    du_z, sign = changed.du_z * changed.delta_n, 1.0 if wanted > now else -1.0
+    increments = ceil(abs(wanted - now) / du_z - 1e-9)
+    return LoadStep("press", vertical(sign, top[0]), sign * now, du_z, increments, sign * wanted)

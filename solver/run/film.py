@@ -7,21 +7,21 @@ import numpy as np
 
 from ..continuation.state import State
 from ..mechanics.contact import Contact
-from .frame import NORMAL, Frame, contact_area, forces
+from .frame import NORMAL, frame_of
 from .load_steps import LoadStep, load_steps_of
-from .loading import Loading
+from .loading import vertical
 from .loadpath import Checkpoint, Run
 from .shortcuts import ALL
 
-PARTS = 4  # of the increment: the branch is followed better from several states
+PARTS = 4  # in which the increment is done again: a branch is followed better from several states
 
 
 def through(scene, before, stage, load, most=60, limit=float("inf")):
     """(Frames of the motion, the Frame in which the increment ends) of the increment of `stage` to `load`, nm.
 
-    before: the Frame before it, its u to 1e-2 nm. Frames of a motion are not at rest: `residual` says how far from it;
-    they are spaced evenly in the way of the node that moves most, from the end of the branch to the rest that follows;
-    none if the branch does not end there. limit: s of processor time. Raises NotConverged.
+    before: the Frame before it, with u right to 1e-2 nm. Frames of a motion are not at rest: `residual` says how far
+    from it. They lead from the end of the branch to the next rest, at even distances of the node that moves most; there
+    are none if the branch does not end. limit: processor time of a part of the increment, s. Raises NotConverged.
     """
     step, start = _step(scene, before, stage), _load(before, stage)
     step = replace(step, start=start, increment=(load - start) / PARTS, increments=PARTS, end=load, until_free=False)
@@ -39,16 +39,20 @@ def through(scene, before, stage, load, most=60, limit=float("inf")):
     checkpoint = Checkpoint(stage, 0, (first, u.shape[1]), state, load_steps=(step,), pressure=pressure)
     while not checkpoint.done:
         frame, checkpoint = run.next_frame(checkpoint, limit)
-    return [_frame(scene, frame, *state) for state in _evenly(run.film, most)], frame
+    return [_moving_frame(scene, frame, *state) for state in _evenly(run.film, most)], frame
+
+
+def _moving_frame(scene, end, problem, v, active, load):
+    """A state of the motion as a Frame of the increment that ends in the Frame `end`."""
+    residual = problem.residual(v, active, load, np.empty(v.size))
+    return frame_of(scene, problem, State.at_rest(load, v, active), end.stage, end.index, residual)
 
 
 def _step(scene, before, stage):
     """The LoadStep of a stage, at the indentation that `before` has."""
     if stage == "press":
         sign = 1.0 if scene.delta > before.delta else -1.0
-        return LoadStep(
-            stage, Loading("delta" if sign > 0.0 else "-delta", (before.U_x, 0.0), (0.0, -sign)), 0.0, 1.0, 1
-        )
+        return LoadStep(stage, vertical(sign, before.U_x), 0.0, 1.0, 1)
     return next(step for step in load_steps_of(scene) if step.stage == stage)
 
 
@@ -59,22 +63,10 @@ def _load(frame, stage):
 
 
 def _evenly(states, most):
-    """At most so many of (problem, v, active, load), evenly spaced in the way of the node that moves most."""
+    """At most so many of the states (problem, v, active, load), at even distances of the node that moves most."""
     if len(states) <= most:
         return states
     way = [0.0]
     for (_, v, *_), (_, w, *_) in pairwise(states):
         way.append(way[-1] + (float(np.abs(w - v).max()) if v.size == w.size else 0.0))
     return [states[k] for k in np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], most) - 1e-12))]
-
-
-def _frame(scene, end, problem, v, active, load):
-    """A state of the motion as a Frame of the increment that ends in the Frame `end`."""
-    U_x, U_z = problem.top(v, load)
-    u, T = problem.surface(v).copy(), problem.traction(v, active)
-    if u.shape[1] == 1 < scene.nodes:
-        u, T = np.repeat(u, scene.nodes, axis=1), np.repeat(T, scene.nodes, axis=1)
-    first = 0 if u.shape[1] == scene.nodes else problem.contact.first
-    residual = problem.residual(v, active, load, np.empty(v.size))
-    size = contact_area(scene, T, first)
-    return Frame(end.stage, end.index, float(U_x), 0.0 - float(U_z), first, u, T, *forces(scene, T), size, residual, 0)

@@ -1,4 +1,4 @@
-"""What an increment leaves behind: the fields on the patch, the forces, the contact area and its edges."""
+"""What an increment reports: displacements and tractions of the patch, the forces, the contact area."""
 
 from dataclasses import dataclass
 
@@ -12,9 +12,8 @@ NORMAL = ("approach", "unload", "reload", "press")  # stages along which the ind
 class SlipEvent:
     """The end of a branch: load U_x (or delta, in approach and retraction) in nm, and F_bar, L_bar, A_bar just before.
 
-    kind: "fold", where the load has a maximum; "flutter", where an oscillation grows; "bifurcation", where a mode grows
-    otherwise; "lost", where the branch could not be followed. located: whether the load is that of the end itself, to
-    1e-6 nm, or that of the increment in which it lies.
+    kind: as of `continuation.state.LimitPoint`. located: whether the load is that of the end itself, to 1e-6 nm, or
+    only that of the increment in which it lies.
     """
 
     load: float
@@ -39,7 +38,7 @@ class Frame:
     u, T: (2, m) displacement (nm) and traction on the layer (GPa) of the patch, whose first node is `first`; read-only.
     """
 
-    stage: str  # "approach" or "shear"
+    stage: str  # of the load path: as of `load_steps.LoadStep`
     index: int  # of the increment within its stage
     U_x: float  # nm
     delta: float  # nm
@@ -81,72 +80,60 @@ def _sums(T):
     return x, z
 
 
-def contact_area(scene, T, first):
+def contact_area(scene, T):
     """A_bar: the length under repulsion over w, of all patches, from sign changes of T_z interpolated between nodes."""
-    return _contact(scene, T, first)[0] / scene.nodes
-
-
-def contact_edges(scene, T, first):
-    """(patches, 2) nm, undeformed: the trailing and the leading edge of every patch, in order; nan in full contact.
-
-    A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
-    """
-    return _contact(scene, T, first)[1]
-
-
-def _contact(scene, T, first):
-    """(repulsive length in spacings, edges (patches, 2) in nm)."""
-    # repulsion weaker than an error of the tolerance makes is none: on the flat at dn = 0 it would flicker
+    # repulsion weaker than an error of the tolerance makes counts as none: on a flat at dn = 0 it would flicker
     least = scene.tolerance * scene.phi_n / scene.delta_n**2
-    n, closed = T.shape[1], T.shape[1] == scene.nodes
-    edges = np.empty((n // 2 + 1, 2))
-    length, patches = _edges(T, closed, least, edges)
-    edges = edges[:patches]
-    if closed and patches > 1 and edges[-1, 1] > n:  # a patch across the ends of the cell
-        gaps = np.append(edges[1:, 0], edges[0, 0] + n) - edges[:, 1]
-        k = int(np.argmax(gaps)) + 1
-        edges = np.concatenate((edges[k:], edges[:k] + n))
-        edges -= n * (edges[0, 0] // n)
-    return length, (first + edges) * scene.spacing
+    return _repelled(T, T.shape[1] == scene.nodes, least) / scene.nodes
 
 
 @njit(cache=True, nogil=True)
-def _edges(T, closed, least, out):
-    """(repulsive length, patches); out (>= patches, 2): their edges in spacings; closed: the last node meets the first.
+def _repelled(T, closed, least):
+    """The length under repulsion, in node spacings; closed: T covers the cell, whose last node is next to the first.
 
-    The order starts at a node without contact; a first edge before node 0 is negative, a last one may lie beyond n.
+    Summed from a node without contact on, so that a patch across the ends of the cell gives what any other does.
     """
     n = T.shape[1]
     start, stop = -1, n
-    if closed:  # from a node without contact on, once round
+    if closed:
         start = 0
         while start < n and T[1, start] > least:
             start += 1
         if start == n:
-            out[0] = np.nan
-            return float(n), 1
+            return float(n)
         if start > 0 and T[1, n - 1] <= least:
             start = -1
         stop = start + n
-    length, patches = 0.0, 0
-    here = T[1, start] - least if closed else -least
+    length, here = 0.0, T[1, start] - least if closed else -least
     for i in range(start, stop):
         after = (T[1, (i + 1) % n] if closed or i + 1 < n else 0.0) - least
         if here > 0.0 and after > 0.0:
             length += 1.0
         elif after > 0.0:
-            edge = here / (here - after)
-            length += 1.0 - edge
-            out[patches, 0] = i + edge
+            length += 1.0 - here / (here - after)
         elif here > 0.0:
-            edge = here / (here - after)
-            length += edge
-            out[patches, 1] = i + edge
-            patches += 1
+            length += here / (here - after)
         here = after
-    return length, patches
+    return length
 
 
-def slip_event(scene, first, load, T):
-    """The SlipEvent of a branch that ended at that load (nm) with tractions T (2, m), GPa."""
-    return SlipEvent(float(load), *forces(scene, T), contact_area(scene, T, first))
+def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False):
+    """The Frame of a State of an Equilibrium."""
+    U_x, U_z = problem.top(state.v, state.load)
+    u = on_nodes(scene, problem.surface(state.v))
+    T = on_nodes(scene, problem.traction(state.v, state.active))
+    u.flags.writeable = T.flags.writeable = False
+    first = 0 if u.shape[1] == scene.nodes else problem.contact.first
+    F_bar, L_bar = forces(scene, T)
+    A_bar, delta = contact_area(scene, T), 0.0 - float(U_z)
+    return Frame(
+        stage, index, float(U_x), delta, first, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated
+    )
+
+
+def on_nodes(scene, field):
+    """A copy of a field (2, m); that of one node for all is shown on every node."""
+    field = field.copy()
+    if field.shape[1] == 1 < scene.nodes:  # as broadcast_to does, in a tenth of its time
+        return np.ndarray((2, scene.nodes), float, field, 0, (field.strides[0], 0))
+    return field

@@ -7,9 +7,9 @@ the one with direction (-1, 0). Every step begins with the state that the one be
 from dataclasses import dataclass, replace
 from math import inf
 
-from .loading import Loading, approach, shear
+from .loading import Loading, sideways, vertical
 
-HIGHEST = 5.0  # delta_0 above first touch: a punch that still adheres there is not retracted farther
+HIGHEST = 5.0  # delta_0 above first touch, where a retraction ends even if the punch still adheres
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class LoadStep:
     increments: int
     end: float = inf
     held: bool = False  # the normal load is held: delta follows, and the loading's U_z means nothing
-    until_free: bool = False  # goes on beyond its end, to HIGHEST at most, while the surfaces still hold together
+    until_free: bool = False  # goes on beyond its end while the surfaces still adhere, to HIGHEST at most
 
     def at(self, k):
         """Load of increment k, nm."""
@@ -32,24 +32,24 @@ class LoadStep:
 
 def load_steps_of(scene):
     """The LoadSteps of a scene's path, in order."""
-    first = LoadStep(
-        "approach", approach(), -scene.delta_0, scene.du_z * scene.delta_n, scene.approach_increments, scene.delta
-    )
-    return first, *_FOLLOWING[scene.path](scene)
+    return _lowering(scene, "approach"), *_FOLLOWING[scene.path](scene)
+
+
+def _lowering(scene, stage):
+    """From delta_0 above first touch to the scene's indentation."""
+    du_z = scene.du_z * scene.delta_n
+    return LoadStep(stage, vertical(1.0), -scene.delta_0, du_z, scene.approach_increments, scene.delta)
 
 
 def _shear(scene):
-    return (sideways(scene, "shear", 1.0, 0.0, scene.shear_increments),)
+    return (_sliding(scene, "shear", 1.0, 0.0, scene.shear_increments),)
 
 
 def _unload(scene):
     """Adhesion hysteresis: up to where the approach began, or until the punch is free, and down again."""
-    up = LoadStep("unload", Loading("-delta", (0.0, 0.0), (0.0, 1.0)), -scene.delta, scene.du_z * scene.delta_n,
-             scene.approach_increments, scene.delta_0, until_free=True)  # fmt: skip
-    down = LoadStep(
-        "reload", approach(), -scene.delta_0, scene.du_z * scene.delta_n, scene.approach_increments, scene.delta
-    )
-    return up, down
+    du_z, n = scene.du_z * scene.delta_n, scene.approach_increments
+    up = LoadStep("unload", vertical(-1.0), -scene.delta, du_z, n, scene.delta_0, until_free=True)
+    return up, _lowering(scene, "reload")
 
 
 def _loop(scene):
@@ -57,27 +57,24 @@ def _loop(scene):
     n = scene.shear_increments
     far = scene.shear_at(n)
     return (
-        sideways(scene, "shear", 1.0, 0.0, n),
-        sideways(scene, "back", -1.0, -far, 2 * n),
-        sideways(scene, "forth", 1.0, -far, 2 * n),
+        _sliding(scene, "shear", 1.0, 0.0, n),
+        _sliding(scene, "back", -1.0, -far, 2 * n),
+        _sliding(scene, "forth", 1.0, -far, 2 * n),
     )
 
 
 _FOLLOWING = {"shear": _shear, "unload": _unload, "loop": _loop}
 
 
-def sideways(scene, stage, sign, start, increments):
-    """The LoadStep at the scene's indentation, or load, along sign U_x from `start` (nm)."""
+def _sliding(scene, stage, sign, start, increments):
+    """Along sign U_x from `start` (nm), at the scene's indentation or held load."""
     held = scene.hold == "load"
-    if held:
-        loading = Loading("U_x" if sign > 0.0 else "-U_x", (0.0, 0.0), (sign, 0.0))
-    else:
-        loading = shear(scene) if sign > 0.0 else Loading("-U_x", (0.0, -scene.delta), (sign, 0.0))
+    loading = sideways(sign, 0.0 if held else -scene.delta)
     return LoadStep(stage, loading, start, scene.du_x * scene.delta_t, increments, held=held)
 
 
 def stretched(load_steps, step):
-    """The same load steps, `step` an increment longer, and the one after it from there on."""
+    """The load steps with `step` one increment longer; the one after it begins where that ends."""
     place, more = load_steps.index(step), step.increment
     longer = replace(step, increments=step.increments + 1, end=step.end + more)
     back = load_steps[place + 1]

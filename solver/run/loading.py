@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class Loading:
     """A straight path of the rigid top: (U_x, U_z) = base + load * direction, nm; the load only ever increases."""
 
-    name: str  # of the load parameter, for messages: "delta" or "U_x", with a minus where that falls
+    name: str  # of the load parameter, for messages: "delta" or "U_x", with a minus where these decrease
     base: tuple
     direction: tuple
 
@@ -21,11 +21,11 @@ class Loading:
         return U_x if self.direction[0] else -U_z
 
 
-def approach():
-    """Lowering the top: the load is delta."""
-    return Loading("delta", (0.0, 0.0), (0.0, -1.0))
+def vertical(sign, U_x=0.0):
+    """Lowering (sign 1) or raising (-1) the top at fixed U_x: the load is sign delta."""
+    return Loading("delta" if sign > 0.0 else "-delta", (U_x, 0.0), (0.0, -sign))
 
 
-def shear(scene):
-    """Pulling the top sideways at the scene's indentation: the load is U_x."""
-    return Loading("U_x", (0.0, -scene.delta), (1.0, 0.0))
+def sideways(sign, U_z):
+    """Pulling the top along x (sign 1) or back (-1) at fixed U_z: the load is sign U_x."""
+    return Loading("U_x" if sign > 0.0 else "-U_x", (0.0, U_z), (sign, 0.0))

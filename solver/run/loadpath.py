@@ -12,14 +12,14 @@ from ..continuation.replay import Replay
 from ..continuation.state import NotConverged, OutOfTime, PulledOff, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium, closed_stiffness
-from .frame import Frame, contact_area, forces, slip_event
+from .frame import SlipEvent, contact_area, forces, frame_of, on_nodes
 from .load_steps import HIGHEST, load_steps_of, stretched
 from .shortcuts import ALL
 
 METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
-FREE = 0.1  # of delta_n: a layer deformed no more than that has been let go
-BULGE = 3.0  # delta_n: gap beyond the window that the first patch includes, for surfaces drawn together
-BUSY = 1.5  # s that an increment may take beyond its limit of processor time, where others use the processor
+FREE = 0.1  # delta_n; a layer deformed no more than that has come off
+BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the first patch: adhesion draws them nearer
+BUSY = 1.5  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,10 @@ class Checkpoint:
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
-    late: bool = False  # whether that was for want of time only: see `in_time`
+    late: bool = False  # whether that was for want of time only: see `slices.in_time`
     load_steps: tuple | None = None  # the path, once begun
-    pressure: float | None = None  # GPa: mean normal traction at the end of the last load step that did not hold it
-    carried: bool = False  # whether the state was at rest under other parameters: the next increment may jump
+    pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
+    carried: bool = False  # whether the state rested under other parameters: in the next increment it may jump
 
 
 def load_path(scene, method="fast", leave_out=ALL):
@@ -58,13 +58,13 @@ class Run:
         self.scene, self.method, self.leave_out = scene, method, leave_out
         self.film = None  # a list that takes the states of motions (see `film.through`)
         self._fast = method == "fast"
-        self._limit = self._end = self._latest = inf  # of an increment, s; what the clocks show when it must end
-        self._stepper = self._place = None  # of the load step and patch that are computed at present
+        self._limit = self._end = self._latest = inf  # s; of an increment, and where both clocks stand when it must end
+        self._stepper = self._place = None  # the stepper in use, and the load step, patch and pressure it is for
 
     def next_frame(self, checkpoint, limit=inf):
         """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
 
-        Raises OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on a busy machine.
+        Raises OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the clock.
         """
         scene = self.scene
         self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY
@@ -77,9 +77,9 @@ class Run:
         state = checkpoint.state or stepper.start(load)
         try:
             done = stepper.increment(state, load)
-            while done.state.load > load:  # the surface did not come to rest before: no frame there
+            while done.state.load > load:  # after a slip the surface rests at a higher load only: no frame at this one
                 slips += done.slips
-                if index == step.increments:  # nor before the end: then the last frame is where it does
+                if index == step.increments:  # that is beyond the last increment, whose frame shows it
                     load = done.state.load
                     done = replace(done, slips=())
                     break
@@ -88,13 +88,13 @@ class Run:
                 done = replace(done, slips=()) if done.state.load > load else stepper.increment(done.state, load)
         except NotConverged as failure:
             self._place = None  # the problem may have grown beyond the checkpoint's patch
-            raise self._placed(failure, step, load) from None
+            raise self._with_remedy(failure, step, load) from None
         done = replace(done, slips=slips + done.slips)
         problem = stepper.problem
         contact = problem.contact
-        frame = self._frame(step, index, load, problem, done, contact.evaluations - before)
-        if checkpoint.carried:
-            frame = replace(frame, slips=())
+        events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
+        spent, stage = contact.evaluations - before, step.stage
+        frame = frame_of(scene, problem, done.state, stage, index, done.residual, spent, events, done.repeated)
         here = replace(
             checkpoint, index=index, load_steps=load_steps, patch=(contact.first, contact.size), carried=False
         )
@@ -106,8 +106,8 @@ class Run:
             given = f"{self._limit:g} s of processor time, or {self._limit + BUSY:g} s"
             raise OutOfTime(f"no equilibrium within {given}")
 
-    def _placed(self, failure, step, load):
-        """The same failure with its place and a remedy."""
+    def _with_remedy(self, failure, step, load):
+        """The same failure, its message with the load and a remedy."""
         if isinstance(failure, PulledOff):
             return failure
         remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
@@ -126,8 +126,7 @@ class Run:
         scene, held = self.scene, checkpoint.pressure if step.held else None
         contact = self._contact_of(checkpoint.patch)
         problem = Equilibrium(contact, step.loading, held)
-        kind = METHODS.get(self.method, self.method) if isinstance(self.method, str) else self.method
-        stepper = kind(problem, scene.damping, closed_stiffness(scene))
+        stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene))
         if self.film is not None:
             stepper.film = self.film
         if self._fast and "translation" in self.leave_out and step.loading.direction[0]:
@@ -136,11 +135,11 @@ class Run:
         return stepper
 
     def _contact_of(self, where):
-        """The Contact on a patch (first, nodes), None: the first one; the present one if it is that."""
+        """The Contact on the patch `where`, (first, nodes); on a run's first patch if None."""
         scene, leave_out = self.scene, self.leave_out
         if self._stepper is not None:
             contact = self._stepper.problem.contact
-            if where == (contact.first, contact.size):
+            if where == (contact.first, contact.size):  # its buffers are used again
                 return contact
         if where is None and self._fast and scene.surface == "flat" and "uniform" in leave_out:
             where = 0, 1
@@ -153,80 +152,41 @@ class Run:
 
     def _after(self, checkpoint, step, problem, done):
         """The Checkpoint after an increment: one increment on, or at the beginning of the next step."""
-        if step.until_free and checkpoint.index == step.increments and not self._free(step, problem, done.state):
-            checkpoint = replace(checkpoint, load_steps=stretched(checkpoint.load_steps, step))
-            return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
-        if checkpoint.index < step.increments:
-            return replace(checkpoint, index=checkpoint.index + 1, state=done.state)
+        state, last = done.state, checkpoint.index >= step.increments
+        if last and step.until_free and not self._free(step, problem, state):
+            checkpoint, last = replace(checkpoint, load_steps=stretched(checkpoint.load_steps, step)), False
+        if not last:
+            return replace(checkpoint, index=checkpoint.index + 1, state=state)
         following = checkpoint.load_steps[checkpoint.load_steps.index(step) + 1 :]
         if not following:
-            return replace(checkpoint, state=done.state, done=True)
-        state, pressure = done.state, checkpoint.pressure
+            return replace(checkpoint, state=state, done=True)
+        pressure = checkpoint.pressure
         if not step.held:
             pressure = problem.contact.pressure(problem.traction(state.v, state.active))
-        state = turned(problem, state, step.held, following[0])
+        state = _turned(problem, state, step.held, following[0])
         return replace(checkpoint, stage=following[0].stage, index=0, state=state, pressure=pressure)
 
     def _free(self, step, problem, state):
-        """Whether the layer is not deformed, to FREE, or so high that the retraction ends all the same."""
+        """Whether a retraction ends: the layer is undeformed, to FREE, or at HIGHEST."""
         if step.end >= HIGHEST * self.scene.delta_0:
             return True
         top = np.array(problem.top(state.v, state.load))[:, None]
         return bool(np.abs(problem.surface(state.v) - top).max() <= FREE * self.scene.delta_n)
 
-    def _frame(self, step, k, load, problem, done, evaluations):
-        scene, state = self.scene, done.state
-        U_x, U_z = problem.top(state.v, load)
-        traction = problem.traction(state.v, state.active)
-        u, T = _on_nodes(scene, problem.surface(state.v)), _on_nodes(scene, traction)
-        first = 0 if u.shape[1] == scene.nodes else problem.contact.first
-        u.flags.writeable = T.flags.writeable = False
-        F_bar, L_bar = forces(scene, T)
-        return Frame(
-            stage=step.stage,
-            index=k,
-            U_x=U_x,
-            delta=0.0 - U_z,
-            first=first,
-            u=u,
-            T=T,
-            F_bar=F_bar,
-            L_bar=L_bar,
-            A_bar=contact_area(scene, T, first),
-            residual=done.residual,
-            evaluations=evaluations,
-            slips=tuple(self._event(step, slip) for slip in done.slips),
-            repeated=done.repeated,
-        )
-
     def _event(self, step, slip):
-        """The SlipEvent of a Slip, in whatever problem it happened."""
+        """The SlipEvent of a Slip, which may have happened on a smaller patch than the present one."""
         contact, m = self._stepper.problem.contact, slip.active.size
         if slip.place != (contact.first, contact.size):
             contact = Contact(self.scene, *slip.place)
-        T = contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active)
-        event = slip_event(self.scene, contact.first, step.loading.coordinate(slip.load), _on_nodes(self.scene, T))
-        return replace(event, stage=step.stage, kind=slip.kind, located=slip.located)
+        T = on_nodes(self.scene, contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active))
+        load, area = float(step.loading.coordinate(slip.load)), contact_area(self.scene, T)
+        return SlipEvent(load, *forces(self.scene, T), area, step.stage, slip.kind, slip.located)
 
 
-def turned(problem, state, was_held, following):
-    """The State at the end of a step as the first of the next: another load, no past along it."""
-    v = state.v
-    if was_held != following.held:
-        u, top = problem.surface(v), problem.top(v, state.load)[1]
-        v = np.append(u.ravel(), top if following.held else ())
-    load, same = following.at(0), was_held == following.held
-    secants = state.secants if same else None
-    begun = State(load, v, state.active, [(load, v)], secants, modes=state.modes if same else None)
-    begun.unsure = following.held and not was_held
-    return begun
-
-
-def _on_nodes(scene, field):
-    """A field of one node that stands for all on every node; any other as a copy."""
-    if field.shape[1] == 1 < scene.nodes:
-        field = field.copy()
-        return np.ndarray(
-            (2, scene.nodes), float, field, 0, (field.strides[0], 0)
-        )  # broadcast_to takes ten times longer
-    return field.copy()
+def _turned(problem, state, was_held, following):
+    """The State at the end of a step as the first of the following LoadStep: another load, no past along it."""
+    v, load = state.v, following.at(0)
+    if was_held == following.held:
+        return State(load, v, state.active, [(load, v)], state.secants, modes=state.modes)
+    v = np.append(problem.surface(v).ravel(), problem.top(v, state.load)[1] if following.held else ())
+    return State(load, v, state.active, [(load, v)], unsure=following.held)

@@ -1,6 +1,6 @@
-"""What a scene does not need, and is therefore not computed: the rules in one place, each can be switched off.
+"""What a scene does not need, and is therefore not computed: rules, each of which can be switched off.
 
-A rule leaves the frames as they are, to the tolerance. `account` says which rules applied to a run and what they saved.
+With or without a rule frames are the same, to the tolerance. `account` says which rules applied and what they saved.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ def account(scene, frames, leave_out=ALL):
 
     if not frames:
         return applied
-    uniform = frames[-1].u.strides[1] == 0  # one node's numbers, seen as those of all
+    uniform = frames[-1].u.strides[1] == 0  # one node stands for all: see `frame.on_nodes`
     kept = 1 if uniform else frames[-1].u.shape[1]
     add("uniform" if uniform else "window", scene.nodes - kept, scene.nodes, "nodes of every force evaluation")
     if not uniform and scene.phi_ratio == 0.0:

@@ -1,5 +1,6 @@
 """A run in slices: a few Frames at a time, each from the Checkpoint that the one before left."""
 
+from contextlib import contextmanager
 from dataclasses import replace
 from math import inf
 from threading import Lock
@@ -9,7 +10,7 @@ from ..continuation.state import NotConverged, OutOfTime
 from .loadpath import Checkpoint, Run
 from .shortcuts import ALL
 
-KEPT = 4  # runs whose buffers are kept for the next slice
+KEPT = 4  # idle Runs, whose buffers are kept for the next slice
 
 
 def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL, limit=inf):
@@ -34,13 +35,13 @@ def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL, l
 
 
 def in_time(checkpoint):
-    """The Checkpoint before the increment that a run had no time for, from one whose `late` is set."""
-    state = checkpoint.state and replace(checkpoint.state, secants=None)  # those of the attempt lead elsewhere
+    """From a Checkpoint with `late` set: that before the increment for which there was no time."""
+    state = checkpoint.state and replace(checkpoint.state, secants=None)  # those of the attempt would mislead
     return replace(checkpoint, state=state, done=False, failure=None, late=False)
 
 
 def owned(checkpoint):
-    """The checkpoint with secant pairs of its own, so that going on from it leaves the given one as it is."""
+    """A copy of what going on from a checkpoint would change, so that the given one stays as it is."""
     state = checkpoint.state
     if state is None:
         return checkpoint
@@ -54,25 +55,20 @@ def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
         return run.next_frame(checkpoint, limit)
 
 
-class _borrowed:
-    """A Run of its own for the time of a `with`: buffers are dear, so idle Runs are kept, each for one thread."""
+_idle, _lock = [], Lock()  # [(arguments, Run)]
 
-    _idle, _lock = [], Lock()
 
-    def __init__(self, *key):
-        self._key = key
-
-    def __enter__(self):
-        with self._lock:
-            for k, (key, run) in enumerate(self._idle):
-                if key == self._key:
-                    del self._idle[k]
-                    self._run = run
-                    return run
-        self._run = Run(*self._key)
-        return self._run
-
-    def __exit__(self, *_):
-        with self._lock:
-            self._idle.append((self._key, self._run))
-            del self._idle[:-KEPT]
+@contextmanager
+def _borrowed(*arguments):
+    """A Run for one thread: one that is idle, as buffers are costly to make, or a new one."""
+    with _lock:
+        known = next((pair for pair in _idle if pair[0] == arguments), None)
+        if known:
+            _idle.remove(known)
+    run = known[1] if known else Run(*arguments)
+    try:
+        yield run
+    finally:
+        with _lock:
+            _idle.append((arguments, run))
+            del _idle[:-KEPT]

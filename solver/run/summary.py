@@ -17,7 +17,7 @@ def whole_surface(scene, frame):
 def summarize(scene, frames):
     """A run in a few numbers: A_0 and slips after the approach; U_s (nm), F_s and A_s at the first slip in shear.
 
-    None where there is none; L_min, the least load during retraction, in a run with unloading only.
+    Each is None where there is none. L_min, the least load during retraction, is there in a run with unloading only.
     """
     after = [f for f in frames if f.stage != "approach"]
     first = next((event for f in after if f.stage == "shear" for event in f.slips), None)

@@ -27,7 +27,7 @@ from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, transforms
 from solver.presets import preset
-from solver.run.loading import approach
+from solver.run.loading import vertical
 from solver.run.loadpath import BULGE
 from solver.run.shortcuts import ALL
 
@@ -145,7 +145,7 @@ def parts(row):
     """Microseconds of the parts of a force evaluation and of a secant step, on the default patch."""
     scene = Scene()
     contact = Contact(scene, *patch(scene, BULGE))
-    problem = Equilibrium(contact, approach())
+    problem = Equilibrium(contact, vertical(1.0))
     v = np.random.default_rng(0).normal(size=problem.size)
     active, r = problem.active_of(v, 0.0), np.empty_like(v)
     layer = Convolution(contact.modes.compliance, contact.nodes, contact.size)
