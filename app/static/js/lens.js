@@ -2,7 +2,7 @@
 
 import { by, on } from "./dom.js"
 import { figures } from "./figures.js"
-import { write } from "./pen.js"
+import { size, write } from "./pen.js"
 import { me } from "./state.js"
 
 const ACROSS = 13 // nm seen in the lens
@@ -10,11 +10,14 @@ const APART = 2.4 // nm that nodes are drawn above where they are, so that sprin
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
 const lens = { place: null, shown: true } // nm along the interface, null: at the trailing edge; whether it is wanted
 
-// Where the lens looks: at the trailing edge unless it was dragged elsewhere
+// Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip held
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
-  const edges = run.edges(k), { first } = run.places[k][0].head
-  if (!edges) return 0
+  const edges = run.edges(k), { first } = run.places[k][0].head, { x, gap, T_n } = frame
+  if (!edges) {
+    const dip = gap.findIndex((g, i) => g <= gap[i - 1] && g < gap[i + 1] && run.state(T_n[i], g) === "adhering")
+    return x[dip < 0 ? gap.indexOf(Math.min(...gap)) : dip]
+  }
   return frame.x[Math.max(0, Math.floor(run.stage(k) === "back" ? edges[1] - first : edges[0] - first))]
 }
 
@@ -31,7 +34,7 @@ export function drawLens(view) {
   pen.strokeStyle = ink.soft
   pen.lineWidth = 1
   pen.beginPath() // from what it shows to the lens
-  const spot = [X(at), Y(Math.max(0, frame.gap[near]))], way = Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
+  const spot = [X(at), Math.max(box.top, Y(Math.max(0, frame.gap[near])))], way = Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
   pen.moveTo(...spot)
   pen.lineTo(centre[0] + ((spot[0] - centre[0]) * radius) / way, centre[1] + ((spot[1] - centre[1]) * radius) / way)
   pen.stroke()
@@ -51,7 +54,7 @@ export function drawLens(view) {
   pen.lineWidth = 2
   pen.stroke()
   const times = scale / (box.width / (figures.punch.x_range.end - figures.punch.x_range.start))
-  write(view, `×${Math.round(times)}`, centre[0], centre[1] + radius + 9, { scale: 0.85, of: ink.soft })
+  write(view, `×${Math.round(times)}`, centre[0], centre[1] - radius + 0.9 * size(), { scale: 0.85, of: ink.soft })
 }
 
 // Substrate, sites, springs and nodes between two places; x and y give pixels of lengths in nm

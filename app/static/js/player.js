@@ -110,7 +110,7 @@ function showFrame() {
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
-  const slipped = v.slip ? (run.normal ? ", JUMP" : ", SLIP") : ""
+  const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
   const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
   const unit = forceUnit([run])

@@ -116,7 +116,7 @@ export function said(force) {
 function drawEdges(view) {
   const { pen, box, narrow, X, Y, frame, run, k, ink } = view
   const edges = run.edges(k), bottom = box.top + box.height
-  let y = Math.min(Y(0) + 12, bottom - 2.4 * size())
+  let y = Math.min(Y(0) + 12, bottom - 1.6 * size())
   const back = run.stage(k) === "back"
   if (!edges) {
     const held = frame.T_n.some((T, i) => run.state(T, frame.gap[i]) === "adhering")
@@ -205,7 +205,7 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
 }
 
 const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
-export function slipSaid(run, at) {
+export function slipSaid(run, at, brief = false) {
   const moved = movedSites(run, at), frame = run.frame(at)
   const acting = [...moved.keys()].filter((i) => run.state(frame.T_n[i], frame.gap[i]) !== "free")
   const gone = acting.filter((i) => moved[i])
@@ -214,8 +214,9 @@ export function slipSaid(run, at) {
     : Math.abs(change) < GAIN ? "" : `, A ${change > 0 ? "+" : "−"}${(100 * Math.abs(change)).toPrecision(2)} %`
   if (!gone.length) return run.stage(at) === "unload" ? "pull-off" : `jump${area}`
   const sites = Math.abs(moved[gone[gone.length >> 1]]), nm = fixed(sites * run.head.spacing, 1)
-  const part = gone.length < 0.95 * acting.length ? `${gone.length} of ${acting.length} nodes by ` : ""
-  return `slip: ${part}${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"} (${nm} nm)${run.head.flat ? "" : area}`
+  const part = gone.length < 0.95 * acting.length ? `${gone.length} of ${acting.length} nodes` : ""
+  const far = part && brief ? "" : `${part && " by "}${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}${brief ? "" : ` (${nm} nm)`}`
+  return `slip: ${part}${far}${run.head.flat ? "" : area}`
 }
 
 // told: how high what is said under the surface begins
@@ -223,7 +224,7 @@ function tellSlip({ run, slip, narrow, told = Infinity, Y }) {
   const low = Math.min(Y(0) - (narrow ? 0.5 : 2.2) * size(), told - 2)
   by("event").style.top = `${Math.max(low, 5 * size())}px` // never over the caption
   by("slip").hidden = by("slow").hidden = !slip
-  if (slip) by("slip").textContent = slipSaid(run, slip.at)
+  if (slip) by("slip").textContent = slipSaid(run, slip.at, narrow)
 }
 
 // The frame of the last slip up to frame k, or null

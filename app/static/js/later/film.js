@@ -2,7 +2,7 @@
 
 import { set } from "../bokeh.js"
 import { listen, order } from "../channel.js"
-import { by, fixed } from "../dom.js"
+import { by } from "../dom.js"
 import { drawFrame, figures, painted } from "../figures.js"
 import { tellLarge } from "../large.js"
 import { goto, show, tellFrame } from "../player.js"
@@ -77,9 +77,7 @@ function step(now) {
     painted(() => {
       drawFrame(frames, at)
       drawStory(frames, at)
-      const { U_x, delta } = frames.values(at), normal = frames.normal || frames.sheared < 0 || at < frames.sheared
-      const top = normal ? `δ = ${fixed(delta, 2)} nm` : `Uₓ = ${fixed(U_x, 2)} nm`
-      tell(`slow motion at ${top}: not at rest, ${Math.round((100 * (at - k)) / Math.max(1, frames.length - 1 - k))} %`)
+      tell("slow motion, not at rest")
       tellFrame(frames, at)
       tellLarge(frames, at)
       by("slip").hidden = true
