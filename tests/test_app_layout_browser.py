@@ -12,6 +12,7 @@ SIZES = (
     (768, 1024),
     (820, 1180),
     (1024, 768),
+    (1000, 820),
     (1280, 720),
     (1440, 900),
     (1920, 1080),
@@ -21,7 +22,7 @@ SIZES = (
 )
 
 
-WHOLE = ((820, 1180), (1024, 768), (1280, 720), (1440, 900), (1920, 1080))  # the first screen without scrolling
+WHOLE = SIZES[4:10]  # the first screen without scrolling
 
 
 # What is wrong with the page as it is laid out now, in sentences
