@@ -133,10 +133,10 @@ function drawEdges(view) {
   const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
   const names = back ? ["leading", "trailing"] : ["trailing", "leading"]
   const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
-  // between what is said of the edges, which stays in sight; or on a line of its own
+  // between what is said of the edges, which stays in sight; or on a line of its own, where there is room for two
   const from = Math.max(left, box.left + wide(view, told[0]) + 12), to = Math.min(right, box.left + box.width - wide(view, told[1]) - 12)
-  const half = wide(view, repelled) / 2 + 6, fits = 2 * half < to - from
-  if (!fits) y = Math.min(y, bottom - 2.65 * size())
+  const half = wide(view, repelled) / 2 + 6, fits = 2 * half < to - from, deep = bottom - Y(0) > 2.6 * size()
+  if (!fits && deep) y = Math.min(y, bottom - 2.65 * size())
   view.told = y - 6
   pen.strokeStyle = ink.area
   pen.lineWidth = 2
@@ -147,7 +147,7 @@ function drawEdges(view) {
   pen.lineTo(right, y - 6)
   pen.stroke()
   const middle = fits ? Math.min(Math.max((left + right) / 2, from + half), to - half) : (left + right) / 2
-  write(view, repelled, middle, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
+  if (fits || deep) write(view, repelled, middle, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
   write(view, told[0], left - 8, y + 0.8 * size(), { align: "right" })
   write(view, told[1], right + 8, y + 0.8 * size(), { align: "left" })
   if (!narrow && y > Y(0)) drawAttracted(view, edges)

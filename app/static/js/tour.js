@@ -5,6 +5,7 @@ import { order } from "./channel.js"
 import { colour } from "./colours.js"
 import { by, readdress } from "./dom.js"
 import { figures } from "./figures.js"
+import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
 import { me } from "./state.js"
 import { explain } from "./terms.js"
@@ -62,6 +63,7 @@ export function openTour(stop = 1) {
   at = Math.max(0, Math.min(STOPS.length - 1, stop - 1))
   card ??= makeCard()
   card.hidden = false
+  if (document.querySelector(".page").dataset.page) openPage("")
   begin()
   cancelAnimationFrame(watching)
   watching = requestAnimationFrame(watch)
@@ -70,6 +72,7 @@ export function openTour(stop = 1) {
 function close() {
   cancelAnimationFrame(watching)
   card.hidden = true
+  delete document.documentElement.dataset.tour
   for (const view of COVERED) cover(view).hidden = true
   by("tour-sketch").hidden = true
   readdress((asked) => asked.delete("tour"))
@@ -157,11 +160,12 @@ function hideFuture() {
 
 function write() {
   const stop = STOPS[at]
+  document.documentElement.dataset.tour = phase
   const title = make("h2", { textContent: `${at + 1} of ${STOPS.length}: ${stop.name}` })
   const end = make("button", { type: "button", textContent: "End tour", onclick: close })
   card.replaceChildren(make("div", { className: "top" }, title, end))
   if (phase === "wait") card.append(make("p", { textContent: "getting ready …" }))
-  else {
+  else if (phase !== "turn") {
     const question = make("p")
     explain(question, stop.question)
     card.append(question)
@@ -182,11 +186,21 @@ function write() {
     explain(why, stop.why)
     const said = make("p", {}, make("b", { textContent: chosen === 0 ? "Yes. " : "Not so. " }), why)
     said.setAttribute("role", "status")
-    const next = make("button", { type: "button", textContent: at + 1 < STOPS.length ? `Next: ${STOPS[at + 1].name}` : "End tour", onclick: () => (at + 1 < STOPS.length ? openTour(at + 2) : close()) })
-    const turn = make("button", { type: "button", textContent: "Your turn", onclick: () => by(stop.turn).focus() })
-    card.append(said, make("p", { className: "said", textContent: stop.ask }), make("div", { className: "answers" }, turn, next))
-    next.focus()
+    card.append(said)
   }
+  if (phase !== "why" && phase !== "turn") return
+  const ways = [make("span", { className: "said", textContent: stop.ask })]
+  if (phase === "why") ways.push(make("button", { type: "button", textContent: "Your turn", onclick: takeTurn }))
+  if (at + 1 < STOPS.length) ways.push(make("button", { type: "button", textContent: `Next: ${STOPS[at + 1].name}`, onclick: () => openTour(at + 2) }))
+  card.append(make("div", { className: "answers" }, ...ways))
+  if (phase === "why") ways.at(-1).focus()
+}
+
+// Sliders and player are the visitor's, who begins at that of the stop
+function takeTurn() {
+  phase = "turn"
+  write()
+  by(STOPS[at].turn).focus()
 }
 
 // A curve drawn by hand over the view, kept while the run draws itself beside it

@@ -33,7 +33,7 @@ export async function show(button) {
 function place() {
   if (!at) return
   const { left, top, bottom } = at.getBoundingClientRect(), { offsetWidth: width, offsetHeight: height } = box
-  const below = bottom + 6 + height < innerHeight
+  const below = bottom + 6 + height < innerHeight && !at.closest("#tour-card") // there the way on lies below
   box.style.left = `${Math.max(8, Math.min(left, innerWidth - width - 8))}px`
   box.style.top = `${below ? bottom + 6 : Math.max(8, top - 6 - height)}px`
 }
