@@ -28,16 +28,15 @@ class Limits:
     surprise: float = 0.1  # units from the extrapolation; farther off likewise: a short slip may lie in between
     short: float = 0.1  # units, first step along the arc
     long: float = 0.3  # units, longest step
-    shortest: float = 1e-4  # units, shortest step: if even that fails, the branch is lost
-    growth: float = 3.0  # times the step before: extrapolation over more means nothing
-    astray: float = 3.0  # times the step: a point farther off lies on another branch
-    points: int = 400  # on the arc of one increment, at most
-    beyond: float = 0.1  # of the last step, by which a point is looked at farther on: does the load fall there?
+    shortest: float = 1e-4  # units, shortest step; where even that fails, the branch is lost
+    growth: float = 3.0  # times the step before, at most: extrapolation over more means nothing
+    astray: float = 3.0  # times the step; a point farther off lies on another branch
+    points: int = 400  # points of one increment on the arc, at most
+    beyond: float = 0.1  # of the last step; a point so much farther on tells whether the load falls there
     sharpness: float = 1e-9  # units, error of the load at the end of a branch
     approaches: int = 6  # attempts to leave the arc for the load asked for
-    start: float = (
-        0.05  # units from the end of the branch, where the motion starts; farther, soft layers rest elsewhere
-    )
+    start: float = 0.05  # units from the end of the branch, where the motion starts; from farther, soft layers
+    # reach other rests
 
 
 LIMITS = Limits()
@@ -113,8 +112,7 @@ class _Arc:
             length = np.abs(points[0][1] - points[1][1]).max()
             if length == 0.0:  # no way to go on: a node at the edge of the window, or no interaction yet
                 return self._lost()
-            chord = _chord(points[0][1] - points[1][1])
-            here = [(dot(chord, v), load, v) for load, v in points[:3]]
+            chord, here = _on_chord(points)
             step = min(step, LIMITS.growth * length)
             ahead = here[0][0] + (here[0][0] - here[1][0]) * step / length
             found = self._point_at(chord, ahead, here)
@@ -128,7 +126,7 @@ class _Arc:
                 return self._fold(points)
             if found[0] >= self.target:
                 return self._arrived(points)
-            ended = self._ended(points, chord)
+            ended = self._ended(points)
             if ended:
                 return ended
             step = min(2.0 * step, LIMITS.long * self.unit)
@@ -172,8 +170,7 @@ class _Arc:
             active = self.corrector.settle(v, state.active, target, state.secants, LIMITS.arc_steps)
             if active is not None:
                 break
-            chord = _chord(v1 - v0)
-            here = [(dot(chord, u), load, u) for load, u in points[:3]]
+            chord, here = _on_chord(points)
             found = self._point_at(chord, here[1][0] + part * (here[0][0] - here[1][0]), here)
             if found is None:
                 return self._lost()
@@ -189,7 +186,7 @@ class _Arc:
         found = on_branch(self.corrector, state, target, v, active, stability.modes)
         return replace(found, past=[(target, v), *[p for p in points if p[0] < target][:3]])
 
-    def _ended(self, points, chord):
+    def _ended(self, points):
         """The LimitPoint between the last two points, if the newest does not rest; else None."""
         load, v = points[0]
         modes = replace(self.state, modes=self.modes)
@@ -208,46 +205,43 @@ class _Arc:
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""
-        chord = _chord(points[0][1] - points[1][1])
-        here = [(dot(chord, v), load, v) for load, v in points[:3]]
+        chord, here = _on_chord(points)
         return self._point_at(chord, here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]), here)
 
     def _located(self, before, after, stability):
         """The LimitPoint between (load, v) that rests and one that does not: where the growth of its mode is zero."""
         state, watch = self.state, self.watch
         modes, secants = stability.modes, state.secants
-        load, v = before
         inverse = self.corrector.inverse
-        low = (load, v, watch.sure(self.problem, v, state.active, load, modes, secants, inverse).growth)
-        if not low[2] < 0.0:
+        low, high, last = before, after, None
+        low_growth = watch.sure(self.problem, low[1], state.active, low[0], modes, secants, inverse).growth
+        if not low_growth < 0.0:
             return replace(self._lost(), load=after[0])
-        high, rise, fall, last = (*after, stability), stability.growth, low[2], 0
-        for _ in range(60):
-            if high[0] - low[0] <= LIMITS.sharpness * self.unit or rise - fall == 0.0:
+        high_growth = stability.growth
+        for _ in range(60):  # regula falsi
+            if high[0] - low[0] <= LIMITS.sharpness * self.unit or high_growth - low_growth == 0.0:
                 break
-            part = min(max(-fall / (rise - fall), 1e-3), 1.0 - 1e-3)
+            part = min(max(-low_growth / (high_growth - low_growth), 1e-3), 1.0 - 1e-3)
             load, v = low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1])
             if not self.corrector.solve(v, state.active, load, secants, LIMITS.first_steps):
                 break
             found = watch.sure(self.problem, v, state.active, load, modes, secants, inverse)
-            modes = found.modes
-            side = -1 if found.growth < 0.0 else 1
-            if side < 0:
-                low, fall = (load, v, found.growth), found.growth
-                rise *= 0.5 if last == side else 1.0  # regula falsi, Illinois: an end kept twice has its value halved
+            modes, rests = found.modes, found.growth < 0.0
+            if rests:
+                low, low_growth = (load, v), found.growth
+                high_growth *= 0.5 if last == rests else 1.0  # Illinois: an end that stays twice counts half
             else:
-                high, rise = (load, v, found), found.growth
-                fall *= 0.5 if last == side else 1.0
-            last = side
-        mode = high[2].mode * np.copysign(1.0, dot(high[2].mode, after[1] - before[1]))  # the way the state moves
+                high, high_growth, stability = (load, v), found.growth, found
+                low_growth *= 0.5 if last == rests else 1.0
+            last = rests
+        mode = stability.mode * np.copysign(1.0, dot(stability.mode, after[1] - before[1]))  # the way the state moves
         away = mode * (LIMITS.start * self.unit / max(np.abs(mode).max(), 1e-300))
-        return LimitPoint(high[0], high[1], state.active, away, high[2].kind)
+        return LimitPoint(*high, state.active, away, stability.kind)
 
     def _fold(self, points):
         """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""
-        beyond = points[0][1]
-        chord = _chord(beyond - points[1][1])
-        bracket = sorted(((dot(chord, v), load, v) for load, v in points[:3]), key=lambda p: p[0])
+        chord, here = _on_chord(points)
+        bracket = sorted(here, key=lambda p: p[0])
         sharp = 0  # predictions in a row that were right: a single one may be so by chance
         for _ in range(20):
             arc, top = _parabola_top(bracket)
@@ -261,10 +255,10 @@ class _Arc:
         _, load, v = max(bracket, key=lambda p: p[1])
         if load >= self.target:
             return self._arrived([(load, v), *[p for p in points[1:] if p[0] < load]], False)
-        return LimitPoint(load, v, self.state.active, self._away(chord, bracket, (load, v), beyond), "fold")
+        return LimitPoint(load, v, self.state.active, self._away(chord, bracket, (load, v), points[0][1]), "fold")
 
     def _away(self, chord, bracket, fold, beyond):
-        """The way from the fold to `start` units beyond it along the unstable branch, where the motion starts."""
+        """The way from the fold to `start` units beyond it on the unstable branch, whence the motion starts."""
         load, v = fold
         away, wanted = beyond - v, LIMITS.start * self.unit
         distance = np.abs(away).max()
@@ -275,14 +269,16 @@ class _Arc:
         return away * (wanted / max(np.abs(away).max(), 1e-300))
 
 
-def _chord(step):
-    """The direction along which the arc is measured: the unknown that moved most in the last step.
+def _on_chord(points):
+    """(chord, [(arc, load, v)]) of the last three points [(load, v)], newest first: arc = <chord, v>.
 
-    The sum of all unknowns would not do where one node jumps: all the others follow the load, back after a fold too.
+    The chord is the direction of the unknown that moved most in the last step. That of all unknowns together would not
+    do where one node jumps: far more of them move with the load, and so back beyond the fold.
     """
+    step = points[0][1] - points[1][1]
     chord, most = np.zeros_like(step), int(np.abs(step).argmax())
     chord[most] = np.sign(step[most])
-    return chord
+    return chord, [(dot(chord, v), load, v) for load, v in points[:3]]
 
 
 def _narrowed(bracket, point):

@@ -32,7 +32,7 @@ class Corrector:
     def __init__(self, problem):
         self.problem = problem
         self.smooth = None  # for the part of the residual that no secant pair knows: `Secants.move`
-        self.steps, self.worst = 0, np.inf  # steps and residual of the last solution
+        self.worst = np.inf  # residual of the last solution
         self._r = np.empty(problem.size)
         self.sharp = None  # (v, active) of the tangent whose inverse is `smooth`, if it is one
         self._origin = None  # (v, active) of the equilibrium found last
@@ -53,18 +53,15 @@ class Corrector:
         While nodes have crossed the edge of the window, the set is changed and the solve repeated. Each node may change
         once, so that this ends, even where becoming active pushes a node out again and no set is consistent.
         """
-        settled, steps = None, 0
-        while True:
-            if not self.solve(v, active, s, secants, most):
-                return None
-            steps += self.steps
+        settled = None
+        while self.solve(v, active, s, secants, most):
             again = self.problem.admitted(v, active, settled)
             if again is active:
-                self.steps = steps
                 return active
             changed = again != active
             settled = changed if settled is None else settled | changed
             active = again
+        return None
 
     def solve(self, v, active, s, secants, most):
         """Solve for v, in place, at fixed load, by at most so many Anderson steps; whether that succeeded."""
@@ -117,15 +114,15 @@ class Corrector:
         problem, r = self.problem, self._r
         bound = LIMITS.longest * problem.unit
         self.worst = worst = problem.residual(v, active, s, r)
-        first, self.steps = worst, 0
+        first, steps = worst, 0
         while worst > problem.tolerance:
-            if self.steps == most or not worst < LIMITS.runaway * max(first, bound):
+            if steps == most or not worst < LIMITS.runaway * max(first, bound):
                 return None
             v_before, r_before = v.copy(), r.copy()
             advance(v, secants.move(r, self.smooth), bound)
             self.worst = worst = problem.residual(v, active, s, r)
             secants.push(v, r, v_before, r_before)
-            self.steps += 1
+            steps += 1
         return s
 
     def solve_on_arc(self, v, active, s, secants, most, chord, arc):

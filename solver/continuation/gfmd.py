@@ -34,28 +34,19 @@ class Gfmd:
     def __init__(self, problem, damping, closed):
         self.problem, self.damping, self.closed = problem, damping, closed
 
-    def start(self, load):
-        """The State of an undeformed layer at that load."""
-        v = self.problem.undeformed(load)
-        return State.at_rest(load, v, self.problem.active_of(v, load))
-
     def increment(self, state, target):
         """The Increment in which the motion from `state` comes to rest at load `target`; raises NotConverged."""
         while True:
             v, active, residual = self._settled(state, target)
             if not self.problem.crowded(v, active, target):
                 break
-            state = self._grown(state)
+            self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
+            state = State.at_rest(state.load, v, active)
         moved, unit = np.abs(v - state.v).max(), self.problem.unit
         slipped = moved > LIMITS.slipped * unit + 2.0 * abs(target - state.load)
         after = State.at_rest(target, v, active)
         slips = (Slip(state.load, state.v, state.active, "lost", False, after, self.problem.place),) if slipped else ()
         return Increment(after, residual, slips)
-
-    def _grown(self, state):
-        """The same state in a problem of more unknowns, which takes the place of the present one."""
-        self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
-        return State.at_rest(state.load, v, active)
 
     def _settled(self, state, target):
         """(v, active, residual) at rest; active nodes change between two motions only, each once, to those of v."""

@@ -7,8 +7,9 @@ motion whose rests are the equilibria. `mechanics.equilibrium` and tests/toys.py
     that each force evaluation adds one to.
 2.  `residual(v, active, s, out)`: fill out (size,) with R, return its largest magnitude. Only `active` nodes interact.
 3.  `direction`: dR/ds, (size,), constant.
-4.  `active_of(v, s)`: the nodes that interact in v; `admitted(v, active, settled)`: `active` itself while no node has
-    clearly crossed the edge of the interaction, else a new set in which those of `settled` stay as they are.
+4.  `undeformed(s)`: v if nothing interacts. `active_of(v, s)`: the nodes that interact in v; `admitted(v, active,
+    settled)`: `active` itself while no node has clearly crossed the edge of the interaction, else a new set in which
+    those of `settled` stay as they are.
 5.  `smoother(v, active)`: None, or a rough inverse of -dR/dv, for the part of a residual that no secant pair knows.
     `inverse(v, active)`: a function close to that inverse, or None where forming it would take too long.
 6.  `crowded(v, active, s)`: whether more unknowns are needed; `hides(v, active)`: whether modes grow that these

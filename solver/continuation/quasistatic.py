@@ -34,11 +34,6 @@ class QuasiStatic:
         self.problem, self.damping, self.closed = problem, damping, closed
         self.watch, self.corrector, self.film = Watch(damping), Corrector(problem), None
 
-    def start(self, load):
-        """The State of an undeformed layer at that load."""
-        v = self.problem.undeformed(load)
-        return State.at_rest(load, v, self.problem.active_of(v, load))
-
     def increment(self, state, target):
         """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
         slips = []

@@ -108,10 +108,6 @@ class Replay:
     def problem(self):
         return self.stepper.problem
 
-    def start(self, load):
-        """As of the stepper."""
-        return self.stepper.start(load)
-
     def increment(self, state, target):
         """As of the stepper."""
         record = state.record if state.record is not None else Record.of(state)
@@ -153,7 +149,7 @@ class Replay:
             return
 
     def _known(self, state, record, target):
-        """The Increment to `target` from the record; None if that does not tell, or the result differs."""
+        """The Increment to `target` from the record; None if that lacks it, or it proves to be another state."""
         turns = max(0, ceil((target - record.end) / record.period))
         shift, problem = turns * record.period, self.problem
         load = record.resting(target - shift)

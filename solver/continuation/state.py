@@ -35,8 +35,14 @@ class State:
 
     @staticmethod
     def at_rest(load, v, active):
-        """The first state of a branch."""
+        """A state with none before it on its branch."""
         return State(load, v, active, [(load, v)])
+
+    @staticmethod
+    def undeformed(problem, load):
+        """The state of a problem in which nothing acts on the unknowns but the load."""
+        v = problem.undeformed(load)
+        return State.at_rest(load, v, problem.active_of(v, load))
 
 
 @dataclass(frozen=True)

@@ -160,8 +160,6 @@ class Equilibrium:
 
     def crowded(self, v, active, s):
         """Whether a node outside the patch may interact."""
-        if self.contact.covers_cell:
-            return False
         return self.contact.crowded(active) or self.contact.overlooked(self.surface(v), active, self.top(v, s)[1])
 
     def hides(self, v, active):

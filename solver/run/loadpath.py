@@ -74,7 +74,7 @@ class Run:
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
         index, load, slips, before = checkpoint.index, step.at(checkpoint.index), (), stepper.problem.evaluations
-        state = checkpoint.state or stepper.start(load)
+        state = checkpoint.state or State.undeformed(stepper.problem, load)
         try:
             done = stepper.increment(state, load)
             while done.state.load > load:  # after a slip the surface rests at a higher load only: no frame at this one
