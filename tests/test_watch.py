@@ -32,7 +32,7 @@ class Spinner:
 
 
 def sure(problem, damping):
-    return Watch(damping).sure(problem, np.zeros(2), np.ones(1, bool), 0.0)
+    return Watch(damping).sure(problem, np.zeros(2), np.ones(1, bool))
 
 
 @pytest.mark.parametrize("damping", [0.5, 1.0, 3.0])
@@ -81,7 +81,7 @@ def test_growth_near_zero_is_that_of_dense_eigenvalues(values):
     for frame, problem, state in states(scene, 40):
         held = scene.hold == "load" and frame.stage != "approach"
         true = spectrum.critical(scene, frame, held, exact=True).growth
-        found = Watch(scene.damping).sure(problem, state.v, state.active, state.load).growth
+        found = Watch(scene.damping).sure(problem, state.v, state.active).growth
         gamma = spectrum.friction(scene)
         assert (found > 1e-6) == (true > 1e-6) or abs(true) < 1e-5 * gamma
         if abs(true) < 0.05 * gamma:
@@ -93,7 +93,7 @@ def test_growth_near_zero_is_that_of_dense_eigenvalues(values):
 @pytest.mark.slow
 def test_the_mode_is_one_of_the_whole_surface():
     _, problem, state = list(states(SOFT.changed(u_x_max=22.2), 20, 300))[-1]
-    stability = Watch(1.0).sure(problem, state.v, state.active, state.load)
+    stability = Watch(1.0).sure(problem, state.v, state.active)
     assert stability.kind == "flutter" and stability.rests
     assert stability.mode.shape == state.v.shape
 
@@ -115,7 +115,7 @@ def test_a_look_goes_on_from_the_one_before():
     scene = Scene(u_x_max=9.0)
     *_, (_, problem, state) = states(scene, 10)
     watch = Watch(1.0)
-    first = watch.sure(problem, state.v, state.active, state.load)
+    first = watch.sure(problem, state.v, state.active)
     before = problem.evaluations
     known = State.at_rest(state.load, state.v, state.active)
     known.modes, known.secants = first.modes, state.secants
@@ -151,7 +151,7 @@ def test_a_flat_surface_is_judged_by_the_blocks_of_all_waves():
     for frame, problem, state in states(scene, 30):
         uniform, waves = uniform_growth(problem, state.v, state.active, scene.damping)
         assert max(uniform, waves) == pytest.approx(spectrum.growth(scene, frame), abs=1e-12)
-        assert Watch(1.0).sure(problem, state.v, state.active, state.load).growth == pytest.approx(uniform, abs=1e-12)
+        assert Watch(1.0).sure(problem, state.v, state.active).growth == pytest.approx(uniform, abs=1e-12)
 
 
 def test_rates_of_the_quadratic():

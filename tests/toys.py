@@ -89,7 +89,7 @@ class Node:
         y[: v.size, 0] = v
         return y
 
-    def unknowns(self, y, s):
+    def unknowns(self, y):
         return y[: self.problem.size, 0].real.copy()
 
     def displacement(self, y):
@@ -97,7 +97,7 @@ class Node:
 
     def force(self, y, active):
         self.problem.evaluations += 1
-        return self.start(self.problem.T(self.unknowns(y, 0.0)), active, 0.0)
+        return self.start(self.problem.T(self.unknowns(y)), active, 0.0)
 
     def interface(self, v, active):
         return float(np.abs(self.problem.J(v)).sum(axis=1).max())

@@ -177,7 +177,7 @@ class _Arc:
             points = [points[0], found, *points[1:3]] if found[0] < target else [found, *points[1:3]]
         else:
             return self._lost()
-        stability = self.watch.sure(self.problem, v, active, target, state.modes, None, self.corrector.inverse)
+        stability = self.watch.sure(self.problem, v, active, state.modes, None, self.corrector.inverse)
         if not stability.rests:
             ahead = self._just_beyond(points) if again and stability.kind != "flutter" else None
             if ahead is not None and ahead[0] < points[0][0]:
@@ -214,7 +214,7 @@ class _Arc:
         modes, secants = stability.modes, state.secants
         inverse = self.corrector.inverse
         low, high, last = before, after, None
-        low_growth = watch.sure(self.problem, low[1], state.active, low[0], modes, secants, inverse).growth
+        low_growth = watch.sure(self.problem, low[1], state.active, modes, secants, inverse).growth
         if not low_growth < 0.0:
             return replace(self._lost(), load=after[0])
         high_growth = stability.growth
@@ -225,7 +225,7 @@ class _Arc:
             load, v = low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1])
             if not self.corrector.solve(v, state.active, load, secants, LIMITS.first_steps):
                 break
-            found = watch.sure(self.problem, v, state.active, load, modes, secants, inverse)
+            found = watch.sure(self.problem, v, state.active, modes, secants, inverse)
             modes, rests = found.modes, found.growth < 0.0
             if rests:
                 low, low_growth = (load, v), found.growth

@@ -67,7 +67,7 @@ class Gfmd:
         while True:
             motion.soften(self._stiffness(dynamics, v, active), self.pace)
             motion.advance(active, LIMITS.check)
-            v = dynamics.unknowns(motion.y, target)
+            v = dynamics.unknowns(motion.y)
             residual = problem.residual(v, active, target, r)
             if residual <= problem.tolerance:
                 return v, residual

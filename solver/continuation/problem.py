@@ -23,7 +23,7 @@ Dynamics: u'' = K (U - u) + T(u) - gamma u' in coordinates y, complex (2, modes)
 blocks [[xx, -i c], [i c, zz]] per mode, given as rows xx, zz, c of (3, modes). It must offer:
 
 9.  `stiffness` (3, modes) and `critical`, the friction gamma that is critical for the slowest mode; `top(s)`, U (2,).
-10. `start(v, active, s)`: y at rest; `unknowns(y, s)`: v of y; `displacement(y)`: the lengths, nm, in y.
+10. `start(v, active, s)`: y at rest; `unknowns(y)`: v of y; `displacement(y)`: the displacements, nm, of y.
 11. `force(y, active)`: T in the same coordinates, a buffer; counts as an evaluation.
 12. `interface(v, active)`: the largest stiffness of the interaction in v, a bound on dT/du by row sums.
 13. `disturbance(v, active)`: the Maps below, valid until the next call.

@@ -64,7 +64,7 @@ class QuasiStatic:
 
     def _released(self, state):
         """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
-        stability = self.watch.sure(self.problem, state.v, state.active, state.load)
+        stability = self.watch.sure(self.problem, state.v, state.active)
         if stability.rests:
             return replace(state, unsure=False)
         away = self.problem.oriented(stability.mode)

@@ -82,7 +82,7 @@ def _with_steps(finer, problem, watch, damping, end, closed, film):
     motion = motion_of(dynamics, dynamics.start(v, active, load), load, damping, closed)
     changes, r = np.zeros(active.size, int), np.empty(problem.size)
     landing, looks, limit = LIMITS.landing * unit, 0, problem.evaluations + LIMITS.budget
-    short, elapsed, ahead = LIMITS.short * unit, 0.0, np.zeros(problem.size)
+    short, elapsed, ahead = LIMITS.short * unit, 0.0, np.zeros(problem.size)  # ahead: the way since the last look
     patience, least_steps, crawl, modes = 0.0, LIMITS.creep_steps, 1.0, None
     if isfinite(damping):
         least_steps = LIMITS.steps
@@ -102,7 +102,7 @@ def _with_steps(finer, problem, watch, damping, end, closed, film):
         else:
             _filmed(film, problem, motion, active, load)
         looks, elapsed, before = looks + 1, elapsed + LIMITS.check * motion.time, v
-        v = dynamics.unknowns(motion.y, load)
+        v = dynamics.unknowns(motion.y)
         if not np.abs(v).max() < LIMITS.diverged * unit:  # nan fails it too
             raise TooLong("the motion diverges")
         ahead = v - before
@@ -146,7 +146,7 @@ def _filmed(film, problem, motion, active, load):
     """Make the steps between two looks; a state far enough from the film's last one is added to it."""
     for _ in range(LIMITS.check):
         motion.advance(active, 1)
-        v, last = motion.dynamics.unknowns(motion.y, load), film[-1][1]
+        v, last = motion.dynamics.unknowns(motion.y), film[-1][1]
         if v.size != last.size or np.abs(v - last).max() > LIMITS.filmed * problem.unit:
             film.append((problem, v, active, load))
 
@@ -171,7 +171,7 @@ def _landed(problem, watch, v, active, load, modes):
         return None, modes
     if modes is not None and (modes.v.size != v.size or np.abs(rest - modes.v).max() > LIMITS.drawn * problem.unit):
         modes = None
-    stability = watch.sure(problem, rest, active, load, modes, smooth=corrector.inverse)
+    stability = watch.sure(problem, rest, active, modes, smooth=corrector.inverse)
     if not stability.rests:
         return None, stability.modes
     state = State.at_rest(load, rest, active)

@@ -86,8 +86,8 @@ class Watch:
     def look(self, problem, v, active, s, state, smooth=None):
         """The Stability of a state that follows `state` on its branch, to `coarse`; smooth: as in `sure`."""
         modes = state.modes
-        if state.unsure or not isinstance(modes, Modes) or modes.v.size != v.size:
-            return self.sure(problem, v, active, s, smooth=smooth)
+        if state.unsure or modes is None or modes.v.size != v.size:
+            return self.sure(problem, v, active, smooth=smooth)
         speed = np.abs(v - state.v).max() / max(abs(s - state.load), 1e-300)
         dense = problem.size <= LIMITS.dense  # all mu are had at no cost
         if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
@@ -97,7 +97,7 @@ class Watch:
                 return Stability(modes.growth, modes=replace(modes, since=modes.since + 1))
         return self._judged(problem, v, active, modes, state.secants, speed, False, smooth)
 
-    def sure(self, problem, v, active, s, modes=None, secants=None, smooth=None):
+    def sure(self, problem, v, active, modes=None, secants=None, smooth=None):
         """The Stability of an equilibrium, to `fine`; modes, secants: of a state nearby, if known.
 
         smooth: a function close to the inverse of -dR/dv, if one is at hand.

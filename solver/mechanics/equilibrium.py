@@ -258,7 +258,7 @@ class Surface:
         self._u *= 1.0 / self._count
         return self._u[:, self._patch]
 
-    def unknowns(self, y, s):
+    def unknowns(self, y):
         """v of y; under a held load the top is where the layer carries that load."""
         problem = self.problem
         height = float(y[1, 0].real) / self._count

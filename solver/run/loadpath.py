@@ -70,7 +70,7 @@ class Run:
         self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY
         load_steps = checkpoint.load_steps or load_steps_of(scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
-        if checkpoint.carried and not self._fast:  # it would start from the whole surface of another equilibrium
+        if checkpoint.carried and not self._fast:  # the motion would start from a rest under other parameters
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
         index, load, slips, before = checkpoint.index, step.at(checkpoint.index), (), stepper.problem.evaluations
@@ -80,7 +80,6 @@ class Run:
             while done.state.load > load:  # after a slip the surface rests at a higher load only: no frame at this one
                 slips += done.slips
                 if index == step.increments:  # that is beyond the last increment, whose frame shows it
-                    load = done.state.load
                     done = replace(done, slips=())
                     break
                 index += 1
@@ -102,6 +101,7 @@ class Run:
         return frame, self._after(here, step, problem, done)
 
     def _watch(self):
+        """Called now and then during an increment: raises OutOfTime once it has taken too long."""
         if thread_time() > self._end or perf_counter() > self._latest:
             given = f"{self._limit:g} s of processor time, or {self._limit + BUSY:g} s"
             raise OutOfTime(f"no equilibrium within {given}")
@@ -167,7 +167,7 @@ class Run:
         return replace(checkpoint, stage=following[0].stage, index=0, state=state, pressure=pressure)
 
     def _free(self, step, problem, state):
-        """Whether a retraction ends: the layer is undeformed, to FREE, or at HIGHEST."""
+        """Whether a retraction ends: the layer is undeformed, to FREE, or the top at HIGHEST."""
         if step.end >= HIGHEST * self.scene.delta_0:
             return True
         top = np.array(problem.top(state.v, state.load))[:, None]
