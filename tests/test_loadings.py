@@ -207,7 +207,7 @@ def test_sliding_back_mirrors_sliding_forth():
 
 @pytest.mark.parametrize("values", [{}, {"delta_bar": 0.2}, {"path": "loop"}, {"nu": 0.4999}, {"E": 20.0}])
 def test_the_load_is_held_in_every_frame(values):
-    """To 1e-8 of phi_n/delta_n, the largest pull times e: the mobility of the top makes the tolerance mean that."""
+    """To 1e-8 of phi_n/delta_n, the largest pull times e: `top_compliance` makes the tolerance mean that."""
     scene = SMALL.changed(hold="load", **values)
     frames = list(load_path(scene))
     held = stage(frames, "approach")[-1].L_bar
