@@ -19,8 +19,11 @@ FAULTS = """() => {
     const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden], .unseen')
     const all = (what) => [...document.querySelectorAll(what)].filter(seen)
     if (document.documentElement.scrollWidth > innerWidth) said.push(`${document.documentElement.scrollWidth} px wide`)
+    const inside = (e) => [...e.children, ...e.shadowRoot?.children ?? []]
+    const drawn = (e) => e.matches('.bk-Canvas') ? e : inside(e).reduce((found, child) => found ?? drawn(child), null)
     for (const view of all('.view')) {
-        if (view.clientHeight < 140) said.push(`${name(view.parentElement)} has a plot ${view.clientHeight} px high`)
+        const high = Math.min(view.clientHeight, drawn(view)?.clientHeight ?? Infinity)
+        if (high < 140) said.push(`${name(view.parentElement)} has a plot ${high} px high`)
     }
     const texts = [...document.querySelectorAll('.page *')].filter((e) => seen(e)
         && [...e.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()))

@@ -61,6 +61,21 @@ def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(
     page.get_by_role("button", name="Menu").click()
     law.click()
     page.locator("#law").wait_for()
+    assert not law.is_visible()  # the menu folds itself
+    page.get_by_role("button", name="Menu").click()
+    page.get_by_role("button", name="Parameters").click()
+    page.wait_for_function("document.getElementById('find').getBoundingClientRect().bottom < innerHeight - 150")
+
+
+def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
+    page = visit()
+    finished(page)
+    widths = "['delta_bar', 'phi_ratio', 'E'].map((name) => document.getElementById(name).clientWidth)"
+    before = page.evaluate(widths)
+    page.fill("#E-entry", "abc")
+    page.keyboard.press("Enter")
+    page.locator("#E-error").wait_for()
+    assert page.evaluate(widths) == before
 
 
 def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(visit):

@@ -27,6 +27,7 @@ def test_a_run_is_pinned_shown_hidden_renamed_loaded_and_removed_by_keyboard(vis
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
     assert [lines(page, view) for view in ("forces", "area", "map", "punch")] == [2, 1, 2, 1]
+    assert page.locator(".page").get_attribute("data-ghost") == "false"  # nothing pale over it
     # the force of the pinned run in N/m, whatever the stiffness of the run on screen
     pinned = page.evaluate(f"{MODEL.format('forces.pins')}.data_source.data.ys[0][50]")
     stiff = page.evaluate("punch.status.values.E")

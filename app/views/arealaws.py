@@ -64,7 +64,7 @@ def named(scene):
     """What a series is called: its interface, and its layer if that is not the paper's."""
     text = f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}"
     other = scene.changed(phi_n=2.0, phi_ratio=1.0, E=70.0) != Scene()
-    return text + (f", Ē = {scene.E:g}" if scene.E != Scene().E else "") + (" and other parameters" if other else "")
+    return text + (f", E = {scene.E:g}" if scene.E != Scene().E else "") + (" and other parameters" if other else "")
 
 
 class Page(Sheet):

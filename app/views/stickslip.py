@@ -27,7 +27,7 @@ U_X = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm")
 FORCE = hv.Dimension("F", label="F/(w·70 GPa)", unit="10⁻³")
 RATIO = hv.Dimension("ratio", label="E/τ_max")
 MEAN = hv.Dimension("mean", label="⟨F⟩/(w τ_max)")
-LOG_E = hv.Dimension("E", label="Ē", unit="GPa")
+LOG_E = hv.Dimension("E", label="E", unit="GPa")
 LOG_PHI = hv.Dimension("phi_t", label="φₜ", unit="N/m")
 
 
@@ -219,7 +219,7 @@ class Page(Sheet):
             else "it slides continuously, almost without friction"
         )
         text = (
-            f"{before}This interface, flat on flat (Ē = {own.E:g} GPa, φₜ = {own.phi_t:g} N/m): {regime}."
+            f"{before}This interface, flat on flat (E = {own.E:g} GPa, φₜ = {own.phi_t:g} N/m): {regime}."
             f" Sliding is continuous from E = {critical_modulus(own):,.0f} GPa on, where the layer (G/h) is as stiff as"
             f" the interface softens (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"
             " where every slip swings back to the opposite force."

@@ -28,7 +28,7 @@ export function measured(text) {
   drawBench()
 }
 
-const described = (values) => minus(`δ̄ = ${values.delta_bar}, φₜ/φₙ = ${values.phi_ratio}, Ē = ${values.E} GPa`)
+const described = (values) => minus(`δ/δ₀ = ${values.delta_bar}, φₜ/φₙ = ${values.phi_ratio}, E = ${values.E} GPa`)
 
 function tellBench() {
   const now = me.status.values

@@ -10,6 +10,7 @@ export function openDrawer(given) {
   if (!usual) connect(given)
   if (by("drawer").open) by("drawer").close()
   else by("drawer").show()
+  if (by("drawer").open && matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView() // where it is in sight
   refresh()
 }
 

@@ -53,14 +53,15 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
   return [a, b]
 }, [0, 0])
 
-// What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame]
-export const overlays = { curves: () => [], drawn: () => {}, punches: () => [] }
+// What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame];
+// whether a run is among these
+export const overlays = { curves: () => [], drawn: () => {}, punches: () => [], has: () => false }
 let drawnGhost = null, drawnUnit = "N/m", drawnApproach = false
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {
   const part = (of, name, factor) => of?.drawn(name, approach, factor) ?? NOTHING
   const curve = (...asked) => { const { along, value } = part(...asked); return { U_x: along, value } }
-  if (ghost?.head.abscissa !== run.head.abscissa) ghost = null // drawn along something else
+  if (ghost?.head.abscissa !== run.head.abscissa || overlays.has(ghost)) ghost = null // along something else, or drawn already
   const unit = forceUnit([run, ghost]), { F, L } = unit.names
   const same = ghost === drawnGhost && unit.text === drawnUnit && approach === drawnApproach
   for (const [view, label, name, factor] of [["forces", "F", F, unit.factor], ["forces", "L", L, unit.factor], ["area", "A", "A", 1]]) {

@@ -135,7 +135,9 @@ export function connect(positions, usual) {
   on("profile", "change", readProfile)
   on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
   on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))
-  on("menu", "click", () => by("menu").setAttribute("aria-expanded", by("menu").getAttribute("aria-expanded") !== "true"))
+  const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
+  on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
+  document.querySelector("header").addEventListener("click", (event) => { if (event.target.id !== "menu" && event.target.closest("button")) unfold(false) })
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint, .term)")?.blur() })

@@ -10,24 +10,25 @@ const APART = 2.4 // nm that nodes are drawn above where they are, so that sprin
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
 const lens = { place: null, shown: true } // nm along the interface, null: at the trailing edge; whether it is wanted
 
-// Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip held
+// Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip held,
+// if any
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
   const edges = run.edges(k), { first } = run.places[k][0].head, { x, gap, T_n } = frame
   if (!edges) {
     const dip = gap.findIndex((g, i) => g <= gap[i - 1] && g < gap[i + 1] && run.state(T_n[i], g) === "adhering")
-    return x[dip < 0 ? gap.indexOf(Math.min(...gap)) : dip]
+    return dip < 0 ? null : x[dip]
   }
   return frame.x[Math.max(0, Math.floor(run.stage(k) === "back" ? edges[1] - first : edges[0] - first))]
 }
 
 export function drawLens(view) {
   const { pen, box, X, Y, frame, run, ink } = view
-  const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width)
-  by("lens").hidden = !lens.shown || radius < 40
+  const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width), at = focus(view)
+  by("lens").hidden = !lens.shown || radius < 40 || at === null
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
-  const at = focus(view), near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
+  const near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
   Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
   by("lens").setAttribute("aria-valuenow", at.toFixed(1))
   by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${run.state(frame.T_n[near], frame.gap[near])}`)

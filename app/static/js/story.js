@@ -86,7 +86,7 @@ function drawForces(view) {
   const { F_bar, L_bar } = run.curves, force = run.head.force
   const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest * of.head.force))
   const long = Math.min(ARROW, 0.3 * box.height)
-  if (!(full > 0)) return
+  if (!(full > 0) || run.apart) return
   const F = F_bar[k] * force, L = L_bar[k] * force
   const top = box.top + BAR, line = 1.25 * size()
   const x = box.left + 0.82 * box.width, y = top + (narrow ? 2.1 : 2.6) * line

@@ -217,5 +217,6 @@ function receive(chunk) {
 me.beside = receive
 overlays.curves = (run, part, name, factor) => drawable(run).map((one) => part(one.run, name, factor).value)
 overlays.drawn = drawBeside
+overlays.has = (run) => pins.some((one) => one.shown && one.run === run)
 me.also.push(drawSurfaces)
 new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme"] })
