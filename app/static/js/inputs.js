@@ -122,6 +122,8 @@ function connectCurve(figure) {
   onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
 }
 
+const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
+
 export function connect(positions, usual) {
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
@@ -135,7 +137,6 @@ export function connect(positions, usual) {
   on("profile", "change", readProfile)
   on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
   on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))
-  const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   document.querySelector("header").addEventListener("click", (event) => { if (event.target.id !== "menu" && event.target.closest("button")) unfold(false) })
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
