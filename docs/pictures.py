@@ -21,7 +21,7 @@ HERE = Path(__file__).parent
 READY = "() => window.punch?.status.state === 'finished' && punch.run.whole && !punch.fresh"
 SHOW = "([scrub, k]) => { scrub.value = k; scrub.dispatchEvent(new Event('input')) }"
 FIRST, LAST, STEP = 96, 146, 2  # increments of the shear in the animation
-COLOURS, PACE = 48, 120  # of the animation; ms for each picture
+COLOURS, PACE = 160, 120  # of the animation; ms for each picture
 
 
 def served():
@@ -56,6 +56,7 @@ def shown(page, k):
 def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
+    page.locator("[data-name=E] .mark").first.wait_for(timeout=120_000)  # the last to be computed
     page.screenshot(path=HERE / "app.png")
     page.locator("#lens-on").uncheck()
     page.locator("#lens-on").check()
@@ -63,7 +64,7 @@ def take(browser, address):
     for k in range(FIRST, LAST, STEP):
         shown(page, k)
         images.append(Image.open(BytesIO(page.locator("#punch-view").screenshot())).convert("RGB"))
-    palette = images[len(images) // 2].quantize(COLOURS)
+    palette = images[(110 - FIRST) // STEP].quantize(COLOURS)  # of a slip, which has all colours
     frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     frames[0].save(HERE / "slip.gif", save_all=True, append_images=frames[1:], duration=PACE, loop=0, optimize=True)
     page = opened(browser, f"{address}?page=solid&preset=fig7-case2", (1440, 900))
