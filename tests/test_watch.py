@@ -7,7 +7,7 @@ import pytest
 
 from solver import Scene
 from solver.continuation.stability import Modes, Watch, rate
-from solver.continuation.state import State
+from solver.continuation.state import NotConverged, State
 from solver.mechanics.disturbance import uniform_growth
 from solver.run.loadpath import Checkpoint, Run, load_path
 from solver.verification import spectrum
@@ -88,6 +88,30 @@ def test_growth_near_zero_is_that_of_dense_eigenvalues(values):
             assert found == pytest.approx(true, abs=1e-6 * gamma)
         seen += 1
     assert seen >= 5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damping", [0.05, 0.1, 0.3])
+def test_waves_that_weak_damping_lets_grow_are_those_of_dense_eigenvalues(damping):
+    scene, found = Scene(**SMALL, delta_bar=1.0), []
+    gamma = spectrum.friction(scene.changed(damping=damping))
+    for frame, problem, state in states(scene, 12):  # of a run at critical damping: they rest there
+        true = spectrum.critical(scene.changed(damping=damping), frame, exact=True).growth
+        growth = Watch(damping).sure(problem, state.v, state.active).growth
+        if true > -0.2 * gamma:
+            assert growth == pytest.approx(true, abs=1e-4 * gamma)
+        else:  # need not be known better
+            assert growth < -0.2 * gamma
+        found.append(growth)
+    assert len(found) >= 5 and (damping > 0.1 or max(found) > 0.1 * gamma)
+
+
+@pytest.mark.slow
+def test_no_frame_of_a_flat_that_little_damping_lets_flutter_is_taken_for_a_rest():
+    scene = Scene(surface="flat", nodes=256, width=625.0, damping=0.05, du_x=0.5, du_z=0.5, u_x_max=8.0)
+    with pytest.raises(NotConverged, match="flutters"):
+        for frame in load_path(scene):
+            assert spectrum.growth(scene, frame) < 1e-6
 
 
 @pytest.mark.slow

@@ -1,8 +1,10 @@
 """Deep flutter: waves of the contact that grow as oscillations, their eigenvalues mu far from zero.
 
-As NP1 has no potential, T_x(u_z) and T_z(u_x) can feed a wave more than friction takes. A random disturbance, moved by
-the linearised motion from state to state, turns into the wave that grows fastest. Rayleigh-Ritz on the displacements it
-passes through, extended by residuals times 1/(|K + Re mu| + sigma), gives its growth and the error of that.
+As NP1 has no potential, T_x(u_z) and T_z(u_x) can feed a wave more than friction takes. Such waves hardly leave the
+patch: where damping is weak, those of the patch alone, all of which are computed, are close to them. Otherwise, and
+where the patch is too large, a random disturbance, moved by the linearised motion from state to state, turns into the
+wave that grows fastest. Rayleigh-Ritz on these, extended by residuals times 1/(|K + Re mu| + sigma), gives its growth
+and the error of that.
 """
 
 from dataclasses import dataclass
@@ -16,7 +18,17 @@ from .motion import of_blocks
 class Limits:
     """Of the search for the wave that grows fastest."""
 
-    steps: int = 60  # of the linearised motion from one state to the next
+    dense: int = 700  # unknowns of a patch up to which all modes of the patch alone are computed to begin with
+    shifts: int = 4  # waves of the patch alone, near which those of the whole surface are sought
+    apart: float = 0.02  # of their mu, at least, over its magnitude
+    off: float = 1e-4  # imaginary part, at least, over the magnitude: on the real axis K + mu is singular
+    calm: float = (
+        0.35  # gamma; where all waves of the patch alone decay faster, one will do: 0.15 was the largest error
+    )
+    again: int = 3  # the same where J has hardly changed since, near waves of the whole surface found before
+    same: float = 0.01  # change of J up to which that will do, over its largest: two waves may change places
+    solves: int = 8  # steps of inverse iteration for each
+    steps: int = 60  # else: of the linearised motion from one state to the next
     first: int = 600  # the same at the first state, from a random disturbance
     stride: float = 0.6  # of a step, over the inverse of the largest frequency; longer ones make fast waves grow
     seen: int = 8  # last displacements of that motion, with which Rayleigh-Ritz begins
@@ -33,21 +45,28 @@ LIMITS = Limits()
 
 @dataclass(frozen=True)
 class Wave:
-    """What the search at the next state starts from: the moving disturbance, (N,) each, and a basis (k, N)."""
+    """What the search at the next state starts from: a basis (k, N), and the moving disturbance, (N,) each, or None."""
 
-    u: np.ndarray  # displacement
-    v: np.ndarray  # velocity
+    u: np.ndarray | None  # displacement
+    v: np.ndarray | None  # velocity
     basis: np.ndarray
+    values: np.ndarray  # mu of the fastest, these first
+    tangents: np.ndarray | None = None  # J (4, m) at which waves of the patch alone were computed last
 
 
-def deep(maps, space, friction, rate, radius, wave, tolerance):
+def deep(maps, space, friction, rate, radius, wave, tolerance, weak):
     """((growth, its error, mu, x), Wave) of the disturbance that grows fastest; wave: of a state nearby, or None.
 
     tolerance: error to which a growth near zero is sought, but for |mu| < radius, where `stability.near_zero` knows
-    better. space: an empty `inverse.Space`; rate: `stability.rate`.
+    better. space: an empty `inverse.Space`; rate: `stability.rate`; weak: whether damping is.
     """
-    u, v, seen = _carried_along(maps, friction, wave)
-    for x in (*seen, v, *(wave.basis if wave is not None else ())):
+    u = v = tangents = None
+    if weak and maps.patch_size <= LIMITS.dense:
+        tangents, shifts = _shifts(maps, friction, rate, wave)
+        start = _near_shifts(maps, shifts)
+    else:
+        u, v, start = _carried_along(maps, friction, wave)
+    for x in (*start, *(wave.basis if wave is not None else ())):
         space.add(x)
     sigma, rounds = maps.interface, 0
     while True:
@@ -67,13 +86,53 @@ def deep(maps, space, friction, rate, radius, wave, tolerance):
             inverse = of_blocks(maps.stiffness, lambda k, shift=value.real: 1.0 / (np.abs(k + shift) + sigma))
             for part in (residual.real, residual.imag) if value.imag else (residual.real,):
                 space.add(maps.filtered(part, inverse))
-    parts = [p for k in range(best.size) for p in (vectors[:, k].real, vectors[:, k].imag) if np.abs(p).max() > 1e-10]
-    basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T @ space.vectors
-    return (growth, error, complex(values[0]), vectors[:, 0] @ space.vectors), Wave(u, v, basis)
+    basis = np.linalg.qr(_parts(vectors)[: LIMITS.kept].T)[0].T @ space.vectors
+    return (growth, error, complex(values[0]), vectors[:, 0] @ space.vectors), Wave(u, v, basis, values, tangents)
+
+
+def _parts(vectors):
+    """Real and imaginary parts of vectors (N, k), one after the other, those that are not zero; (.., N)."""
+    return np.array([p for x in vectors.T for p in (x.real, x.imag) if np.abs(p).max() > 1e-10])
+
+
+def _shifts(maps, friction, rate, wave):
+    """(J, [(mu, start)]): of the fastest waves of the patch alone, some distance apart, and the J for which that is.
+
+    Close to the J of a search before: of the waves that it found.
+    """
+    tangents, before = maps.tangents, wave and wave.tangents
+    if before is not None and np.abs(tangents - before).max() <= LIMITS.same * maps.interface:
+        tangents, values, most = before, wave.values, LIMITS.again
+        starts = [wave.basis[0]] * values.size
+    else:
+        values, modes = maps.of_patch()
+        order = np.argsort(-rate(values, friction))
+        values, starts, most = values[order], (maps.embedded(modes[:, i]) for i in order), LIMITS.shifts
+        if rate(values[0], friction) < -LIMITS.calm * friction:
+            most = 1
+    found = []
+    for mu, start in zip(values, starts, strict=True):
+        if mu.imag >= 0.0 and all(abs(mu - other) > LIMITS.apart * abs(other) for other, _ in found):
+            found.append((complex(mu.real, max(mu.imag, LIMITS.off * abs(mu))), start))
+        if len(found) == most:
+            break
+    return tangents, found
+
+
+def _near_shifts(maps, shifts):
+    """Disturbances (k, N) that hold the waves of the whole surface with mu next to the shifts: inverse iteration."""
+    found = []
+    for mu, x in shifts:
+        solve = maps.shifted(mu)
+        for _ in range(LIMITS.solves):
+            x = solve(x)
+            x = x / np.linalg.norm(x)
+            found += [x.real, x.imag]
+    return found
 
 
 def _carried_along(maps, friction, wave):
-    """(u, v, last displacements): the wave, or a random disturbance, after some steps of the linearised motion.
+    """(u, v, last displacements and v): the wave, or a random disturbance, after some steps of the linearised motion.
 
     u and v are scaled to a largest u of one. Steps are Newmark's, as in `motion`: central differences, with a mass that
     makes modes of the layer stable.
@@ -94,4 +153,4 @@ def _carried_along(maps, friction, wave):
         if left <= LIMITS.seen:
             seen.append(u)
     scale = 1.0 / np.abs(u).max()
-    return u * scale, v * scale, seen
+    return u * scale, v * scale, [*seen, v]

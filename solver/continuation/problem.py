@@ -34,7 +34,11 @@ Euclid's, obeys x'' = (J - K) x - gamma x'. They must offer:
 14. `size` N; `product(x)`, (J - K) x, a new array; `seen(x)`: the unknowns (size,) of x.
     No more is needed up to N = `stability.LIMITS.dense`. Beyond:
 15. `load(f)`: what a force f (N,) adds to R, (size,); `spread(w, f)`: the x (N,) that rests, with unknowns w, under f.
-16. `flutter(critical)`: the damping, over `critical`, above which no mode with mu far from zero can grow. Where the
+16. `alike()`: whether every mode is a wave. If so, `waves()`: mu (waves, 2) and amplitudes (waves, 2, 2) in columns of
+    all of them, and `wave(q, amplitude)`: the x of one, complex.
+17. `flutter(critical)`: the damping, over `critical`, above which no mode with mu far from zero can grow. Where the
     motion has less, `flutter.deep` needs `stiffness`; `stiffest`, its largest; `interface`, the largest |J|;
-    `asymmetry`, the largest |J_xz - J_zx|/2; `filtered(x, blocks)`: every mode of x times its block, as of `stiffness`.
+    `asymmetry`, the largest |J_xz - J_zx|/2; `filtered(x, blocks)`: every mode of x times its block, as of `stiffness`;
+    `of_patch()`: (mu, modes in columns) of the `patch_size` numbers of x where J is not zero, the others held still;
+    `embedded(mode)`: such a mode (patch_size,) as x; `shifted(mu)`: the function f -> x with (J - K - mu) x = f.
 """

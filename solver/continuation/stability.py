@@ -26,7 +26,7 @@ class Limits:
 
     unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest
     dense: int = 32  # size of a disturbance up to which all its mu are computed
-    weakly_dense: int = 300  # the same below the damping `weak`, where many modes grow at nearly one rate
+    weakly_dense: int = 700  # the same below the damping `weak`, where many modes grow at nearly one rate
     weak: float = 0.4  # damping, over critical
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of soft flutter form at 5 to 20
     wide: float = 80.0  # the same where deep flutter is possible: its softest waves lie there
@@ -41,6 +41,7 @@ class Limits:
     # `look` takes a state to rest, without a look, while all of this holds, compared with the one looked at last:
     patience: int = 20  # no more states than that have been passed over
     far: float = 1.5  # units of the problem, farthest; times (growth/calm)^2 where -growth is less than `calm`
+    weakly_far: float = 0.2  # instead of `far` below the damping `weak`, until deep flutter is looked for
     calm: float = 0.4  # see `far`
     steeper: float = 4.0  # a growth rising so many times as steeply as between the last two looks is negative still
     # times as fast that states move with the load; towards a fold at distance d this goes as d^-1/2, so that looks
@@ -92,7 +93,9 @@ class Watch:
         dense = problem.size <= LIMITS.dense  # all mu are had at no cost
         if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
             way, depth = np.abs(v - modes.v).max(), max(0.0, -modes.growth)
-            far = LIMITS.far * problem.unit * min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
+            may = self.damping < LIMITS.weak and modes.wave is None  # flutter, which begins at once
+            far = (LIMITS.weakly_far if may else LIMITS.far) * problem.unit
+            far *= min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
             if way < far and LIMITS.steeper * modes.rise * way < depth:
                 return Stability(modes.growth, modes=replace(modes, since=modes.since + 1))
         return self._judged(problem, v, active, modes, state.secants, speed, False, smooth)
@@ -115,6 +118,8 @@ class Watch:
         space = wave = None
         if maps.size <= (LIMITS.dense if self.damping >= LIMITS.weak else LIMITS.weakly_dense):
             growth, mu, x = _dense(maps, friction)
+        elif maps.alike():
+            growth, mu, x = _of_waves(maps, friction)
         else:
             known = modes or Modes(0.0, v)
             waves = self.damping < maps.flutter(motion.critical)
@@ -125,10 +130,9 @@ class Watch:
             scale = self._scale(problem)
             (growth, mu, x), space = near_zero(maps, inverse, friction, radius, scale, start, fine, room.emptied(maps))
             if waves:
-                tolerance = (LIMITS.fine if fine else 3.0 * LIMITS.coarse) * friction
-                found, wave = deep(
-                    maps, room.emptied(maps), friction, rate, LIMITS.radius * k_min, known.wave, tolerance
-                )
+                tolerance, room = (LIMITS.fine if fine else 3.0 * LIMITS.coarse) * friction, room.emptied(maps)
+                weak, inner = self.damping < LIMITS.weak, LIMITS.radius * k_min
+                found, wave = deep(maps, room, friction, rate, inner, known.wave, tolerance, weak)
                 if found[0] - 2.0 * found[1] > growth:
                     growth, mu, x = found[0] - 2.0 * found[1], *found[2:]
         kind = "flutter" if abs(mu.imag) > 1e-9 * abs(mu) else "bifurcation"
@@ -157,6 +161,13 @@ def _dense(maps, friction):
     rates = rate(values, friction)
     i = int(np.argmax(rates))
     return float(rates[i]), complex(values[i]), vectors[:, i]
+
+
+def _of_waves(maps, friction):
+    """The same where every mode is a wave."""
+    values, amplitudes = maps.waves()
+    q, i = np.unravel_index(np.argmax(rate(values, friction)), values.shape)
+    return float(rate(values[q, i], friction)), complex(values[q, i]), maps.wave(q, amplitudes[q, :, i])
 
 
 def rate(mu, friction):

@@ -14,6 +14,9 @@ WIDER = 1.5  # growth of the variance of the average from level to level of `_fl
 MARGIN = 1.1  # on what `_flutter_friction` finds: at a damping of 0.06, 8 % too little has been seen
 
 
+ALIKE = 1e-7  # difference of J between nodes, over its largest, below which they count as alike
+
+
 class Disturbances:
     """Buffers and transforms for disturbances of one `equilibrium.Surface`; `at` gives the maps at an equilibrium."""
 
@@ -45,7 +48,7 @@ class Disturbance:
 
     def __init__(self, shared, v, active):
         self._shared, self.size = shared, shared.size
-        self.stiffness, self.stiffest = shared.stiffness, shared.stiffest
+        self.stiffness, self.stiffest, self.patch_size = shared.stiffness, shared.stiffest, 2 * shared.m
         self.tangents = t = shared.contact.tangents(shared.problem.surface(v), active)
         self.interface = float(np.abs(t).max())
         self.asymmetry = 0.5 * float(np.abs(t[1] - t[2]).max())
@@ -60,6 +63,20 @@ class Disturbance:
             return 0.0
         shared = self._shared
         return MARGIN * _flutter_friction(self.tangents, shared.stiffness, shared.n, shared.cell) / critical
+
+    def alike(self):
+        """Whether J is the same at every node of the cell, so that every mode is a wave."""
+        return self._shared.cell and bool(np.ptp(self.tangents, axis=1).max() <= ALIKE * self.interface)
+
+    def waves(self):
+        """mu (waves, 2) and amplitudes (waves, 2, 2), in columns, of all modes where nodes are alike."""
+        t, k = self.tangents.mean(axis=1), self.stiffness
+        blocks = np.array([[t[0] - k[0], t[1] + 1j * k[2]], [t[2] - 1j * k[2], t[3] - k[1]]])
+        return np.linalg.eig(np.moveaxis(blocks, 2, 0))
+
+    def wave(self, q, amplitude):
+        """The disturbance, complex, that is wave number q times an amplitude (2,)."""
+        return np.outer(amplitude, np.exp(2j * np.pi * q * np.arange(self._shared.n) / self._shared.n)).reshape(-1)
 
     def product(self, x):
         """(J - K) x, a new array; counts as a force evaluation."""
@@ -78,6 +95,54 @@ class Disturbance:
         shared._before[:] = x.reshape(2, shared.n)
         shared.through(blocks * (SIGNS / shared.n))
         return shared._after.reshape(-1).copy()
+
+    def of_patch(self):
+        """(mu (2 m,), modes (2 m, 2 m), in columns) of the patch alone, the surface beyond held still."""
+        shared, t = self._shared, self.tangents
+        i = np.arange(shared.m)
+        columns = np.fft.irfft(self.stiffness * np.array([[1.0], [1.0], [-1j]]), shared.n, axis=1)
+        xx, zz, xz = -columns[:, (i[:, None] - i) % shared.n]
+        xz, zx = xz, xz.T.copy()
+        xx[i, i] += t[0]
+        xz[i, i] += t[1]
+        zx[i, i] += t[2]
+        zz[i, i] += t[3]
+        return np.linalg.eig(np.block([[xx, xz], [zx, zz]]))
+
+    def embedded(self, mode):
+        """A mode (2 m,) of the patch as a disturbance of the whole surface."""
+        out = np.zeros((2, self._shared.n), mode.dtype)
+        out[:, self._shared.patch] = mode.reshape(2, -1)
+        return out.reshape(-1)
+
+    def shifted(self, mu):
+        """The function f -> x with (J - K - mu) x = f, complex (N,), for mu off the real axis.
+
+        There K + mu is regular, and as J vanishes outside the patch, all that is left to invert is 1 - (K + mu)^-1 J.
+        """
+        n, m, t, patch = self._shared.n, self._shared.m, self.tangents, self._shared.patch
+        k = np.concatenate(
+            [self.stiffness, self.stiffness[:, 1 : (n + 1) // 2][:, ::-1] * [[1.0], [1.0], [-1.0]]], axis=1
+        )
+        k[2, n // 2] *= n % 2  # the wave of the shortest length is real
+        xx, zz, c = k[0] + mu, k[1] + mu, k[2]
+        inverse = np.array([[zz, 1j * c], [-1j * c, xx]]) / (xx * zz - c**2)
+        i = np.arange(m)
+        kernels = np.fft.ifft(inverse, axis=2)[:, :, (i[:, None] - i) % n]
+        tangent = t.reshape(2, 2, m)
+        within = np.linalg.inv(np.eye(2 * m) - np.einsum("acij,cbj->aibj", kernels, tangent).reshape(2 * m, 2 * m))
+
+        def layer(f):
+            return np.fft.ifft((inverse * np.fft.fft(f, axis=1)).sum(axis=1), axis=1)
+
+        def solved(f):
+            x = -layer(f.reshape(2, n))
+            y = (within @ x[:, patch].reshape(-1)).reshape(2, m)
+            force = np.zeros((2, n), complex)
+            force[:, patch] = (tangent * y).sum(axis=1)
+            return (x + layer(force)).reshape(-1)
+
+        return solved
 
     def load(self, f):
         """What a force f (size of x) on the surface adds to the residual R of the unknowns, a new array."""
