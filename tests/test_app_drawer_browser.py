@@ -25,7 +25,7 @@ def test_the_views_make_room_for_the_drawer(visit, size):
     assert figure["x"] + figure["width"] <= box["x"] + 1 or figure["y"] + figure["height"] <= box["y"] + 1
     page.keyboard.press("Escape")
     drawer.wait_for(state="hidden")
-    page.wait_for_function("document.activeElement.id === 'more'")
+    page.wait_for_function(f"document.activeElement.id === '{'menu' if size[0] < 600 else 'more'}'")
 
 
 def test_it_shows_what_applies_finds_and_restores(visit):

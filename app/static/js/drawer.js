@@ -18,7 +18,7 @@ function connect(given) {
   usual = JSON.parse(given)
   listen("status", refresh)
   on("find", "input", refresh)
-  on("drawer", "close", () => by("more").focus())
+  on("drawer", "close", () => by(by("more").checkVisibility() ? "more" : "menu").focus())
   for (const button of document.querySelectorAll(".restore")) {
     button.addEventListener("click", () => {
       const entry = by(`${button.dataset.name}-entry`)

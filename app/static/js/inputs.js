@@ -138,7 +138,12 @@ export function connect(positions, usual) {
   on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
   on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
-  document.querySelector("header").addEventListener("click", (event) => { if (event.target.id !== "menu" && event.target.closest("button")) unfold(false) })
+  // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
+  document.querySelector("header").addEventListener("click", (event) => {
+    if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
+    unfold(false)
+    by("menu").focus()
+  }, true)
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint, .term)")?.blur() })
