@@ -134,7 +134,7 @@ def _with_steps(finer, problem, watch, damping, end, closed, film):
         if returned or restless:
             share = LIMITS.raise_share * (load - end.load)
             load += min(max(LIMITS.raise_least * unit, share), LIMITS.raise_most * unit)
-            landing, least_steps = LIMITS.landing * unit, 0  # from now on, only the periods count
+            landing = LIMITS.landing * unit
             motion.drive(load)
         if load > end.load + LIMITS.farthest * unit:
             raise NotConverged(f"the surface does not come to rest: it flutters, residual {worst:.2g} nm")
