@@ -6,10 +6,14 @@ import socket
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
+
+from playwright.sync_api import TimeoutError as TookTooLong
 
 ROOT = Path(__file__).parent.parent
 PATIENCE = 120_000  # ms; a limit against hanging, not a claim about speed
+SETTLE = 5_000  # ms for what is laid out anew; after that a fault is one
 TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
 FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
@@ -117,7 +121,10 @@ def values_are(page, **values):
 
 
 def laid_out(page):
-    """After the next picture of the screen, when Bokeh has followed a change of size."""
+    """After the next picture of the screen, when Bokeh has followed a change of size.
+
+    What lies over something only until the next picture of a busy machine is no fault.
+    """
     page.evaluate("() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then)))")
     page.wait_for_function(  # the lens, and what is said of a slip, move with the next drawing of the punch
         """() => {
@@ -127,3 +134,5 @@ def laid_out(page):
                 || (box.right <= view.right && box.bottom <= view.bottom && box.top >= view.top))
         }"""
     )
+    with suppress(TookTooLong):
+        page.wait_for_function(f"() => !({FAULTS})().length", timeout=SETTLE)
