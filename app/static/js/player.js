@@ -90,7 +90,7 @@ export function redraw() {
 function showFrame() {
   const { run } = me
   if (!run?.length) return
-  const k = Math.min(Math.floor(me.preview ?? me.at), run.length - 1)
+  const k = Math.max(0, Math.min(Math.floor(me.preview ?? me.at), run.length - 1))
   drawFrame(run, k)
   drawStory(run, k)
   me.drawn = k

@@ -136,7 +136,7 @@ function watch() {
 function answer(index) {
   chosen = index
   phase = "show"
-  me.at = me.run.sheared
+  me.at = Math.max(0, me.run.sheared)
   me.following = false
   play(true)
   write()
