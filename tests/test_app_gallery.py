@@ -7,7 +7,9 @@ from visitor import order
 
 from app.service import tasks
 from app.service.pool import LATER
+from app.service.sweep import LIVES
 from solver import NotConverged, load_path
+from solver.continuation.state import OutOfTime
 from solver.presets import presets
 
 
@@ -49,3 +51,16 @@ def test_the_gallery_asks_for_every_preset_once_and_sends_nothing_of_one_that_fa
     assert sent[0]["drawn"]["force"] == [0.0, 1.0] and sent[1]["drawn"] is None
     session.close()
     assert all(task.done() for task in asked)
+
+
+def test_a_picture_that_a_busy_machine_never_finishes_is_given_up(session):
+    sent = []
+    session.wire.on_change("thumbnail", lambda attribute, old, new: sent.append(json.loads(new)))
+    order(session, "gallery")
+    first = session.pool.tasks[0]
+    for again in range(LIVES):
+        asked = [task for task in session.pool.tasks if task.call == first.call]
+        assert len(asked) == again + 1 and not sent
+        asked[-1].set_result(OutOfTime("0.5 s"))
+    assert [(news["preset"], news["drawn"]) for news in sent] == [(next(iter(presets())), None)]
+    assert len([task for task in session.pool.tasks if task.call == first.call]) == LIVES

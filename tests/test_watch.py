@@ -106,6 +106,32 @@ def test_waves_that_weak_damping_lets_grow_are_those_of_dense_eigenvalues(dampin
     assert len(found) >= 5 and (damping > 0.1 or max(found) > 0.1 * gamma)
 
 
+MIDDLE = Scene(nodes=512, width=1250.0, u_x_max=12.0, delta_bar=0.2, phi_ratio=0.3, du_x=0.2)  # a patch of 251 nodes
+
+
+def test_near_a_shift_the_disturbances_under_a_force_are_those_of_the_product():
+    *_, (_, problem, state) = states(MIDDLE.changed(u_x_max=4.0), 10)
+    maps = problem.motion().disturbance(state.v, state.active)
+    assert maps.patch_size < maps.size == 1024
+    rng = np.random.default_rng(1)
+    f = rng.normal(size=maps.size) + 1j * rng.normal(size=maps.size)
+    mu = complex(-0.3, 0.02) * maps.interface
+    x = maps.shifted(mu)(f)
+    assert maps.product(x.real) + 1j * maps.product(x.imag) - mu * x == pytest.approx(f, abs=1e-9 * np.abs(f).max())
+
+
+@pytest.mark.slow
+def test_waves_of_a_patch_within_a_larger_cell_are_those_of_dense_eigenvalues():
+    scene, found = MIDDLE.changed(damping=0.05), []
+    gamma = spectrum.friction(scene)
+    for frame, problem, state in states(MIDDLE, 20):  # of a run at critical damping: they rest there
+        if frame.stage == "shear":
+            true = spectrum.critical(scene, frame, exact=True).growth
+            found.append(Watch(0.05).sure(problem, state.v, state.active).growth)
+            assert found[-1] == pytest.approx(true, abs=1e-3 * gamma)
+    assert len(found) >= 3 and min(found) > 0.1 * gamma
+
+
 @pytest.mark.slow
 def test_no_frame_of_a_flat_that_little_damping_lets_flutter_is_taken_for_a_rest():
     scene = Scene(surface="flat", nodes=256, width=625.0, damping=0.05, du_x=0.5, du_z=0.5, u_x_max=8.0)

@@ -1,10 +1,11 @@
 """Small pictures of the presets, computed when the first visitor opens the gallery, and then there for all."""
 
 import json
+from collections import Counter
 from functools import cache
 
 from app.service import tasks
-from app.service.sweep import Sweep
+from app.service.sweep import LIVES, Sweep
 from app.session.computing import coarse
 from solver.continuation.state import OutOfTime
 from solver.presets import presets
@@ -20,7 +21,7 @@ class Gallery:
     """The pictures that one visitor waits for; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.sweep = session, Sweep(session, self._take)
+        self.session, self.sweep, self.late = session, Sweep(session, self._take), Counter()
 
     def want(self):
         """Send the picture of every preset, one by one as they are made."""
@@ -31,7 +32,8 @@ class Gallery:
         self.sweep.cancel()
 
     def _take(self, call, found):
-        if isinstance(found, OutOfTime):  # the machine was busy
+        self.late[call] += isinstance(found, OutOfTime)
+        if isinstance(found, OutOfTime) and self.late[call] < LIVES:  # the machine was busy
             return self.sweep.add([call])
         drawn = None if isinstance(found, Exception) else found
         self.session.wire.thumbnail = json.dumps({"preset": _names()[call], "drawn": drawn})

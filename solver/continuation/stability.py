@@ -93,8 +93,9 @@ class Watch:
         dense = problem.size <= LIMITS.dense  # all mu are had at no cost
         if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
             way, depth = np.abs(v - modes.v).max(), max(0.0, -modes.growth)
-            may = self.damping < LIMITS.weak and modes.wave is None  # flutter, which begins at once
-            far = (LIMITS.weakly_far if may else LIMITS.far) * problem.unit
+            # no wave is known to go on from, and weak damping lets one grow within a short way: look sooner
+            blind = self.damping < LIMITS.weak and modes.wave is None
+            far = (LIMITS.weakly_far if blind else LIMITS.far) * problem.unit
             far *= min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
             if way < far and LIMITS.steeper * modes.rise * way < depth:
                 return Stability(modes.growth, modes=replace(modes, since=modes.since + 1))

@@ -116,7 +116,7 @@ export function said(force) {
 function drawEdges(view) {
   const { pen, box, narrow, X, Y, frame, run, k, ink } = view
   const edges = run.edges(k), bottom = box.top + box.height
-  let y = Math.min(Y(0) + 12, bottom - 1.6 * size())
+  let y = Math.min(Math.max(Y(0), Y(Math.min(...frame.gap))) + 12, bottom - 1.6 * size())
   const back = run.stage(k) === "back"
   if (!edges) {
     const held = frame.T_n.some((T, i) => run.state(T, frame.gap[i]) === "adhering")
