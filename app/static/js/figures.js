@@ -39,10 +39,11 @@ export const fillImage = (view, label, values, shape, place) => {
 export const painted = (change) => paintedTogether(Object.values(figures), change)
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
-// A range that holds low..high with room; it follows at once when too small, and shrinks only when far too large
+// A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
+// too small, and shrinks only when far too large
 function fit(range, low, high, room = 0.08) {
-  const size = Math.max(high - low, 1e-9)
-  const inside = low >= range.start && high <= range.end
+  const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
+  const inside = low - least >= range.start && high + least <= range.end
   if (inside && size > 0.6 * (range.end - range.start)) return
   set(range, { start: low - room * size, end: high + room * size })
 }
