@@ -92,7 +92,7 @@ def session():
     from app.service.sweep import results
     from app.session.session import Session
 
-    results.__init__()  # as if no other test had asked for anything
+    results.clear()  # as if no other test had asked for anything
     visit = Session(Document(), {}, NoPool(), Shelf())
     visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
     for slot in visit.pages.slots.values():

@@ -11,6 +11,7 @@ import pytest
 from visitor import PATIENCE, Page
 
 from app.service import packing
+from app.service.finished import Finished
 from app.session import orders, share
 from app.session.controls import address_of, scene_from_address
 from app.session.profiles import LONGEST, Profiles
@@ -146,6 +147,9 @@ def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_
     run, shelf = page.session.run, page.session.shelf
     assert run.history and run.blocks == [] and page.session.scene not in shelf
     assert sum(packing.header(block)["frames"] for block in shelf.get(run.kept_as).blocks) == run.frames - 121
+    shelf.put(page.session.scene, Finished((b"of the whole run of that scene",), 1, 1, 0.0))
+    block, row = run.place(run.frames - 1, shelf)
+    assert block is shelf.get(run.kept_as).blocks[-1] and row == packing.header(block)["frames"] - 1
 
 
 def test_a_run_goes_on_from_another_so_often_only(session):

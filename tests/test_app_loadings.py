@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from visitor import Page
+from visitor import Page, order
 
-from app.service import packing, worker
+from app.service import packing, tasks, worker
 from app.session.controls import values_of
 from solver import Checkpoint, Scene, load_path
 from solver.analysis.energy_balance import work_of
+from solver.presets import presets
 from solver.run.carry import carry_on
 from solver.run.slices import next_frame
 
@@ -111,6 +112,24 @@ def test_an_uploaded_profile_is_shown_with_what_was_done_to_it(page):
     assert page.session.scene.width == 600.0 and page.session.scene.surface == "measured"
     assert any("201 points" in note for note in page.status()["notes"])
     assert values_of(page.session.scene)["surface"] == "measured"
+
+
+def test_a_profile_keeps_the_sliders_moved_while_it_was_read_and_gives_way_to_a_preset_chosen_meanwhile(session):
+    order(session, "profile", text=WAVY)
+    order(session, "scene", E="200")
+    session.reading.set_result(tasks.measured(WAVY))
+    assert (session.scene.surface, session.scene.width, session.scene.E) == ("measured", 600.0, 200.0)
+    order(session, "profile", text=WAVY)
+    late = session.reading
+    order(session, "reset")
+    assert late.cancelled() and session.scene == presets()["fig6"].scene
+
+
+def test_a_profile_that_makes_the_run_too_long_is_refused(session):
+    order(session, "scene", surface="flat", u_x_max="400", nodes="1024")
+    order(session, "profile", text=WAVY)
+    session.reading.set_result(tasks.measured(WAVY))
+    assert session.scene.surface == "flat" and "increments" in session.errors["profile"]
 
 
 @pytest.mark.parametrize(

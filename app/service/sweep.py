@@ -2,12 +2,12 @@
 
 import logging
 import pickle
-from collections import OrderedDict
 from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from threading import RLock
 from typing import Any
 
+from app.service.kept import Kept
 from app.service.pool import LATER
 from app.service.tasks import Part
 from solver.continuation.state import OutOfTime
@@ -34,8 +34,14 @@ class Results:
     """Results by call, those used last; a call that several visitors want at the same time is made once."""
 
     def __init__(self, capacity=CAPACITY):
-        self.capacity, self.size = capacity, 0
-        self._kept, self._asked, self._lock = OrderedDict(), {}, RLock()
+        self._kept = Kept(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
+        self._asked, self._lock = {}, RLock()
+
+    def clear(self):
+        """As if nothing had been asked for."""
+        with self._lock:
+            self._kept.clear()
+            self._asked.clear()
 
     def ask(self, pool, call, hear, owner=None):
         """Have call = (function, *arguments) made; `hear(call, result)` is called once, in whatever thread.
@@ -43,9 +49,9 @@ class Results:
         Returns the result at once if it is known, and then hear is not called. A result may be an Exception.
         """
         with self._lock:
-            if call in self._kept:
-                self._kept.move_to_end(call)
-                return self._kept[call][0]
+            made = self._kept.get(call)
+            if made is not None:
+                return made[1]
             if call in self._asked:
                 self._asked[call].hearers.append(hear)
             else:
@@ -85,20 +91,11 @@ class Results:
             if isinstance(result, Part):
                 asked.kept = (result.kept,)
                 return self._submit(pool, call)
-            self._keep(call, result)
+            if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # it may be another one next time
+                self._kept.put(call, (call, result))
             del self._asked[call]
         for hear in asked.hearers:
             hear(call, result)
-
-    def _keep(self, call, result):
-        """Keep a result, and drop those not used for longest."""
-        if isinstance(result, (Lost, CancelledError, OutOfTime)):  # it may be another one next time
-            return
-        size = len(pickle.dumps((call, result)))
-        self._kept[call] = result, size
-        self.size += size
-        while self.size > self.capacity:
-            self.size -= self._kept.popitem(last=False)[1][1]
 
 
 results = Results()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.service import worker
-from solver import NotConverged, ProfileError, SceneError, advance, load_path, read_profile
+from solver import NotConverged, ProfileError, advance, load_path, read_profile
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.raster import fringes, mesh, picture
 from solver.cli import report_of
@@ -156,12 +156,11 @@ def _deformed(scene, first, traction, window):
     return drawn(x), drawn(z), factor
 
 
-def measured(scene, text):
-    """(the scene with the surface that the text of a CSV describes, None), or (None, why it is of no use)."""
+def measured(text):
+    """(the Profile that the text of a CSV describes, None), or (None, why it is of no use)."""
     try:
-        profile = read_profile(text)
-        return scene.changed(surface="measured", measured=profile, width=profile.length), None
-    except (ProfileError, SceneError) as error:
+        return read_profile(text), None
+    except ProfileError as error:
         return None, str(error)
 
 

@@ -153,6 +153,13 @@ def changed_scene(scene, entries, notes=None):
         return scene, errors | {where: f"{error}.{STAYS}"}
 
 
+def with_profile(scene, profile):
+    """`scene` with the surface of a Profile; raises SceneError."""
+    changed = scene.changed(surface="measured", measured=profile, width=profile.length)
+    _refuse_large(changed, ())
+    return changed
+
+
 def increments_of(scene):
     """How many increments a run of the scene takes, as far as is known before."""
     return sum(step.increments + 1 for step in load_steps_of(scene))

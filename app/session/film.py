@@ -22,9 +22,7 @@ class Film:
         session.notes = [note for note in session.notes if not note.startswith(NAME)]
         if run is None or run.number != values["run"]:
             return
-        known = session.shelf.get(run.scene)
-        blocks = run.blocks or (known.blocks if known else ())
-        places = [run.place(frame, blocks) for frame in (k - 1, k)]
+        places = [run.place(frame, session.shelf) for frame in (k - 1, k)]
         if None in places:
             session.notes = [f"{NAME}: the increment before this slip belongs to a run that is no longer at hand."]
             return

@@ -3,11 +3,10 @@
 import base64
 import hashlib
 import zlib
-from collections import OrderedDict
-from threading import Lock
 
 import numpy as np
 
+from app.service.kept import Kept
 from solver import Profile, ProfileError
 from solver.scene import LIMITS
 
@@ -21,32 +20,29 @@ class Profiles:
     """Profiles by the text that stands for them, those used last."""
 
     def __init__(self):
-        self._known, self._texts, self._lock = OrderedDict(), {}, Lock()
+        self._known, self._texts = Kept(KEPT), Kept(KEPT)
 
     def text_of(self, profile):
         """What brings a Profile back: length (nm), height per level (nm), its heights packed; a name if that is long.
 
         Heights are given to 1/65534 of the largest. Here they come back exactly, as long as the profile is known.
         """
-        with self._lock:
-            if profile not in self._texts:
-                text = _packed(profile)
-                if len(text) > LONGEST:
-                    text = "known-" + hashlib.sha256(profile.heights).hexdigest()[:12]
-                self._texts[profile], self._known[text] = text, profile
-                if len(self._known) > KEPT:
-                    self._texts.pop(self._known.popitem(last=False)[1], None)
-            return self._texts[profile]
+        text = self._texts.get(profile)
+        if text is None:
+            text = _packed(profile)
+            if len(text) > LONGEST:
+                text = "known-" + hashlib.sha256(profile.heights).hexdigest()[:12]
+            self._texts.put(profile, text)
+        if self._known.get(text) is None:
+            self._known.put(text, profile)
+        return text
 
     def profile_of(self, text):
         """The Profile of such a text; raises ProfileError."""
-        with self._lock:
-            if text in self._known:
-                self._known.move_to_end(text)
-                return self._known[text]
-        if text.startswith("known-"):
+        profile = self._known.get(text)
+        if profile is None and text.startswith("known-"):
             raise ProfileError("this server no longer has it; choose the file again")
-        return _unpacked(text)
+        return profile or _unpacked(text)
 
 
 known = Profiles()

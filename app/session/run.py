@@ -43,19 +43,20 @@ class Run:
         """Whether the run that was asked for is still to come, and one with coarser increments on screen."""
         return (self.refines and self.state == "running") or (self.coarse and self.state == "finished")
 
-    def place(self, k, blocks):
-        """(packed block, row) of frame k as the browser numbers them, among packed blocks; None if it is gone."""
+    def place(self, k, shelf):
+        """(packed block, row) of frame k as the browser numbers them, its own or on the Shelf; None if it is gone."""
         k -= sum(frames for _, frames in self.history)  # those of the runs before are not kept
-        for block in blocks:
+        known = shelf.get(self.kept_as)
+        for block in self.blocks or (known.blocks if known else ()):
             frames = packing.header(block)["frames"]
             if 0 <= k < frames:
                 return block, k
             k -= frames
         return None
 
-    def tractions(self, k, blocks):
+    def tractions(self, k, shelf):
         """(first node, T (2, m) GPa) of frame k, as `place` finds it; None if it is gone."""
-        found = self.place(k, blocks)
+        found = self.place(k, shelf)
         return found and (packing.header(found[0])["first"], packing.tractions(*found))
 
     def status(self):

@@ -20,6 +20,7 @@ from app.session.controls import (
     changed_scene,
     scene_from_address,
     values_of,
+    with_profile,
 )
 from app.session.film import Film
 from app.session.gallery import Gallery
@@ -27,6 +28,7 @@ from app.session.marks import Marks
 from app.session.share import Share
 from app.session.wire import Wire
 from app.views.pages import Pages
+from solver import SceneError
 from solver.presets import presets
 from solver.run.carry import GEOMETRY
 
@@ -62,8 +64,7 @@ class Session:
         if not self.closed:
             self.closed = True
             self.computing.close()
-            if self.reading is not None:
-                self.pool.abandon(self.reading)
+            self._read_no_profile()
             self.bench.close()
             self.pages.close()
             self.beside.close()
@@ -172,20 +173,29 @@ class Session:
 
     def read_profile(self, text):
         """Show the surface that a CSV describes; one of no use leaves a message, and what is on screen stays."""
-        if self.reading is not None:  # the newest counts
-            self.pool.abandon(self.reading)
-        task = self.reading = self.pool.submit(tasks.measured, self.scene, text, owner=id(self), rank=LATER)
+        self._read_no_profile()  # the newest counts
+        task = self.reading = self.pool.submit(tasks.measured, text, owner=id(self), rank=LATER)
         self.when_done(task, self._read)
+
+    def _read_no_profile(self):
+        if self.reading is not None:
+            self.pool.abandon(self.reading)
+            self.reading = None
 
     def _read(self, task):
         if task is not self.reading:
             return
         self.reading = None
-        scene, why = (None, "it could not be read; try again") if task.exception() else task.result()
-        if scene is None:
-            self.errors = {"profile": f"profile: {why}. The run on screen stays."}
+        profile, why = (None, "it could not be read; try again") if task.exception() else task.result()
+        if profile is not None:  # sliders may have been moved since it was sent
+            try:
+                scene = with_profile(self.scene, profile)
+            except SceneError as error:
+                profile, why = None, error
+        if profile is None:
+            self.errors = {"profile": f"profile: {why}.{STAYS}"}
             return self.publish()
-        self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(scene.measured.notes)}"]
+        self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
         self.computing.want(scene)
 
     def choose(self, preset):
@@ -200,6 +210,7 @@ class Session:
 
     def show(self, scene, preset):
         """A scene that a page has made from `preset`."""
+        self._read_no_profile()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
         self.computing.want(scene)
 

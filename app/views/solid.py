@@ -64,10 +64,9 @@ class Page(Sheet):
             return
         values, self.waiting = self.waiting, None
         run = self.session.run
-        known = run and self.session.shelf.get(run.kept_as)
         if run is None or int(values.get("run", -1)) != run.number:
             return
-        found = run.tractions(int(values["frame"]), run.blocks or (known.blocks if known else ()))
+        found = run.tractions(int(values["frame"]), self.session.shelf)
         if found is None:
             return
         scene, (first, traction) = run.scene, found
