@@ -35,6 +35,7 @@ class Limits:
     beyond: float = 0.1  # of the last step; a point so much farther on tells whether the load falls there
     sharpness: float = 1e-9  # units, error of the load at the end of a branch
     approaches: int = 6  # attempts to leave the arc for the load asked for
+    passed: float = 0.01  # of the last step, by which the state there may lie beyond the newest point
     start: float = 0.05  # units from the end of the branch, where the motion starts; from farther, soft layers
     # reach other rests
 
@@ -157,20 +158,24 @@ class _Arc:
         state = self.state
         return LimitPoint(max(self.target, state.load), state.v, state.active, np.zeros_like(state.v), "lost")
 
-    def _arrived(self, points, again=True):
+    def _arrived(self, points, fold=None):
         """The State at `target`, between the last two points: solved at fixed load once the arc has come near enough.
 
-        again: if it does not rest, a fold may lie between the points (or just beyond), and is looked for.
+        fold: its load, if the newest point is one. Else, if the state does not rest, a fold may lie between the points
+        (or just beyond), and is looked for.
         """
         state, target = self.state, self.target
         for _ in range(LIMITS.approaches):
             (load1, v1), (load0, v0) = points[:2]
             part = (target - load0) / (load1 - load0)
+            if load1 == fold:  # there the load goes with the square of the distance
+                part = 1.0 - np.sqrt(1.0 - part)
             v = v0 + part * (v1 - v0)
             active = self.corrector.settle(v, state.active, target, state.secants, LIMITS.arc_steps)
-            if active is not None:
-                break
             chord, here = _on_chord(points)
+            # beyond the newest point it may be a state past the fold, on the branch that does not rest
+            if active is not None and dot(chord, v) <= here[0][0] + LIMITS.passed * (here[0][0] - here[1][0]):
+                break
             found = self._point_at(chord, here[1][0] + part * (here[0][0] - here[1][0]), here)
             if found is None:
                 return self._lost()
@@ -179,7 +184,7 @@ class _Arc:
             return self._lost()
         stability = self.watch.sure(self.problem, v, active, state.modes, None, self.corrector.inverse)
         if not stability.rests:
-            ahead = self._just_beyond(points) if again and stability.kind != "flutter" else None
+            ahead = self._just_beyond(points) if fold is None and stability.kind != "flutter" else None
             if ahead is not None and ahead[0] < points[0][0]:
                 return self._fold([ahead, *points])
             return self._located(points[1], (target, v), stability)
@@ -254,7 +259,7 @@ class _Arc:
                 break
         _, load, v = max(bracket, key=lambda p: p[1])
         if load >= self.target:
-            return self._arrived([(load, v), *[p for p in points[1:] if p[0] < load]], False)
+            return self._arrived([(load, v), *[p for p in points[1:] if p[0] < load]], load)
         return LimitPoint(load, v, self.state.active, self._away(chord, bracket, (load, v), points[0][1]), "fold")
 
     def _away(self, chord, bracket, fold, beyond):

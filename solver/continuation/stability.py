@@ -26,8 +26,7 @@ class Limits:
 
     unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest
     dense: int = 32  # size of a disturbance up to which all its mu are computed
-    weakly_dense: int = 700  # the same below the damping `weak`, where many modes grow at nearly one rate
-    weak: float = 0.4  # damping, over critical
+    dense_waves: int = 700  # the same where deep flutter is possible: many waves may grow at nearly one rate
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of soft flutter form at 5 to 20
     wide: float = 80.0  # the same where deep flutter is possible: its softest waves lie there
     kept: int = 6  # vectors carried to the next state: two complex pairs and two more
@@ -40,8 +39,9 @@ class Limits:
     room: int = 300  # vectors for which there is memory, those of `flutter` included
     # `look` takes a state to rest, without a look, while all of this holds, compared with the one looked at last:
     patience: int = 20  # no more states than that have been passed over
-    far: float = 1.5  # units of the problem, farthest; times (growth/calm)^2 where -growth is less than `calm`
-    weakly_far: float = 0.2  # instead of `far` below the damping `weak`, until deep flutter is looked for
+    # units of the problem, farthest; times (growth/calm)^2 where -growth is less than `calm`. At 0.5 waves on rough and
+    # sinusoidal surfaces of nu 0.499 were missed: all modes but the softest decay at -gamma/2, however soft they become
+    far: float = 0.2
     calm: float = 0.4  # see `far`
     steeper: float = 4.0  # a growth rising so many times as steeply as between the last two looks is negative still
     # times as fast that states move with the load; towards a fold at distance d this goes as d^-1/2, so that looks
@@ -76,6 +76,8 @@ class Modes:
     since: int = 0  # states passed over since
     space: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     wave: Wave | None = None
+    flutter: float = 0.0  # damping above which no wave flutters deeply, by `disturbance.flutter`
+    varies: float = 0.0  # its change since the look before, per nm of |dv|
 
 
 class Watch:
@@ -93,11 +95,9 @@ class Watch:
         dense = problem.size <= LIMITS.dense  # all mu are had at no cost
         if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
             way, depth = np.abs(v - modes.v).max(), max(0.0, -modes.growth)
-            # no wave is known to go on from, and weak damping lets one grow within a short way: look sooner
-            blind = self.damping < LIMITS.weak and modes.wave is None
-            far = (LIMITS.weakly_far if blind else LIMITS.far) * problem.unit
-            far *= min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
-            if way < far and LIMITS.steeper * modes.rise * way < depth:
+            far = LIMITS.far * problem.unit * min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
+            near = LIMITS.steeper * modes.varies * way >= max(0.0, self.damping - modes.flutter)
+            if way < far and LIMITS.steeper * modes.rise * way < depth and (modes.wave is not None or not near):
                 return Stability(modes.growth, modes=replace(modes, since=modes.since + 1))
         return self._judged(problem, v, active, modes, state.secants, speed, False, smooth)
 
@@ -117,13 +117,15 @@ class Watch:
         motion = problem.motion()
         maps, friction = motion.disturbance(v, active), self.damping * motion.critical
         space = wave = None
-        if maps.size <= (LIMITS.dense if self.damping >= LIMITS.weak else LIMITS.weakly_dense):
+        small = maps.size <= LIMITS.dense
+        flutter = 0.0 if small else maps.flutter(motion.critical)
+        waves = self.damping < flutter
+        if small or (waves and maps.size <= LIMITS.dense_waves and not maps.alike()):
             growth, mu, x = _dense(maps, friction)
         elif maps.alike():
             growth, mu, x = _of_waves(maps, friction)
         else:
             known = modes or Modes(0.0, v)
-            waves = self.damping < maps.flutter(motion.critical)
             k_min = 0.25 * motion.critical**2
             radius = (LIMITS.wide if waves else LIMITS.radius) * k_min
             start = self._start_vectors(problem, maps, v, active, known.space, secants, smooth)
@@ -132,14 +134,15 @@ class Watch:
             (growth, mu, x), space = near_zero(maps, inverse, friction, radius, scale, start, fine, room.emptied(maps))
             if waves:
                 tolerance, room = (LIMITS.fine if fine else 3.0 * LIMITS.coarse) * friction, room.emptied(maps)
-                weak, inner = self.damping < LIMITS.weak, LIMITS.radius * k_min
-                found, wave = deep(maps, room, friction, rate, inner, known.wave, tolerance, weak)
+                found, wave = deep(maps, room, friction, rate, LIMITS.radius * k_min, known.wave, tolerance)
                 if found[0] - 2.0 * found[1] > growth:
                     growth, mu, x = found[0] - 2.0 * found[1], *found[2:]
         kind = "flutter" if abs(mu.imag) > 1e-9 * abs(mu) else "bifurcation"
         way = np.abs(v - modes.v).max() if modes else 0.0
         rise = max(0.0, growth - modes.growth) / way if way > 0.0 else 0.0
-        return Stability(growth, kind, maps.seen(_largest_phase(x)), Modes(growth, v, speed, rise, 0, space, wave))
+        varies = abs(flutter - modes.flutter) / way if way > 0.0 else 0.0
+        found = Modes(growth, v, speed, rise, 0, space, wave, flutter, varies)
+        return Stability(growth, kind, maps.seen(_largest_phase(x)), found)
 
     def _start_vectors(self, problem, maps, v, active, space, secants, smooth):
         """The vectors that the search starts from; makes the scratch ready for this equilibrium."""

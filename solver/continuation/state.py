@@ -11,6 +11,10 @@ class NotConverged(RuntimeError):
     """An increment ended without an equilibrium; the message names the place, the residual and a remedy."""
 
 
+class Restless(NotConverged):
+    """A motion does not come to rest; smaller increments would not change that."""
+
+
 class OutOfTime(NotConverged):
     """An increment took longer than it was given; a longer time may do."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
-from ..continuation.state import NotConverged, OutOfTime, PulledOff, State
+from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium, closed_stiffness
 from .frame import SlipEvent, contact_area, forces, frame_of, on_nodes
@@ -111,9 +111,11 @@ class Run:
         if isinstance(failure, PulledOff):
             return failure
         remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
+        if isinstance(failure, Restless):
+            remedy = "try another indentation, a larger E or a smaller phi_ratio"
         if self.scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
             remedy = f"try a damping larger than {self.scene.damping:g}: with so little it may never come to rest"
-        elif not self._fast:
+        elif not self._fast and not isinstance(failure, Restless):
             remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
         kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
         return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
