@@ -29,7 +29,7 @@ def cautions(scene, widest=0.0):
     if scene.damping < WEAK:
         found.append(
             f"Damping {scene.damping:g} is below {WEAK:g}: many equilibria flutter under such a motion, and a slip may"
-            " never come to rest; then the run ends early."
+            " never come to rest; then the run ends early. Where more than 350 nodes interact, flutter may go unseen."
         )
     softness = scene.phi_t / (scene.E * scene.delta_t)
     if softness > SOFT and scene.surface != "flat":

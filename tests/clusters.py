@@ -5,7 +5,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 
 PATIENCE = 120  # s; a limit against hanging, not a claim about speed
 QUIET = ["--no-dashboard", "--host", "127.0.0.1"]
@@ -35,11 +34,3 @@ class Local:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait(PATIENCE)
         self.processes = []
-
-
-def until(condition):
-    """Wait for it."""
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, "it never came"
-        time.sleep(0.02)

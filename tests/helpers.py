@@ -6,6 +6,16 @@ import time
 
 import numpy as np
 
+PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+
+
+def until(condition):
+    """Wait for it."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "it never came"
+        time.sleep(0.005)
+
 
 def stage(frames, name):
     return [f for f in frames if f.stage == name]

@@ -246,7 +246,8 @@ def test_nothing_to_draw_with_is_imported_before_it_is_needed():
         "from solver.verification import atlas_report, robustness\n"
         "print([m for m in ('holoviews', 'bokeh', 'pandas', 'tqdm', 'panel') if m in sys.modules])"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=True)
+    assert ran.stdout == "[]\n"
 
 
 @pytest.mark.browser

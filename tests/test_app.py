@@ -2,10 +2,10 @@
 
 import os
 import signal
-import time
 
 import numpy as np
 import pytest
+from helpers import until
 from visitor import PATIENCE, SHORT, Page, unpacked
 
 from app.service import packing, worker
@@ -230,8 +230,7 @@ def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the
     monkeypatch.setattr(computing, "FIRST", 60.0)  # the whole run is one slice
     lost = pool.replaced
     page.order("hello")
-    while not page.session.computing.flight.running():
-        time.sleep(0.001)
+    until(lambda: page.session.computing.flight.running())
     for process in pool.processes():
         os.kill(process, signal.SIGKILL)
     page.until("finished")

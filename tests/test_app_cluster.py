@@ -6,7 +6,8 @@ import time
 
 import pyfftw
 import pytest
-from clusters import Local, until
+from clusters import Local
+from helpers import until
 
 from app.service import worker
 from app.service.pool import Pool

@@ -25,7 +25,7 @@ HELLO = '{"do":"hello","n":0}'
 def waited(coroutine):
     """Its result; in a thread, as Playwright leaves a running loop in this one."""
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, coroutine).result()
+        return thread.submit(asyncio.run, coroutine).result(60.0)
 
 
 class Visit:

@@ -5,6 +5,7 @@ import signal
 import time
 
 import pytest
+from helpers import until
 
 from app.service import worker
 from app.service.finished import BESIDE, Finished, Shelf
@@ -29,8 +30,7 @@ def test_a_worker_killed_while_it_is_idle_is_replaced_before_anybody_asks():
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)
     os.kill(first, signal.SIGKILL)
-    while workers.processes() in ([], [first]) or workers.status != "ready":
-        time.sleep(0.01)
+    until(lambda: workers.processes() not in ([], [first]) and workers.status == "ready")
     assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
     workers.close()
 
@@ -40,8 +40,7 @@ def test_workers_are_replaced_though_the_process_they_are_forked_from_has_ended_
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)
     os.kill(workers.submit(os.getppid).result(PATIENCE), signal.SIGKILL)
-    while workers.processes() in ([], [first]) or workers.status != "ready":
-        time.sleep(0.01)
+    until(lambda: workers.processes() not in ([], [first]) and workers.status == "ready")
     assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
     workers.close()
 
@@ -56,8 +55,7 @@ def test_every_seat_is_filled_again_when_workers_die_in_the_middle_of_sending_or
     workers.submit(worker.ready).result(PATIENCE)
     for size in (10**8, 0):  # the second time while the new ones warm up
         asked = [workers.submit(send, size, seconds=PATIENCE) for _ in range(2)]
-        while workers.in_flight and not any(task.running() for task in asked):
-            time.sleep(0.001)
+        until(lambda asked=asked: not workers.in_flight or any(task.running() for task in asked))
         for process in workers.processes():
             os.kill(process, signal.SIGKILL)
         for task in asked:
@@ -68,8 +66,7 @@ def test_every_seat_is_filled_again_when_workers_die_in_the_middle_of_sending_or
 
 def both_at_work(workers):
     """Wait until two tasks are done by two processes."""
-    while len({task.result(PATIENCE) for task in [workers.submit(busy) for _ in range(2)]}) < 2:
-        pass
+    until(lambda: len({task.result(PATIENCE) for task in [workers.submit(busy) for _ in range(2)]}) == 2)
 
 
 def busy():
@@ -138,11 +135,9 @@ def test_a_pool_is_dead_once_it_has_been_silent_unless_a_worker_is_idle(monkeypa
     assert workers.alive()[0]  # warming up
     workers.submit(worker.ready).result(PATIENCE)
     monkeypatch.setattr("app.service.pool.SILENT", -1.0)  # from now on only an idle worker counts
-    while not workers.alive()[0]:
-        time.sleep(0.001)
+    until(lambda: workers.alive()[0])
     task = workers.submit(time.sleep, PATIENCE, seconds=PATIENCE)
-    while not task.running():
-        time.sleep(0.001)
+    until(task.running)
     assert not workers.alive()[0] and "no worker has answered" in workers.alive()[1]
     workers.close()
 

@@ -56,7 +56,7 @@ def test_link_and_lines_are_copied_by_keyboard(sheet):
 def test_the_python_lines_run_and_give_as_many_increments(sheet):
     lines = sheet.input_value("#share-python")
     assert len(lines.split("\n")) == 3
-    ran = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True)
+    ran = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=300, check=True)
     assert int(ran.stdout.split()[0]) == sheet.evaluate("punch.run.length")
 
 
@@ -107,5 +107,6 @@ def test_lines_of_a_measured_surface_read_its_profile_from_the_json(visit, tmp_p
     page.wait_for_function("document.getElementById('share-python').value")
     (tmp_path / "mixed-mode-contact.json").write_bytes(saved(page, "[data-file=json]"))
     lines = page.input_value("#share-python")
-    ran = subprocess.run([sys.executable, "-c", lines], cwd=tmp_path, capture_output=True, text=True, check=True)
+    command = [sys.executable, "-c", lines]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
     assert int(ran.stdout.split()[0]) == page.evaluate("punch.run.length")

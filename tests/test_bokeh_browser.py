@@ -151,3 +151,31 @@ def test_changes_and_events_of_a_model_are_heard(still):
 
 def test_no_canvas_is_a_stop_of_the_tab_key(still):
     assert still.evaluate("Object.values(figures).every((f) => bokeh.viewOf(f).canvas_view.events_el.tabIndex === -1)")
+
+
+def test_a_figure_becomes_a_picture_with_something_on_it_and_an_svg_with_its_words(still):
+    width, colours, svg = still.evaluate(
+        """() => {
+            const canvas = bokeh.pictureOf(figures.forces)
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
+            return [canvas.width, new Set(new Uint32Array(data.buffer)).size, bokeh.svgOf(figures.forces)]
+        }"""
+    )
+    assert width > 100 and colours > 10
+    assert svg.startswith("<svg") and "displacement of the top" in svg
+
+
+def test_the_element_that_holds_a_figure_is_found_from_within_it(still):
+    view = "document.querySelector('figure[aria-label^=Friction] .view')"
+    assert still.evaluate(f"bokeh.holderOf(figures.forces) === {view}")
+
+
+def test_a_line_gets_thicker_by_what_it_was_composed_with(still):
+    widths = still.evaluate(
+        """() => [2, 3, 1].map((times) => {
+            bokeh.thicken(parts.forces.F, times)
+            return bokeh.plain(parts.forces.F.glyph.line_width)
+        })"""
+    )
+    once = [width["value"] if isinstance(width, dict) else width for width in widths]
+    assert once[0] == pytest.approx(2 * once[2]) and once[1] == pytest.approx(3 * once[2])

@@ -45,7 +45,8 @@ def written(tmp_path_factory):
     options = [word for kind, file in files.items() for word in (f"--{kind}", file)]
     settings = ["--set", "nodes=64", "width=160", "--set", "u_x_max=8"]
     command = [sys.executable, "-m", "solver", "run", *settings, *options]
-    return SimpleNamespace(**files, process=subprocess.run(command, cwd=ROOT, capture_output=True, text=True))
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    return SimpleNamespace(**files, process=process)
 
 
 def rows(file):
@@ -344,6 +345,6 @@ def test_help_lists_every_parameter(call):
 
 
 def test_ci_runs_exactly_the_test_command_of_the_readme():
-    shown = subprocess.run([ROOT / ".ci" / "run", "--print"], capture_output=True, text=True, check=True).stdout
-    assert shown == 'pip install -e ".[test]" && pytest\n'
-    assert f"- test: `{shown.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")
+    shown = subprocess.run([ROOT / ".ci" / "run", "--print"], capture_output=True, text=True, timeout=60, check=True)
+    assert shown.stdout == 'pip install -e ".[test]" && pytest\n'
+    assert f"- test: `{shown.stdout.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")

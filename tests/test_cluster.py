@@ -6,7 +6,8 @@ import os
 import time
 
 import pytest
-from clusters import Local, until
+from clusters import Local
+from helpers import until
 
 from solver import cluster
 from solver.cli import main

@@ -163,11 +163,11 @@ def by_advance(scene, barrier):
 @pytest.mark.parametrize("values", [{"u_x_max": 14.0}, {"surface": "flat", "phi_ratio": 0.1, "damping": inf}])
 def test_two_threads_on_one_scene_get_the_frames_of_one(run, values):
     """In step, increment by increment, so that they meet; equal to the last digit. They shared buffers once."""
-    scene, meeting = SMALL.changed(**values), Barrier(2)
+    scene, meeting = SMALL.changed(**values), Barrier(2, timeout=120.0)
     alone = run(scene, lambda: None)
     assert any(f.slip for f in alone)
     with ThreadPoolExecutor(2) as pool:
-        together = [future.result() for future in [pool.submit(run, scene, meeting.wait) for _ in range(2)]]
+        together = [future.result(120.0) for future in [pool.submit(run, scene, meeting.wait) for _ in range(2)]]
     for frames in together:
         assert len(frames) == len(alone)
         for a, b in zip(frames, alone, strict=True):

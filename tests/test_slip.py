@@ -286,18 +286,28 @@ SOFTENING = [  # at critical damping, modes of these become unstable within step
     {"surface": "rough", "rms_slope": 0.04295, "cut_off": 0.2, "seed": 68, "E": 60110.0, "delta_bar": 2.57,
      "phi_ratio": 0.1217, "phi_n": 1.429, "nu": 0.45, "height": 0.08555, "nodes": 58, "width": 216.63,
      "delta_n": 0.6829, "du_z": 1.0, "u_x_max": 8.0, "damping": 0.5},
+    {"surface": "flat", "E": 2.013, "delta_bar": 2.479, "phi_ratio": 0.01645, "phi_n": 7.935, "nu": 0.49,
+     "height": 0.4207, "nodes": 38, "width": 90.668, "delta_n": 0.5126, "du_z": 1.0, "u_x_max": 1.0},
+    {"surface": "wave", "waves": 1, "amplitude": 0.05403, "E": 1959.0, "delta_bar": 2.395, "phi_ratio": 0.2166,
+     "phi_n": 11.19, "nu": 0.0, "height": 1.515, "nodes": 22, "width": 68.75, "delta_n": 2.804, "du_x": 0.5,
+     "du_z": 1.0, "u_x_max": 4.0, "damping": 0.3},
+    {"surface": "flat", "E": 99590.0, "delta_bar": 1.294, "phi_ratio": 0.06026, "phi_n": 12.34, "nu": 0.3,
+     "height": 1.102, "nodes": 64, "width": 166.08, "delta_n": 1.785, "u_x_max": 8.0, "damping": 0.5},
+    {"surface": "wave", "waves": 3, "amplitude": 1.106, "E": 10.08, "delta_bar": 0.413, "phi_ratio": 0.005733,
+     "phi_n": 0.3748, "nu": 0.4999, "height": 4.257, "nodes": 87, "width": 281.184, "delta_n": 0.3222,
+     "u_x_max": 0.0, "damping": 0.5},
 ]  # fmt: skip
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("values", SOFTENING, ids=range(len(SOFTENING)))
-def test_every_frame_is_stable_and_every_end_located_where_modes_soften_fast(values):
+def test_every_frame_is_stable_and_every_slip_located_where_modes_soften_fast(values):
     scene = Scene(**{"nodes": 128, "width": 312.32, "u_x_max": 10.0, **values})
     try:
         for frame in load_path(scene):
             held = scene.hold == "load" and frame.stage == "shear"
             assert growth(scene, frame, held=held) < 1e-6, (frame.stage, frame.index)
-            assert all(event.located for event in frame.slips)
+            assert all(event.located for event in frame.slips if event.stage == "shear")
     except NotConverged as failure:  # with so little damping it may flutter for ever, which is said
         assert scene.damping < 0.5 and "try a damping larger" in str(failure)
 

@@ -31,14 +31,9 @@ class Line:
     def __iter__(self):
         return (task for tasks in self._of.values() for task in tasks)
 
-    def add(self, task, first=False):
-        """At the end of its owner's tasks; first: it has lost its turn through no fault of its own."""
-        tasks = self._of.setdefault(task.owner, deque())
-        if first:
-            tasks.appendleft(task)
-            self._of.move_to_end(task.owner, last=False)
-        else:
-            tasks.append(task)
+    def add(self, task):
+        """At the end of its owner's tasks."""
+        self._of.setdefault(task.owner, deque()).append(task)
 
     def take(self):
         """The task whose turn it is."""

@@ -1,4 +1,4 @@
-"""What runs inside the process that measures accuracy: `solver.accuracy`, told in plain data while it goes on.
+"""What runs inside the process that measures accuracy: `solver.work_precision`, told in plain data while it goes on.
 
 The server imports this module for the name of `work` only: all that costs something is imported there.
 """

@@ -104,7 +104,7 @@ def onset_of(scene, kept=None):
 
 
 def stress_picture(scene, first, traction, quantity, window, size, per_fringe, deformed):
-    """(head, body): a picture of `solver.picture` or of its fringes, and the mesh in its deformed state if asked for.
+    """(head, body): an image by `solver.analysis.raster` or of its fringes, and the deformed mesh if asked for.
 
     body: int16 (rows, columns), times head["scale"] in GPa (fringes: brightness); then float32 x and z of the lines,
     nan between them, x from the middle; displacements are drawn head["factor"] times as large, the top at rest.

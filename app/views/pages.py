@@ -24,7 +24,7 @@ PAGES = {  # name: (title, where its figures go)
     "solid": ("Inside the solid", ("field",)),
 }
 SECTIONS = Path(__file__).parents[1] / "html" / "pages"
-FIGURE = '<figure><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'
+FIGURE = '<figure><figcaption></figcaption><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'
 
 
 def section(name):

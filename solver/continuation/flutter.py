@@ -1,9 +1,10 @@
 """Deep flutter: waves of the contact that grow as oscillations, their eigenvalues mu far from zero.
 
 As NP1 has no potential, T_x(u_z) and T_z(u_x) can feed a wave more than friction takes. Such waves hardly leave the
-patch: those of the patch alone, all of which are computed, are close to them. Where the patch is too large for that, a
-random disturbance, moved by the linearised motion from state to state, turns into the wave that grows fastest.
-Rayleigh-Ritz on these, extended by residuals times 1/(|K + Re mu| + sigma), gives its growth and the error of that.
+patch: where damping is weak, those of the patch alone, all of which are computed, are close to them. Otherwise, and
+where the patch is too large, a random disturbance, moved by the linearised motion from state to state, turns into the
+wave that grows fastest. Rayleigh-Ritz on these, extended by residuals times 1/(|K + Re mu| + sigma), gives its growth
+and the error of that.
 """
 
 from dataclasses import dataclass
@@ -53,14 +54,14 @@ class Wave:
     tangents: np.ndarray | None = None  # J (4, m) at which waves of the patch alone were computed last
 
 
-def deep(maps, space, friction, rate, radius, wave, tolerance):
+def deep(maps, space, friction, rate, radius, wave, tolerance, weak):
     """((growth, its error, mu, x), Wave) of the disturbance that grows fastest; wave: of a state nearby, or None.
 
     tolerance: error to which a growth near zero is sought, but for |mu| < radius, where `stability.near_zero` knows
-    better. space: an empty `inverse.Space`; rate: `stability.rate`.
+    better. space: an empty `inverse.Space`; rate: `stability.rate`; weak: whether damping is.
     """
     u = v = tangents = None
-    if maps.patch_size <= LIMITS.dense:
+    if weak and maps.patch_size <= LIMITS.dense:
         tangents, shifts = _shifts(maps, friction, rate, wave)
         start = _near_shifts(maps, shifts)
     else:

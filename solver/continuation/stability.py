@@ -27,6 +27,7 @@ class Limits:
     unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest
     dense: int = 32  # size of a disturbance up to which all its mu are computed
     dense_waves: int = 700  # the same where deep flutter is possible: many waves may grow at nearly one rate
+    weak: float = 0.4  # damping, over critical, below which nearly all waves grow at one rate
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of soft flutter form at 5 to 20
     wide: float = 80.0  # the same where deep flutter is possible: its softest waves lie there
     kept: int = 6  # vectors carried to the next state: two complex pairs and two more
@@ -34,6 +35,7 @@ class Limits:
     coarse: float = 1e-3  # error of a growth, by `look`; three times that for waves of deep flutter
     clear: float = 0.25  # a growth below minus that need not be known better
     sure: float = 4.0  # errors by which a growth must differ from zero to be told from it
+    others: int = 3  # vectors of no known symmetry that `sure` begins with; with one a mode of growth gamma was missed
     most: int = 60  # vectors that `sure` may add to the space
     some: int = 20  # vectors that `look` may add
     room: int = 300  # vectors for which there is memory, those of `flutter` included
@@ -43,6 +45,11 @@ class Limits:
     # sinusoidal surfaces of nu 0.499 were missed: all modes but the softest decay at -gamma/2, however soft they become
     far: float = 0.2
     calm: float = 0.4  # see `far`
+    # of the way from the damping below which a wave flutters to that of the scene, by which the skew part of J may have
+    # brought it nearer, for waves as stiff as the interface
+    skewer: float = 0.5
+    # change of J over -mu of the softest mode; at 20, a mode that was stiffer than that one overtook it unseen
+    softer: float = 10.0
     steeper: float = 4.0  # a growth rising so many times as steeply as between the last two looks is negative still
     # times as fast that states move with the load; towards a fold at distance d this goes as d^-1/2, so that looks
     speed: float = 1.15  # become the denser the nearer it is
@@ -73,11 +80,12 @@ class Modes:
     v: np.ndarray
     speed: float = 0.0  # |dv| per load there
     rise: float = 0.0  # of the growth since the look before, per nm of |dv|
+    mu: float = -np.inf  # real part of that mode's; growths of -gamma/2 tell nothing of how soft it is
     since: int = 0  # states passed over since
     space: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     wave: Wave | None = None
     flutter: float = 0.0  # damping above which no wave flutters deeply, by `disturbance.flutter`
-    varies: float = 0.0  # its change since the look before, per nm of |dv|
+    tangents: np.ndarray | None = None  # J on the patch, (4, m)
 
 
 class Watch:
@@ -96,8 +104,8 @@ class Watch:
         if not dense and modes.since < LIMITS.patience and speed < LIMITS.speed * modes.speed:
             way, depth = np.abs(v - modes.v).max(), max(0.0, -modes.growth)
             far = LIMITS.far * problem.unit * min(1.0, depth / (LIMITS.calm * self._scale(problem))) ** 2
-            near = LIMITS.steeper * modes.varies * way >= max(0.0, self.damping - modes.flutter)
-            if way < far and LIMITS.steeper * modes.rise * way < depth and (modes.wave is not None or not near):
+            calm = way < far and LIMITS.steeper * modes.rise * way < depth
+            if calm and not self._turned(problem, v, active, modes):
                 return Stability(modes.growth, modes=replace(modes, since=modes.since + 1))
         return self._judged(problem, v, active, modes, state.secants, speed, False, smooth)
 
@@ -107,6 +115,21 @@ class Watch:
         smooth: a function close to the inverse of -dR/dv, if one is at hand.
         """
         return self._judged(problem, v, active, modes, secants, 0.0, True, smooth)
+
+    def _turned(self, problem, v, active, modes):
+        """Whether J has changed so much since the last look that a mode may have become unstable."""
+        if modes.tangents is None:
+            return False
+        motion = problem.motion()
+        maps = motion.disturbance(v, active)
+        change = maps.tangents - modes.tangents
+        if np.abs(change).max() > LIMITS.softer * max(0.0, -modes.mu):
+            return True
+        skew = 0.5 * np.abs(change[1] - change[2]).max()
+        if modes.wave is not None or skew == 0.0:
+            return False
+        left = (self.damping - modes.flutter) * motion.critical
+        return skew > LIMITS.skewer * left * np.sqrt(maps.interface)
 
     def _scale(self, problem):
         """gamma, or k_min where gamma is infinite: what growths are compared with."""
@@ -134,14 +157,15 @@ class Watch:
             (growth, mu, x), space = near_zero(maps, inverse, friction, radius, scale, start, fine, room.emptied(maps))
             if waves:
                 tolerance, room = (LIMITS.fine if fine else 3.0 * LIMITS.coarse) * friction, room.emptied(maps)
-                found, wave = deep(maps, room, friction, rate, LIMITS.radius * k_min, known.wave, tolerance)
+                weak, inner = self.damping < LIMITS.weak, LIMITS.radius * k_min
+                found, wave = deep(maps, room, friction, rate, inner, known.wave, tolerance, weak)
                 if found[0] - 2.0 * found[1] > growth:
                     growth, mu, x = found[0] - 2.0 * found[1], *found[2:]
         kind = "flutter" if abs(mu.imag) > 1e-9 * abs(mu) else "bifurcation"
         way = np.abs(v - modes.v).max() if modes else 0.0
         rise = max(0.0, growth - modes.growth) / way if way > 0.0 else 0.0
-        varies = abs(flutter - modes.flutter) / way if way > 0.0 else 0.0
-        found = Modes(growth, v, speed, rise, 0, space, wave, flutter, varies)
+        tangents = None if small else maps.tangents
+        found = Modes(growth, v, speed, rise, mu.real, 0, space, wave, flutter, tangents)
         return Stability(growth, kind, maps.seen(_largest_phase(x)), found)
 
     def _start_vectors(self, problem, maps, v, active, space, secants, smooth):
@@ -198,7 +222,10 @@ def near_zero(maps, inverse, friction, radius, scale, start, fine, space):
     for x in start:
         space.add(x)
     first = space.rows
-    space.add(inverse.of(maps, _noise(maps.size)))  # else modes of another symmetry than those known would be missed
+    other = _noise(maps.size)  # else modes of another symmetry than those known would be missed
+    for _ in range(LIMITS.others if fine else 1):
+        other = inverse.of(maps, other)
+        space.add(other)
     most = LIMITS.most if fine else LIMITS.some
     while True:
         values, vectors, strange = _ritz_pairs(space, radius)

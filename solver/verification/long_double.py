@@ -14,7 +14,7 @@ HALF_PLANE = 40.0  # q h from which on exp(-2 q h) (q h)^2 < 1e-31: the layer is
 EPS = float(np.finfo(float).eps)
 ROUNDING = 64.0  # roundings of one evaluation that may add up: some ten per exponential, log2(nodes) per transform
 SHIFTS = 8.0  # roundings, of half a unit in the last place, on the way to a traction
-DROPPED = 0.1  # of delta_n, by which a node may stand on the wrong side of the window's edge (see `window_error`)
+DROPPED = 0.1  # of delta_n, by which a node may stand on the wrong side of the window's edge
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,8 @@ export function drawLens(view) {
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
   Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
-  by("lens").setAttribute("aria-valuenow", at.toFixed(1))
+  const { start, end } = figures.punch.x_range
+  for (const [name, value] of [["min", start], ["max", end], ["now", at]]) by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
   by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${run.state(frame.T_n[near], frame.gap[near])}`)
   pen.strokeStyle = ink.soft
   pen.lineWidth = 1

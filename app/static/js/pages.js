@@ -24,7 +24,7 @@ export function connect(given) {
   for (const section of document.querySelectorAll(".sheet")) {
     const names = Object.keys(slots).filter((name) => name.startsWith(`${section.id}_`))
     section.querySelectorAll(".figures figure").forEach((figure, i) => {
-      const title = () => figure.querySelector("figcaption b").textContent
+      const title = () => figure.querySelector("figcaption b")?.textContent ?? ""
       offerTable(figure, names[i], title() || section.querySelector("h2").firstChild.textContent.trim(), (tables) => {
         if (names[i] in figures) tables.openData(names[i], title())
       })

@@ -1,4 +1,4 @@
-// The frames of a run, as they arrive from the server (format: worker.pack) and as they are asked for by the views.
+// The frames of a run, as they arrive from the server (format: packing.pack) and as they are asked for by the views.
 
 import { opened } from "./channel.js"
 

@@ -6,7 +6,6 @@ const UNITS = [[1e3, "kN/m", 1e4], [1, "N/m", 0.5], [1e-3, "mN/m", 0]] // of for
 const BAR = { names: { F: "F_bar", L: "L_bar" }, factor: 1000, text: "10⁻³", symbols: { F: "F̄", L: "L̄" } }
 
 let bar = false // whether over wE
-export const overStiffness = () => bar
 
 // {names, factor, text, symbols} of the forces of the runs drawn together: one unit for all of them
 export function forceUnit(runs) {

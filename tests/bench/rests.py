@@ -1,0 +1,109 @@
+"""Whether every frame rests: scenes at random over the range of every parameter, judged by dense spectra.
+
+    python tests/bench/rests.py [--scenes N] [--seed N] [--jobs N] [--nodes LEAST MOST]
+
+All modes of the motion of the whole surface are computed for some twelve frames of each scene in contact, and for those
+before and after a slip; hence the cells are small, of 16 to 90 nodes. In larger ones than 350, waves are searched for
+otherwise. Prints every scene with a frame whose fastest mode grows, and how runs ended: a scene has 10 s of processor
+time, an increment 2 s.
+"""
+
+import argparse
+import time
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from math import inf
+
+import numpy as np
+
+from solver import Scene, SceneError, advance
+from solver.verification.spectrum import growth
+
+HELD = ("shear", "back", "forth")
+
+
+def scene_at_random(rng, nodes):
+    """Parameters of a Scene, which may be refused."""
+
+    def between(low, high):
+        return float(f"{np.exp(rng.uniform(np.log(low), np.log(high))):.4g}")
+
+    def one_of(*values):
+        return values[rng.integers(len(values))]
+
+    values = {
+        "surface": one_of("circular", "flat", "wave", "rough"),
+        "E": between(1.0, 1e5),
+        "delta_bar": round(rng.uniform(-1.0, 3.0), 3),
+        "phi_ratio": between(2e-3, 20.0),
+        "phi_n": between(0.2, 20.0),
+        "nu": one_of(0.0, 0.3, 0.45, 0.49, 0.499, 0.4999),
+        "height": between(0.03, 30.0),
+        "nodes": int(rng.integers(nodes[0], nodes[1] + 1)),
+        "delta_n": between(0.3, 3.0),
+        "du_x": one_of(0.1, 0.5, 1.0),
+        "du_z": one_of(0.1, 0.5, 1.0),
+        "u_x_max": 8.0,
+        "damping": one_of(0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.0, 4.0, inf),
+        "hold": one_of("delta", "delta", "load"),
+    }
+    values["width"] = values["nodes"] * between(1.0, 6.0)
+    if values["surface"] == "wave":
+        values |= {"waves": int(rng.integers(1, 4)), "amplitude": between(0.05, 5.0)}
+    if values["surface"] == "rough":
+        values |= {"rms_slope": between(1e-3, 0.05), "cut_off": 0.2, "seed": int(rng.integers(999))}
+    if values["hold"] == "delta":
+        values["path"] = one_of("shear", "shear", "shear", "unload", "loop")
+    return values
+
+
+def judged(seed, nodes):
+    """(how the run ended, frames judged, [(stage, index, growth)] of the restless, slips, located ones, values)."""
+    values = scene_at_random(np.random.default_rng(seed), nodes)
+    try:
+        scene = Scene(**values)
+    except SceneError:
+        return "refused", 0, [], 0, 0, values
+    frames, checkpoint, begun = [], None, time.process_time()
+    while (checkpoint is None or not checkpoint.done) and time.process_time() - begun < 10.0:
+        more, checkpoint = advance(scene, checkpoint, 0.3, limit=2.0)
+        frames += more
+    touching = [k for k, frame in enumerate(frames) if frame.T.any()]
+    chosen = set(touching[:: max(1, len(touching) // 12)])
+    chosen |= {k + i for k in touching if frames[k].slip for i in (-1, 0)} & set(touching)
+    wrong = []
+    for frame in (frames[k] for k in sorted(chosen)):
+        found = growth(scene, frame, held=scene.hold == "load" and frame.stage in HELD)
+        if found > 1e-6:
+            wrong.append((frame.stage, frame.index, round(found, 4)))
+    events = [event for frame in frames for event in frame.slips]
+    ended = (
+        "cut" if not checkpoint.done else checkpoint.failure.split(": ", 1)[-1][:45] if checkpoint.failure else "done"
+    )
+    return ended, len(chosen), wrong, len(events), sum(event.located for event in events), values
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--scenes", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--nodes", type=int, nargs=2, default=(16, 90))
+    arguments = parser.parse_args()
+    ends, frames, wrong, slips, located = Counter(), 0, 0, 0, 0
+    seeds = [(arguments.seed, k) for k in range(arguments.scenes)]
+    with ProcessPoolExecutor(arguments.jobs) as pool:
+        for seed, (ended, count, bad, all_slips, found, values) in zip(
+            seeds, pool.map(judged, seeds, [arguments.nodes] * len(seeds)), strict=True
+        ):
+            ends[ended] += 1
+            frames, wrong, slips, located = frames + count, wrong + len(bad), slips + all_slips, located + found
+            if bad:
+                print(f"does not rest: {bad[:4]} of {len(bad)} in {seed}: {values}", flush=True)
+    print(f"{wrong} of {frames} frames do not rest; {located} of {slips} slips located; runs:")
+    for ended, count in ends.most_common():
+        print(f"{count:6d}  {ended}")
+
+
+if __name__ == "__main__":
+    main()
