@@ -47,8 +47,9 @@ class Plain:
         self.law = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t, *lengths
         self.u, self.T = pyfftw.zeros_aligned((2, self.n)), pyfftw.zeros_aligned((2, self.n))
         self.spectrum = pyfftw.zeros_aligned((2, self.n // 2 + 1), dtype=complex)
-        self._forward = pyfftw.FFTW(self.T, self.spectrum, axes=(1,)).execute
-        self._backward = pyfftw.FFTW(self.spectrum, self.u, axes=(1,), direction="FFTW_BACKWARD").execute
+        plan = {"axes": (1,), "flags": ("FFTW_ESTIMATE",)}  # measured plans, hence round-off, differ from run to run
+        self._forward = pyfftw.FFTW(self.T, self.spectrum, **plan).execute
+        self._backward = pyfftw.FFTW(self.spectrum, self.u, direction="FFTW_BACKWARD", **plan).execute
 
     def rest(self, u, U_x, U_z, p0=None):
         """The Rest reached from u (2, nodes) without velocity; p0 (GPa) given: it finds its U_z. Raises NoRest."""
