@@ -6,7 +6,7 @@ import pytest
 from solver import Scene, load_path
 from solver.presets import preset
 from solver.run.film import through
-from solver.run.frame import NORMAL
+from solver.run.frame import STAGES
 
 
 def slips_of(scene, stage):
@@ -14,8 +14,8 @@ def slips_of(scene, stage):
     before = None
     for frame in load_path(scene):
         if frame.slip and frame.stage == stage and frame.index:
-            sign = -1.0 if stage in ("unload", "back") else 1.0
-            yield before, frame, sign * (frame.delta if stage in NORMAL else frame.U_x)
+            name, sign = STAGES[stage]
+            yield before, frame, sign * getattr(frame, name)
         before = frame
 
 

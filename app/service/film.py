@@ -7,7 +7,7 @@ import numpy as np
 from app.service import packing, worker
 from solver import NotConverged
 from solver.run.film import through
-from solver.run.frame import NORMAL, Frame
+from solver.run.frame import STAGES, Frame
 
 
 def slow_motion(scene, before, after):
@@ -32,7 +32,7 @@ def frame_of(scene, block, row):
     u_x, gap = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap"))
     profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
     known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
-    place = {"stage": packing.STAGES[int(columns["stage"][row])], "index": int(columns["index"][row])}
+    place = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
     u, T = np.array([u_x, gap - profile]), packing.tractions(block, row)
     return Frame(**place, **known, first=head["first"], u=u, T=T, evaluations=0)
 
@@ -40,6 +40,6 @@ def frame_of(scene, block, row):
 def place_of(block, row):
     """(stage, index, load along it in nm) of a row of a packed block."""
     _, columns, _ = packing.unpack(block)
-    stage = packing.STAGES[int(columns["stage"][row])]
-    load = float(columns["delta" if stage in NORMAL else "U_x"][row])
-    return stage, int(columns["index"][row]), -load if stage in ("unload", "back") else load
+    stage = packing.ORDER[int(columns["stage"][row])]
+    name, sign = STAGES[stage]
+    return stage, int(columns["index"][row]), sign * float(columns[name][row])

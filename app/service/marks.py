@@ -9,6 +9,7 @@ from app.service import worker
 from app.service.tasks import SLICE, Part
 from solver import advance
 from solver.analysis.friction_laws import critical_modulus
+from solver.run.load_steps import lifts
 
 SLIDERS = ("delta_bar", "phi_ratio", "E")
 INDENTING, SLIDING = 0.2, 0.5  # delta_n, delta_t: of the increments; with larger ones soft punches jump too far at once
@@ -44,7 +45,7 @@ def key(scene, name):
     """
     if name == "delta_bar":
         return scene.changed(delta_bar=DEEPEST, u_x_max=0.0, path="unload", hold="delta", du_z=INDENTING)
-    if scene.path == "unload":
+    if lifts(scene):
         return None
     far = PERIODS * scene.spacing
     changes = {"path": "shear", "u_x_max": far, "du_x": SLIDING, "du_z": INDENTING, name: ENDS[name][0]}

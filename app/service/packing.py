@@ -10,11 +10,14 @@ from math import e
 
 import numpy as np
 
+from solver.run.frame import STAGES
+from solver.run.load_steps import lifts
+
 COLUMNS = (  # of a packed block: a number each per frame
     *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
     *("residual", "evaluations", "slip", "slip_at", "slip_F", "slip_A", "work"),  # slips in it, and of the first
 )
-STAGES = ("approach", "shear", "back", "forth", "unload", "reload", "press")
+ORDER = tuple(STAGES)  # what the column "stage" counts
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 FLAT = 160  # nodes sent of a flat surface, where all are alike
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
@@ -49,7 +52,7 @@ def pack(scene, rows, last):
     fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
     scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
     curves = np.array([_numbers(frame, work) for frame, work in rows], dtype=np.float32).T
-    normal = scene.path == "unload"
+    normal = lifts(scene)
     header = {
         "last": last,
         "frames": len(frames),
@@ -59,7 +62,8 @@ def pack(scene, rows, last):
         "middle": scene.width / 2,
         "columns": COLUMNS,
         "scales": dict(zip(FIELDS, scales, strict=True)),
-        "stages": STAGES,
+        "stages": ORDER,
+        "along": [along for along, _ in STAGES.values()],
         "abscissa": "delta" if normal else "U_x",
         "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
         "span": _span(scene),
@@ -104,8 +108,8 @@ def numbered(run, block):
 
 
 def _span(scene):
-    """[lowest, highest] of what is drawn along: U_x, or delta of a path that unloads; nm."""
-    if scene.path == "unload":
+    """[lowest, highest] of what is drawn along: U_x, or delta of a path that only lifts; nm."""
+    if lifts(scene):
         return [-scene.delta_0, scene.delta]
     end = scene.shear_at(scene.shear_increments)
     return [-end if scene.path == "loop" else 0.0, end]
@@ -114,7 +118,7 @@ def _span(scene):
 def _numbers(frame, work):
     first = frame.slips[0] if frame.slips else None
     return (
-        STAGES.index(frame.stage),
+        ORDER.index(frame.stage),
         frame.index,
         frame.U_x,
         frame.delta,

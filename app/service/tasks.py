@@ -15,6 +15,7 @@ from solver.analysis.raster import fringes, mesh, picture
 from solver.cli import report_of
 from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
+from solver.run.load_steps import lifts
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
 DRAWN = 400  # points of a curve, about one per pixel
@@ -56,7 +57,7 @@ def thumbnail(scene, kept=None):
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     for f in frames:
         if f.stage != "approach":
-            load, force = ("delta", "L_bar") if scene.path == "unload" else ("U_x", "F_bar")
+            load, force = ("delta", "L_bar") if lifts(scene) else ("U_x", "F_bar")
             rows += [(slip.load, getattr(slip, force), slip.A_bar) for slip in f.slips]
             rows.append((getattr(f, load), getattr(f, force), f.A_bar))
     if not checkpoint.done:

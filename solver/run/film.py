@@ -7,7 +7,7 @@ import numpy as np
 
 from ..continuation.state import State
 from ..mechanics.contact import Contact
-from .frame import NORMAL, frame_of
+from .frame import STAGES, frame_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
@@ -58,8 +58,8 @@ def _step(scene, before, stage):
 
 def _load(frame, stage):
     """The load of a Frame along the step of a stage, nm."""
-    sign = -1.0 if stage in ("unload", "back") else 1.0
-    return sign * (frame.delta if stage in NORMAL else frame.U_x)
+    name, sign = STAGES[stage]
+    return sign * getattr(frame, name)
 
 
 def _evenly(states, most):

@@ -5,7 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-NORMAL = ("approach", "unload", "reload", "press")  # stages along which the indentation changes
+STAGES = {  # stage: what changes along it, and which way; press: to another indentation, see `carry`
+    "approach": ("delta", 1.0),
+    "shear": ("U_x", 1.0),
+    "back": ("U_x", -1.0),
+    "forth": ("U_x", 1.0),
+    "unload": ("delta", -1.0),
+    "reload": ("delta", 1.0),
+    "press": ("delta", 1.0),
+}
 
 
 @dataclass(frozen=True)
@@ -26,7 +34,7 @@ class SlipEvent:
 
     def as_dict(self):
         """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
-        load = "delta" if self.stage in NORMAL else "U_x"
+        load = STAGES[self.stage][0]
         numbers = {"F_bar": self.F_bar, "L_bar": self.L_bar, "A_bar": self.A_bar}
         return {"stage": self.stage, load: self.load} | numbers | {"kind": self.kind, "located": self.located}
 

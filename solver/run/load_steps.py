@@ -35,6 +35,11 @@ def load_steps_of(scene):
     return _lowering(scene, "approach"), *_FOLLOWING[scene.path](scene)
 
 
+def lifts(scene):
+    """Whether after the approach the top moves up and down only, so that curves are drawn along delta, not U_x."""
+    return not any(step.loading.direction[0] for step in load_steps_of(scene))
+
+
 def _lowering(scene, stage):
     """From delta_0 above first touch to the scene's indentation."""
     du_z = scene.du_z * scene.delta_n

@@ -6,7 +6,6 @@ export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/se
 export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/film.py
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
-const NORMAL = ["approach", "unload", "reload", "press"] // stages in which delta changes
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
 const REAL = { F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle] } // N/m, nm
 
@@ -195,7 +194,7 @@ export class Run {
   // Where frame k lies on its path, whatever the size of the increments
   place(k) {
     const stage = this.stage(k)
-    return { stage, at: this.curves[NORMAL.includes(stage) ? "delta" : "U_x"][k] }
+    return { stage, at: this.curves[this.head.along[this.curves.stage[k]]][k] }
   }
 
   // The frame closest to a place; null while it may still come
