@@ -22,10 +22,10 @@ log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
 __all__ = ["HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
-STARTS = 3  # how often in a row no worker may get ready before those who wait are told,
+STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
+HOPE = 60.0  # s since a worker was last ready, before which they are not told
 SILENT = 30.0  # s without an answer of any worker, after which the pool counts as dead
-HOPE = 60.0  # s, and how long after one was
-PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed; s
+PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed
 
 
 def default_size():

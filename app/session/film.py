@@ -6,7 +6,7 @@ from app.service.pool import LATER
 
 NAME = "Slow motion"  # the browser knows by it what its notes begin with
 FIRST = 2_000_000  # numbers of films lie above, as FILM in run.js: the frame that the slip led to is added
-MOST = 4 * 5 * worker.SLOW  # s that it may take
+MOST = 20 * worker.SLOW  # s that it may take: an increment is made again, and every state on its way packed
 
 
 class Film:

@@ -80,11 +80,8 @@ class Chains:
     """Which scenes a visitor's runs went through: all that a later run needs to go on from a frame of one of them."""
 
     def __init__(self, most=40, longest=40):
-        self.most, self.longest, self._of = (
-            most,
-            longest,
-            {},
-        )  # number of a run: ((Scene, frames), ..., (its own Scene, None))
+        self.most, self.longest = most, longest
+        self._of = {}  # number of a run: ((Scene, frames), ..., (its own Scene, None))
         self._frames = {}  # number of a run: frames it has, with those before
 
     def reaches(self, number, frame):

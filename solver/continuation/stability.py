@@ -45,14 +45,15 @@ class Limits:
     # sinusoidal surfaces of nu 0.499 were missed: all modes but the softest decay at -gamma/2, however soft they become
     far: float = 0.2
     calm: float = 0.4  # see `far`
-    # of the way from the damping below which a wave flutters to that of the scene, by which the skew part of J may have
-    # brought it nearer, for waves as stiff as the interface
+    # the change of the skew part of J may have raised the damping below which a wave flutters by this part of what it
+    # lacked of the scene's damping; estimated for a wave as stiff as the interface
     skewer: float = 0.5
-    # change of J over -mu of the softest mode; at 20, a mode that was stiffer than that one overtook it unseen
+    # J may have changed by this times -mu of the softest mode; at 20 a stiffer mode overtook that one unseen
     softer: float = 10.0
-    steeper: float = 4.0  # a growth rising so many times as steeply as between the last two looks is negative still
-    # times as fast that states move with the load; towards a fold at distance d this goes as d^-1/2, so that looks
-    speed: float = 1.15  # become the denser the nearer it is
+    steeper: float = 4.0  # the growth is negative even if it rose so many times as steeply as between the last looks
+    # states move with the load at most so many times as fast. Towards a fold at a distance d in load the speed goes as
+    # d^-1/2, so that looks get the denser the nearer it is
+    speed: float = 1.15
 
 
 LIMITS = Limits()
