@@ -10,8 +10,8 @@ SCREEN, HEAVY, LATER = range(3)  # what a task is for: somebody's screen; the sa
 class Task(Future):
     """A call to be made by a worker, for an owner.
 
-    Its exception is a `solver.isolated.Lost` where the worker ended before the call did; unless its kind is "error", the
-    call may be made again. `seat` is where it runs or ran, `abandoned` says that nobody waits for it.
+    Its exception is a `solver.isolated.Lost` where the worker ended before the call did; unless the kind is "error", it
+    may be made again. `seat` is where it runs or ran, `abandoned` says that nobody waits for it.
     """
 
     def __init__(self, call, owner=None, rank=SCREEN, limit=PATIENCE):

@@ -22,9 +22,7 @@ class Limits:
     shifts: int = 4  # waves of the patch alone, near which those of the whole surface are sought
     apart: float = 0.02  # of their mu, at least, over its magnitude
     off: float = 1e-4  # imaginary part, at least, over the magnitude: on the real axis K + mu is singular
-    calm: float = (
-        0.35  # gamma; where all waves of the patch alone decay faster, one will do: 0.15 was the largest error
-    )
+    calm: float = 0.35  # gamma; one shift will do where all waves of the patch decay faster: they were 0.15 off at most
     again: int = 3  # the same where J has hardly changed since, near waves of the whole surface found before
     same: float = 0.01  # change of J up to which that will do, over its largest: two waves may change places
     solves: int = 8  # steps of inverse iteration for each
