@@ -125,6 +125,10 @@ def test_two_runs_are_side_by_side_at_the_same_place_and_to_the_same_scale(visit
     page.locator(".chip").wait_for()
     page.select_option("#preset", "fig7-case2")
     values_are(page, delta_bar=0.4)
+    # paused during the approach, it would never come to an increment that both have
+    page.wait_for_function(
+        "() => !punch.fresh && punch.run.sheared > 0 && punch.drawn > punch.run.sheared", timeout=PATIENCE
+    )
     page.get_by_role("button", name="Pause").press("Enter")
     page.evaluate(
         """async () => {
