@@ -81,12 +81,12 @@ class Modes:
     v: np.ndarray
     speed: float = 0.0  # |dv| per load there
     rise: float = 0.0  # of the growth since the look before, per nm of |dv|
-    mu: float = -np.inf  # real part of that mode's; growths of -gamma/2 tell nothing of how soft it is
+    mu: float = -np.inf  # GPa/nm, real part of its mu, which tells how soft it is where its growth is -gamma/2
     since: int = 0  # states passed over since
     space: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     wave: Wave | None = None
     flutter: float = 0.0  # damping above which no wave flutters deeply, by `disturbance.flutter`
-    tangents: np.ndarray | None = None  # J on the patch, (4, m)
+    tangents: np.ndarray | None = None  # J on the patch, (4, m) GPa/nm
 
 
 class Watch:
