@@ -40,10 +40,6 @@ class Secants:
         """Drop all pairs."""
         self.rows = self.slot = 0
 
-    def restore(self, other):
-        """Go back to the pairs of a copy: those of steps that led nowhere would mislead the next ones."""
-        self.du, self.dr, self.gram, self.rows, self.slot = other.du, other.dr, other.gram, other.rows, other.slot
-
     def copy(self):
         """An independent copy, for a checkpoint."""
         other = Secants.__new__(Secants)

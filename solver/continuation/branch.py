@@ -21,9 +21,6 @@ class Limits:
     """Of the continuation; a "unit" is the problem's `unit`, distances of states are the largest of any unknown."""
 
     order: int = 3  # of the polynomial that extrapolates in the load
-    steps: int = 60  # Anderson steps of one increment, at most
-    first_steps: int = 150  # the same where there is but one state to extrapolate from
-    arc_steps: int = 40  # the same for one point on the arc
     farthest: float = 0.5  # units from the last state; increments that lead farther are followed by arc length
     surprise: float = 0.1  # units from the extrapolation; farther off likewise: a short slip may lie in between
     short: float = 0.1  # units, first step along the arc
@@ -43,9 +40,9 @@ class Limits:
 LIMITS = Limits()
 
 
-def continue_branch(corrector, watch, state, target):
+def continue_branch(corrector, judge, state, target):
     """The State at load `target` on the branch of `state`, or the LimitPoint that comes before it."""
-    found = _by_load(corrector, watch, state, target) or _Arc(corrector, watch, state, target).followed()
+    found = _by_load(corrector, judge, state, target) or _Arc(corrector, judge, state, target).followed()
     settled = np.zeros(state.active.size, bool)
     while isinstance(found, LimitPoint) and found.located:
         # if nodes have crossed the edge of the window on the way here, the end is sought again with these let in or out
@@ -54,7 +51,7 @@ def continue_branch(corrector, watch, state, target):
             break
         settled |= active != found.active
         state = _with_nodes(corrector, state, active)
-        again = state and _Arc(corrector, watch, state, target).followed()
+        again = state and _Arc(corrector, judge, state, target).followed()
         if not again or (isinstance(again, LimitPoint) and not again.located):
             break
         found = again
@@ -66,44 +63,43 @@ def _with_nodes(corrector, state, active):
     past = []
     for load, v in state.past[:3]:
         v = v.copy()
-        if not corrector.solve(v, active, load, state.secants, LIMITS.first_steps):
+        if not corrector.solve(v, active, load, state.secants):
             break
         past.append((load, v))
-    return past and State(state.load, past[0][1], active, past, state.secants, corrector.sharp, state.modes)
+    return past and State(state.load, past[0][1], active, past, state.secants, corrector.sharp, state.mode)
 
 
-def on_branch(corrector, state, target, v, active, modes=None):
+def on_branch(corrector, state, target, v, active, mode=None):
     """The State v at load `target` that follows `state` on its branch."""
     older = [p for p in state.past if p[0] != target]
     past = [(target, v), *older[: LIMITS.order + 1]]
-    return State(target, v, active, past, state.secants, corrector.sharp, modes or state.modes)
+    return State(target, v, active, past, state.secants, corrector.sharp, mode or state.mode)
 
 
-def _by_load(corrector, watch, state, target):
+def _by_load(corrector, judge, state, target):
     """The state at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
     farthest = LIMITS.farthest * corrector.problem.unit
     past = state.past[: LIMITS.order + 1]
     v = combine(lagrange([load for load, _ in past], target), [u for _, u in past])
     if np.abs(v - state.v).max() > farthest:
         return None
-    most = LIMITS.steps if len(past) > 1 else LIMITS.first_steps
     guess = v.copy()
-    active = corrector.settle(v, corrector.problem.admitted(v, state.active), target, state.secants, most)
+    active = corrector.settle(v, corrector.problem.admitted(v, state.active), target, state.secants)
     if active is None or np.abs(v - state.v).max() > farthest:
         return None
     if len(past) > 1 and np.abs(v - guess).max() > LIMITS.surprise * corrector.problem.unit:
         return None
-    stability = watch.look(corrector.problem, v, active, target, state, corrector.inverse)
-    return on_branch(corrector, state, target, v, active, stability.modes) if stability.rests else None
+    mode = judge.accept(corrector.problem, (target, v, active), state, corrector.inverse)
+    return on_branch(corrector, state, target, v, active, mode) if mode.rests else None
 
 
 class _Arc:
     """One increment followed by arc length."""
 
-    def __init__(self, corrector, watch, state, target):
-        self.corrector, self.problem, self.watch = corrector, corrector.problem, watch
+    def __init__(self, corrector, judge, state, target):
+        self.corrector, self.problem, self.judge = corrector, corrector.problem, judge
         self.state, self.target, self.unit = state, target, corrector.problem.unit
-        self.modes = state.modes
+        self.mode = state.mode
 
     def followed(self):
         """The State at the target, or the LimitPoint before it."""
@@ -141,7 +137,7 @@ class _Arc:
         weights = lagrange(arcs, arc)
         load = sum(weight * point[1] for weight, point in zip(weights, here, strict=True))
         v = combine(weights, [point[2] for point in here])
-        load = self.corrector.solve_on_arc(v, self.state.active, load, self.state.secants, LIMITS.arc_steps, chord, arc)
+        load = self.corrector.solve_on_arc(v, self.state.active, load, self.state.secants, chord, arc)
         return None if load is None else (load, v)
 
     def _two_points(self):
@@ -171,7 +167,7 @@ class _Arc:
             if load1 == fold:  # there the load goes with the square of the distance
                 part = 1.0 - np.sqrt(1.0 - part)
             v = v0 + part * (v1 - v0)
-            active = self.corrector.settle(v, state.active, target, state.secants, LIMITS.arc_steps)
+            active = self.corrector.settle(v, state.active, target, state.secants)
             chord, here = _on_chord(points)
             # beyond the newest point it may be a state past the fold, on the branch that does not rest
             if active is not None and dot(chord, v) <= here[0][0] + LIMITS.passed * (here[0][0] - here[1][0]):
@@ -182,66 +178,63 @@ class _Arc:
             points = [points[0], found, *points[1:3]] if found[0] < target else [found, *points[1:3]]
         else:
             return self._lost()
-        stability = self.watch.sure(self.problem, v, active, state.modes, None, self.corrector.inverse)
-        if not stability.rests:
-            ahead = self._just_beyond(points) if fold is None and stability.kind != "flutter" else None
+        mode = self.judge.rightmost(self.problem, v, active, state.mode, self.corrector.inverse)
+        if not mode.rests:
+            ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
             if ahead is not None and ahead[0] < points[0][0]:
                 return self._fold([ahead, *points])
-            return self._located(points[1], (target, v), stability)
-        found = on_branch(self.corrector, state, target, v, active, stability.modes)
+            return self._located(points[1], (target, v), mode)
+        found = on_branch(self.corrector, state, target, v, active, mode)
         return replace(found, past=[(target, v), *[p for p in points if p[0] < target][:3]])
 
     def _ended(self, points):
         """The LimitPoint between the last two points, if the newest does not rest; else None."""
-        load, v = points[0]
-        modes = replace(self.state, modes=self.modes)
-        stability = self.watch.look(self.problem, v, self.state.active, load, modes, self.corrector.inverse)
-        self.modes = stability.modes
-        if stability.rests:
+        (load, v), (before, w) = points[:2]
+        last = State(before, w, self.state.active, mode=self.mode)
+        self.mode = self.judge.accept(self.problem, (load, v, self.state.active), last, self.corrector.inverse)
+        if self.mode.rests:
             return None
-        if stability.kind == "flutter":
-            return self._located(points[1], points[0], stability)
+        if self.mode.kind == "flutter":
+            return self._located(points[1], points[0], self.mode)
         ahead = self._just_beyond(points)
         if ahead is None:
             return None
         if ahead[0] < points[0][0]:
             return self._fold([ahead, *points])
-        return self._located(points[1], points[0], stability)
+        return self._located(points[1], points[0], self.mode)
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""
         chord, here = _on_chord(points)
         return self._point_at(chord, here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]), here)
 
-    def _located(self, before, after, stability):
+    def _located(self, before, after, mode):
         """The LimitPoint between (load, v) that rests and one that does not: where the growth of its mode is zero."""
-        state, watch = self.state, self.watch
-        modes, secants = stability.modes, state.secants
-        inverse = self.corrector.inverse
+        state, inverse = self.state, self.corrector.inverse
         low, high, last = before, after, None
-        low_growth = watch.sure(self.problem, low[1], state.active, modes, secants, inverse).growth
+        low_growth = self.judge.rightmost(self.problem, low[1], state.active, mode, inverse).growth
         if not low_growth < 0.0:
             return replace(self._lost(), load=after[0])
-        high_growth = stability.growth
+        high_growth = mode.growth
         for _ in range(60):  # regula falsi
             if high[0] - low[0] <= LIMITS.sharpness * self.unit or high_growth - low_growth == 0.0:
                 break
             part = min(max(-low_growth / (high_growth - low_growth), 1e-3), 1.0 - 1e-3)
             load, v = low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1])
-            if not self.corrector.solve(v, state.active, load, secants, LIMITS.first_steps):
+            if not self.corrector.solve(v, state.active, load, state.secants):
                 break
-            found = watch.sure(self.problem, v, state.active, modes, secants, inverse)
-            modes, rests = found.modes, found.growth < 0.0
+            found = self.judge.rightmost(self.problem, v, state.active, mode, inverse)
+            rests = found.growth < 0.0
             if rests:
                 low, low_growth = (load, v), found.growth
                 high_growth *= 0.5 if last == rests else 1.0  # Illinois: an end that stays twice counts half
             else:
-                high, high_growth, stability = (load, v), found.growth, found
+                high, high_growth, mode = (load, v), found.growth, found
                 low_growth *= 0.5 if last == rests else 1.0
             last = rests
-        mode = stability.mode * np.copysign(1.0, dot(stability.mode, after[1] - before[1]))  # the way the state moves
-        away = mode * (LIMITS.start * self.unit / max(np.abs(mode).max(), 1e-300))
-        return LimitPoint(*high, state.active, away, stability.kind)
+        away = mode.x * np.copysign(1.0, dot(mode.x, after[1] - before[1]))  # the way the state moves
+        away *= LIMITS.start * self.unit / max(np.abs(away).max(), 1e-300)
+        return LimitPoint(*high, state.active, away, mode.kind)
 
     def _fold(self, points):
         """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""

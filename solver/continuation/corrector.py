@@ -16,9 +16,10 @@ from .inverse import Inverse
 class Limits:
     """Of the corrector; a "unit" is the problem's `unit`."""
 
-    memory: int = 40  # secant pairs; fewer: more evaluations for soft layers; more: steps cost more than they save
+    memory: int = 20  # secant pairs; 40 save 3 % of the evaluations, but each step's algebra takes twice as long
     longest: float = 0.15  # units, of any unknown in one step; longer steps land on other branches
     runaway: float = 1e3  # growth of the residual at which the steps have failed; on an arc, the residual in units
+    steps: int = 60  # Anderson steps, at most; 100 reached no more rests on 13 scenes of the slider box
     sharp_steps: int = 15  # with an inverse; 2 to 10 are needed where there is an equilibrium, else more do not help
     iterated: float = 0.3  # relative error of an inverse by iterations; secants do the rest, less would take longer
 
@@ -26,35 +27,79 @@ class Limits:
 LIMITS = Limits()
 
 
+@dataclass
+class Sharp:
+    """The tangent at an equilibrium (v, active) and the function close to the inverse of -dR/dv there."""
+
+    v: np.ndarray
+    active: np.ndarray
+    apply: object
+    formed: bool  # else by iterations, too slow for other uses
+
+    def at(self, v):
+        """Whether it is that of the equilibrium v."""
+        return self.v.shape == v.shape and bool((self.v == v).all())
+
+
 class Corrector:
     """Solves one problem; between calls it keeps the inverse at hand, and scratch."""
 
     def __init__(self, problem):
         self.problem = problem
-        self.smooth = None  # for the part of the residual that no secant pair knows: `Secants.move`
         self.worst = np.inf  # residual of the last solution
-        self._r = np.empty(problem.size)
-        self.sharp = None  # (v, active) of the tangent whose inverse is `smooth`, if it is one
+        self._smooth = None  # for the part of the residual that no secant pair knows: `Secants.move`
+        self._sharp = None  # the Sharp that `_smooth` is of, if any
+        self._known = None  # the Sharp formed last
         self._origin = None  # (v, active) of the equilibrium found last
-        self._iterated = None, None  # v, and the Inverse whose iterations solve with the tangent there
+        self._r = np.empty(problem.size)
 
     def secants(self):
         """Room for secant pairs of this problem."""
         return Secants(LIMITS.memory, self.problem.size)
 
     @property
-    def inverse(self):
-        """The inverse of a tangent nearby, for other uses, or None if there is none, or if it is but iterations."""
-        return self.smooth if self.sharp and self.sharp[0] is not self._iterated[0] else None
+    def sharp(self):
+        """(v, active) of the tangent whose inverse is in use, or None; of a State, so that `begin` takes it up again."""
+        return self._sharp and (self._sharp.v, self._sharp.active)
 
-    def settle(self, v, active, s, secants, most):
+    @property
+    def inverse(self):
+        """The formed inverse of a tangent nearby, for other uses, or None."""
+        return self._sharp.apply if self._sharp and self._sharp.formed else None
+
+    def begin(self, state):
+        """Prepare to go on from a State, with the inverse by which it was reached, if any."""
+        self._origin = state.v, state.active
+        self._use(*state.sharp) if state.sharp else self._soften()
+
+    def _soften(self):
+        self._sharp, self._smooth = None, self.problem.smoother(*self._origin)
+
+    def _use(self, v, active):
+        """Precondition with the inverse of the tangent at an equilibrium."""
+        if self._known is None or not self._known.at(v):
+            formed = self.problem.inverse(v, active)
+            self._known = Sharp(v, active, formed or self._iterations(v, active, LIMITS.iterated), formed is not None)
+        self._sharp, self._smooth = self._known, self._known.apply
+
+    def direction(self, state):
+        """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
+        return self._iterations(state.v, state.active)(self.problem.direction)
+
+    def _iterations(self, v, active, *accuracy):
+        """The inverse of -dR/dv by iterations."""
+        inverse = Inverse(self.problem.size)
+        inverse.of_tangent(self.problem.linearised(v, active).tangent, self.problem.smoother(v, active))
+        return lambda r: -inverse.solve(r, *accuracy)
+
+    def settle(self, v, active, s, secants):
         """Solve for v, in place, together with the set of active nodes; returns that set, or None if it fails.
 
         While nodes have crossed the edge of the window, the set is changed and the solve repeated. Each node may change
         once, so that this ends, even where becoming active pushes a node out again and no set is consistent.
         """
         settled = None
-        while self.solve(v, active, s, secants, most):
+        while self.solve(v, active, s, secants):
             again = self.problem.admitted(v, active, settled)
             if again is active:
                 return active
@@ -63,52 +108,32 @@ class Corrector:
             active = again
         return None
 
-    def solve(self, v, active, s, secants, most):
-        """Solve for v, in place, at fixed load, by at most so many Anderson steps; whether that succeeded."""
-        return self._solved(v, active, s, secants, most, self._anderson) is not None
+    def solve(self, v, active, s, secants):
+        """Solve for v, in place, at fixed load; whether that succeeded."""
+        return self._solved(v, active, s, secants, self._anderson) is not None
 
-    def begin(self, state):
-        """Prepare to go on from a State, with the inverse by which it was reached, if any."""
-        self.sharp, self._origin = state.sharp, (state.v, state.active)
-        self.smooth = self._inverse(*self.sharp) if self.sharp else self.problem.smoother(*self._origin)
+    def solve_on_arc(self, v, active, s, secants, chord, arc):
+        """The load s at which v, changed in place, is an equilibrium with <chord, v> = arc; None if that fails."""
+        return self._solved(v, active, s, secants, self._anderson_on_arc, chord, arc)
 
-    def direction(self, state):
-        """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
-        return -self._iterations(state.v, state.active).solve(self.problem.direction)
-
-    def _iterations(self, v, active):
-        tangent, smooth = self.problem.tangent(v, active), self.problem.smoother(v, active)
-        return Inverse(self.problem.size).of_tangent(tangent, smooth, None)
-
-    def _inverse(self, v, active):
-        """The inverse of -dR/dv at an equilibrium, or a function close to it."""
-        formed = self.problem.inverse(v, active)
-        if formed is not None:
-            return formed
-        if self._iterated[0] is not v:
-            self._iterated = v, self._iterations(v, active)
-        return lambda r: -self._iterated[1].solve(r, LIMITS.iterated)
-
-    def _solved(self, v, active, s, secants, most, method, *arc):
+    def _solved(self, v, active, s, secants, method, *arc):
         """The load at which v, changed in place by `method`, is an equilibrium, or None.
 
         Where the method fails, it is tried again with the inverse of the tangent at the equilibrium found last, unless
-        that was already in use.
+        that was already in use. Secant pairs of steps that led nowhere would mislead the next ones.
         """
-        guess, known = v.copy(), secants.copy()
+        guess = v.copy()
         self._origin = self._origin or (guess, active)
         while True:
-            found = method(v, active, s, secants, LIMITS.sharp_steps if self.sharp else most, *arc)
+            found = method(v, active, s, secants, LIMITS.sharp_steps if self._sharp else LIMITS.steps, *arc)
             if found is not None:
                 self._origin = v.copy(), active
                 return found
             v[:] = guess
-            secants.restore(known)
-            if self.sharp and self.sharp[0] is self._origin[0]:
-                return None
-            self.sharp, self.smooth = self._origin, self._inverse(*self._origin)
             secants.forget()
-            known = secants.copy()
+            if self._sharp and self._sharp.at(self._origin[0]):
+                return None
+            self._use(*self._origin)
 
     def _anderson(self, v, active, s, secants, most):
         problem, r = self.problem, self._r
@@ -119,15 +144,11 @@ class Corrector:
             if steps == most or not worst < LIMITS.runaway * max(first, bound):
                 return None
             v_before, r_before = v.copy(), r.copy()
-            advance(v, secants.move(r, self.smooth), bound)
+            advance(v, secants.move(r, self._smooth), bound)
             self.worst = worst = problem.residual(v, active, s, r)
             secants.push(v, r, v_before, r_before)
             steps += 1
         return s
-
-    def solve_on_arc(self, v, active, s, secants, most, chord, arc):
-        """The load s at which v, changed in place, is an equilibrium with <chord, v> = arc; None if that fails."""
-        return self._solved(v, active, s, secants, most, self._anderson_on_arc, chord, arc)
 
     def _anderson_on_arc(self, v, active, s, secants, most, chord, arc):
         problem, r, direction = self.problem, self._r, self.problem.direction
@@ -141,7 +162,7 @@ class Corrector:
                 return None
             v_before, r_before = v.copy(), r.copy()
             # v must change by correction + change * response when the load does by change: chosen to stay on the arc
-            correction, response = secants.move(r, self.smooth), secants.move(direction, self.smooth)
+            correction, response = secants.move(r, self._smooth), secants.move(direction, self._smooth)
             slope = dot(chord, response)
             change = (arc - dot(chord, v) - dot(chord, correction)) / slope if slope != 0.0 else 0.0
             change *= advance(v, correction + change * response, bound)

@@ -8,7 +8,7 @@ from .branch import LIMITS as BRANCH
 from .branch import continue_branch
 from .corrector import Corrector
 from .slip import motion_to_rest
-from .stability import Watch
+from .rest import Judge
 from .state import Increment, LimitPoint, NotConverged, Slip, State
 
 
@@ -32,7 +32,7 @@ class QuasiStatic:
     def __init__(self, problem, damping, closed):
         """damping: of the motion, over critical; closed: as of `motion.Motion`."""
         self.problem, self.damping, self.closed = problem, damping, closed
-        self.watch, self.corrector, self.film = Watch(damping), Corrector(problem), None
+        self.judge, self.corrector, self.film = Judge(damping), Corrector(problem), None
 
     def increment(self, state, target):
         """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
@@ -42,9 +42,9 @@ class QuasiStatic:
                 state = self._released(state)
             state.secants = state.secants or self.corrector.secants()
             self.corrector.begin(state)
-            found = continue_branch(self.corrector, self.watch, state, target)
+            found = continue_branch(self.corrector, self.judge, state, target)
             if isinstance(found, State):
-                hidden = self.problem.hides(found.v, found.active)
+                hidden = found.mode.hidden
                 if not (hidden or self.problem.crowded(found.v, found.active, target)):
                     return Increment(found, self.corrector.worst, tuple(slips))
                 state = replace(self._grown(state), unsure=hidden)
@@ -56,7 +56,7 @@ class QuasiStatic:
                 residual = f"residual {self.corrector.worst:.2g} nm"
                 raise NotConverged(f"more than {LIMITS.slips} slips in one increment, {residual}")
             state = landed
-            hidden = self.problem.hides(state.v, state.active)
+            hidden = state.mode.hidden
             arrived = state.load == target and not (hidden or self.problem.crowded(state.v, state.active, target))
             if state.load > target or arrived:
                 residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
@@ -64,12 +64,12 @@ class QuasiStatic:
 
     def _released(self, state):
         """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
-        stability = self.watch.sure(self.problem, state.v, state.active)
-        if stability.rests:
-            return replace(state, unsure=False)
-        away = self.problem.oriented(stability.mode)
+        mode = self.judge.accept(self.problem, (state.load, state.v, state.active))
+        if mode.rests:
+            return replace(state, unsure=False, mode=mode)
+        away = self.problem.oriented(mode.x)
         away *= BRANCH.start * self.problem.unit / np.abs(away).max()
-        return self._through(LimitPoint(state.load, state.v, state.active, away, stability.kind))
+        return self._through(LimitPoint(state.load, state.v, state.active, away, mode.kind))
 
     def _grown(self, state):
         """The same state in a problem of more unknowns, which takes the place of the present one."""
@@ -81,7 +81,7 @@ class QuasiStatic:
 
     def _through(self, end):
         """The State in which the motion from the end of a branch comes to rest."""
-        problem, state = motion_to_rest(self.problem, self.watch, self.damping, end, self.closed, self.film)
+        problem, state = motion_to_rest(self.problem, self.judge, self.damping, end, self.closed, self.film)
         if problem is not self.problem:
             self.problem, self.corrector = problem, Corrector(problem)
         return state

@@ -23,7 +23,6 @@ class Limits:
     same: float = 0.01  # units of the problem; states closer than that are the same, others are part of a site off
     begins: float = 1e-6  # nm by which a branch is taken to begin before its first state, lest rounding decide
     stencil: int = 6  # known states through which one in between is interpolated
-    steps: int = 60  # Anderson steps to solve from there, at most
     longest: int = 12  # sites, longest period that is looked for
 
 
@@ -162,7 +161,7 @@ class Replay:
         guess, before = problem.translated(v, shift), problem.evaluations
         v = guess.copy()
         secants = state.secants or self.stepper.corrector.secants()
-        active = self.stepper.corrector.settle(v, active, target, secants, LIMITS.steps)
+        active = self.stepper.corrector.settle(v, active, target, secants)
         if active is None or not self._same(np.abs(v - guess).max(), branch, load):
             return None
         if problem.evaluations > before + 1:  # interpolation did not meet the tolerance: the record takes the solution

@@ -1,4 +1,9 @@
-"""From the end of a branch to the next rest: the damped motion, finished by Anderson steps."""
+"""From the end of a branch to the next rest: the damped motion, finished by Anderson steps.
+
+A slip is a sequence of steps with names. `start` puts the surface just beyond the end of the branch; `step` moves it for
+a while; `look` examines where it is; `land` looks for the rest with Anderson steps, once the motion has nearly died
+down; `raise_load` goes on under a higher load where the motion does not rest; `check` gives up.
+"""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -12,38 +17,34 @@ from .state import NotConverged, Restless, State
 
 @dataclass(frozen=True)
 class Limits:
-    """Of a slip; a "unit" is the problem's `unit`, a "look" examines the state of the motion and adapts the steps."""
+    """Of a slip; a "unit" is the problem's `unit`."""
 
-    check: int = 8  # steps between two looks
+    steps: int = 8  # of the motion between two looks
     left: float = 0.2  # units from the end of the branch, within which the motion counts as starting
     slow: float = 3.0  # times longer steps while it is starting, as it grows slowly then
     # divisors of the steps, each tried where the one before diverged, as when surfaces clash. A motion in whole steps
     # that does not rest is tried again as well: a soft layer may swing for ever at one step and at no other. Not from a
     # flutter, where it often swings until the load has gone on
     finer: tuple = (1, 2, 4, 16)
-    crawl_least: float = 0.02  # units between two looks; in the overdamped limit steps double where a state moves less
-    crawl_most: float = 0.08  # units between two looks; they are halved where it moves more
-    crawl_longest: float = 256.0  # times as long as usual, at most
+    crawl: float = 0.08  # units between two looks; in the overdamped limit steps are halved where a state moves more,
+    # doubled where it moves a quarter of that, up to
+    crawl_longest: float = 256.0  # times as long as usual
     # units of residual and swing below which Anderson steps look for the rest, 0.3 times as much each time they fail;
     landing: float = 0.03  # from 0.1 on they reach other rests than the motion
     short: float = 1e-5  # units, the same while the motion is starting
     shortest: float = 0.08  # units; a rest closer to the end of the branch than that does not count as one
-    creeps: float = 0.5  # damping over critical, from which on a residual of `crept` landings will do at any swing
-    crept: float = 0.1  # see `creeps`
     drawn: float = 0.3  # units, farthest that Anderson steps may lead
-    landing_steps: int = 60  # Anderson steps, at most; 100 reached no more rests on 13 scenes of the slider box
     come_and_go: int = 10  # changes of a node at the edge of the window, after which it stays as it is
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
-    steps: int = 4000  # of a restless motion, at least
-    creep_steps: int = 40_000  # the same in the overdamped limit
-    # where a motion is restless, the load is raised in every look until it rests. Oscillations grow slowly where they
-    # begin: raised ten times as fast, the load went 0.3 nm too far; by more than `raise_most`, surfaces slide on and on
-    raise_share: float = 1e-2  # of the way that the load has gone since the end of the branch
-    raise_least: float = 1e-4  # units
-    raise_most: float = 1e-3  # units
+    least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
+    # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
+    # gone since the end of the branch. Oscillations grow slowly where they begin: ten times as fast, it went 0.3 nm too far
+    raised: float = 1e-2
+    raised_least: float = 1e-4  # units
+    raised_most: float = 1e-3  # units; by more, surfaces slide on and on
     farthest: float = 5.0  # units by which the load may be raised
-    # landings that fail in a row before a motion counts as one that never rests. A wave of E 10 and friction 2 rested
-    # after 139, others of the slider box after 59, a punch pulled off after 271; where waves drift, thousands fail
+    # landings that fail in a row before a motion counts as one that never rests: of motions that came to rest none
+    # failed more than 271 times (`tests/bench/rests.py`), where waves drift thousands do
     failures: int = 400
     budget: int = 300_000  # force evaluations of one motion
     diverged: float = 1e9  # units of displacement; or stiffness of the interaction over the closed one
@@ -57,7 +58,7 @@ class TooLong(Restless):
     """The motion diverged, or did not come to rest where it may in shorter steps."""
 
 
-def motion_to_rest(problem, watch, damping, end, closed, film=None):
+def motion_to_rest(problem, judge, damping, end, closed, film=None):
     """(problem, State) in which the motion from a LimitPoint comes to rest; raises NotConverged.
 
     The load is that of the LimitPoint or, if the motion does not rest there, the next at which it does. The problem is
@@ -67,7 +68,7 @@ def motion_to_rest(problem, watch, damping, end, closed, film=None):
     begun = len(film) if film is not None else 0
     for finer in LIMITS.finer:
         try:
-            return _with_steps(finer, problem, watch, damping, end, closed, film)
+            return _Passage(problem, judge, damping, end, closed, film, finer).to_rest()
         except TooLong as failure:
             last = failure
             if film is not None:
@@ -75,111 +76,166 @@ def motion_to_rest(problem, watch, damping, end, closed, film=None):
     raise last
 
 
-def _with_steps(finer, problem, watch, damping, end, closed, film):
-    """`motion_to_rest` with the usual steps divided by `finer`; raises TooLong where these may be too long."""
-    load, v, unit, end_v = end.load, end.v + end.away, problem.unit, end.v
-    end_active = end.active
-    if film is not None:
-        film.append((problem, end_v, end_active, load))
-    active = problem.active_of(v, load)
-    dynamics = problem.motion()
-    motion = motion_of(dynamics, dynamics.start(v, active, load), load, damping, closed)
-    changes, r = np.zeros(active.size, int), np.empty(problem.size)
-    landing, limit = LIMITS.landing * unit, problem.evaluations + LIMITS.budget
-    looks = failures = 0
-    short, elapsed, ahead = LIMITS.short * unit, 0.0, np.zeros(problem.size)  # ahead: the way since the last look
-    patience, least_steps, crawl, modes = 0.0, LIMITS.creep_steps, 1.0, None
-    if isfinite(damping):
-        least_steps = LIMITS.steps
-        patience = LIMITS.patience * 4.0 * np.pi / (dynamics.critical * min(1.0, damping))
-    while True:
-        starting = end.located and np.abs(v - end_v).max() < LIMITS.left * unit
-        # here, and about where the state will be at the next look, as surfaces that are about to clash stiffen
-        stiffness = max(dynamics.interface(v, active), dynamics.interface(v + ahead, active))
-        if not stiffness < LIMITS.diverged * closed:
-            raise TooLong("the motion diverges")
-        pace = LIMITS.slow if starting else 1.0
-        if not isfinite(damping):  # without inertia, steps may follow the speed
-            crawl = pace = _crawl_pace(crawl, np.abs(ahead).max() / unit)
-        motion.soften(stiffness, pace / finer)
-        if film is None:
-            motion.advance(active, LIMITS.check)
-        else:
-            _filmed(film, problem, motion, active, load)
-        looks, elapsed, before = looks + 1, elapsed + LIMITS.check * motion.time, v
-        v = dynamics.unknowns(motion.y)
-        if not np.abs(v).max() < LIMITS.diverged * unit:  # nan fails it too
-            raise TooLong("the motion diverges")
-        ahead = v - before
-        now = problem.active_of(v, load)
-        changed = now != active
-        if changed.any():
-            changes += changed
-            active = np.where(changes > LIMITS.come_and_go, active, now)
-            while problem.crowded(v, active, load):
-                _, end_v, end_active = problem.grown(end_v, end_active, load)
-                problem, v, active = problem.grown(v, active, load)
-                dynamics = motion.dynamics = problem.motion()
-                changes, r, ahead = np.zeros(active.size, int), np.empty(problem.size), np.zeros(problem.size)
-        worst = problem.residual(v, active, load, r)
-        small = short if starting else landing
-        if worst < small:
-            calm = damping >= LIMITS.creeps and worst < LIMITS.crept * small
-            if calm or np.abs(dynamics.displacement(motion.swing())).max() < small:
-                state, modes = _landed(problem, watch, v, active, load, modes)
-                if state is not None and not (end.located and np.abs(state.v - end_v).max() < LIMITS.shortest * unit):
-                    if film is not None:
-                        film.append((problem, state.v, state.active, load))
-                    return problem, state
-                failures += state is None
-                short, landing = (0.3 * short, landing) if starting else (short, 0.3 * landing)
-        returned = starting and worst <= problem.tolerance  # the branch goes on a little farther than thought
-        restless = elapsed > patience and looks * LIMITS.check > least_steps
-        if restless and finer == 1 and end.kind != "flutter":
-            raise TooLong("the motion does not come to rest")
-        if returned or restless:
-            share = LIMITS.raise_share * (load - end.load)
-            load += min(max(LIMITS.raise_least * unit, share), LIMITS.raise_most * unit)
-            landing = LIMITS.landing * unit
-            motion.drive(load)
-        if load > end.load + LIMITS.farthest * unit or failures > LIMITS.failures:
-            raise Restless(f"the surface does not come to rest: it flutters, residual {worst:.2g} nm")
-        if problem.evaluations > limit:
-            raise NotConverged(f"still moving, residual {worst:.2g} nm, after {LIMITS.budget} force evaluations")
+class Pace:
+    """Step control: how many times the usual steps are long, given how far (units) the state moved since last asked."""
+
+    def __init__(self, finer, overdamped):
+        self.finer, self.overdamped, self._crawl = finer, overdamped, 1.0
+
+    def next(self, moved, starting):
+        """The factor of the usual steps until the next look."""
+        if not self.overdamped:
+            return (LIMITS.slow if starting else 1.0) / self.finer
+        if moved > LIMITS.crawl:  # without inertia, steps may follow the speed
+            self._crawl = max(0.5 * self._crawl, 1.0)
+        elif 0.0 < moved < 0.25 * LIMITS.crawl:
+            self._crawl = min(2.0 * self._crawl, LIMITS.crawl_longest)
+        return self._crawl / self.finer
 
 
-def _filmed(film, problem, motion, active, load):
-    """Make the steps between two looks; a state far enough from the film's last one is added to it."""
-    for _ in range(LIMITS.check):
-        motion.advance(active, 1)
-        v, last = motion.dynamics.unknowns(motion.y), film[-1][1]
-        if v.size != last.size or np.abs(v - last).max() > LIMITS.filmed * problem.unit:
-            film.append((problem, v, active, load))
+class _Passage:
+    """One attempt to come to rest, in steps of the usual length over `finer`; raises TooLong where these may be too long.
 
-
-def _crawl_pace(pace, moved):
-    """How many times longer than usual the next steps may be, if at `pace` the state moved so many units."""
-    if moved == 0.0 or LIMITS.crawl_least <= moved <= LIMITS.crawl_most:
-        return pace
-    return min(2.0 * pace, LIMITS.crawl_longest) if moved < LIMITS.crawl_least else max(0.5 * pace, 1.0)
-
-
-def _landed(problem, watch, v, active, load, modes):
-    """(State that Anderson steps lead to from v, None if they fail, go too far or find no rest; the modes there).
-
-    modes: of the landing before, or None: while an oscillation goes on, that often led to the same state.
+    Attributes: where the motion is: problem, dynamics, motion, load, v, active; what the last look found: residual
+    `worst`, `ahead`, the way since the look before, and whether it is still `starting`.
     """
-    corrector = Corrector(problem)
-    corrector.begin(State.at_rest(load, v, active))
-    secants, rest = corrector.secants(), v.copy()
-    active = corrector.settle(rest, active, load, secants, LIMITS.landing_steps)
-    if active is None or np.abs(rest - v).max() > LIMITS.drawn * problem.unit:
-        return None, modes
-    if modes is not None and (modes.v.size != v.size or np.abs(rest - modes.v).max() > LIMITS.drawn * problem.unit):
-        modes = None
-    stability = watch.sure(problem, rest, active, modes, smooth=corrector.inverse)
-    if not stability.rests:
-        return None, stability.modes
-    state = State.at_rest(load, rest, active)
-    state.secants, state.sharp, state.modes = secants, corrector.sharp, stability.modes
-    return state, stability.modes
+
+    def __init__(self, problem, judge, damping, end, closed, film, finer):
+        self.judge, self.damping, self.end, self.closed, self.film = judge, damping, end, closed, film
+        self.unit, self.limit = problem.unit, problem.evaluations + LIMITS.budget
+        self.pace, self.mode = Pace(finer, not isfinite(damping)), None
+        self.start(problem)
+
+    def to_rest(self):
+        """(problem, State) of the rest."""
+        while True:
+            self.step()
+            self.look()
+            state = self.land()
+            if state is not None:
+                return self.problem, state
+            self.raise_load()
+            self.check()
+
+    def start(self, problem):
+        """From rest, just beyond the end of the branch."""
+        end = self.end
+        self.load, self.v, self.end_v, self.end_active = end.load, end.v + end.away, end.v, end.active
+        if self.film is not None:
+            self.film.append((problem, end.v, end.active, end.load))
+        self.active = problem.active_of(self.v, self.load)
+        self.dynamics = problem.motion()
+        y = self.dynamics.start(self.v, self.active, self.load)
+        self.motion = motion_of(self.dynamics, y, self.load, self.damping, self.closed)
+        self._of(problem)
+        self.landing, self.short = LIMITS.landing * self.unit, LIMITS.short * self.unit
+        self.starting, self.failures, self.steps, self.elapsed = end.located, 0, 0, 0.0
+
+    def _of(self, problem):
+        """Room for what is known of each unknown."""
+        self.problem, self.ahead = problem, np.zeros(problem.size)
+        self._changes, self._r = np.zeros(self.active.size, int), np.empty(problem.size)
+
+    def step(self):
+        """Some steps of the motion, adapted to the interaction here, and about where the state will be then."""
+        dynamics, motion = self.dynamics, self.motion
+        # as surfaces that are about to clash stiffen
+        stiffness = max(dynamics.interface(self.v, self.active), dynamics.interface(self.v + self.ahead, self.active))
+        if not stiffness < LIMITS.diverged * self.closed:
+            raise TooLong("the motion diverges")
+        motion.soften(stiffness, self.pace.next(np.abs(self.ahead).max() / self.unit, self.starting))
+        if self.film is None:
+            motion.advance(self.active, LIMITS.steps)
+        else:
+            self._filmed()
+        self.steps, self.elapsed = self.steps + LIMITS.steps, self.elapsed + LIMITS.steps * motion.time
+
+    def _filmed(self):
+        """The same, a step at a time; a state far enough from the film's last one is added to it."""
+        for _ in range(LIMITS.steps):
+            self.motion.advance(self.active, 1)
+            v, last = self.dynamics.unknowns(self.motion.y), self.film[-1][1]
+            if v.size != last.size or np.abs(v - last).max() > LIMITS.filmed * self.unit:
+                self.film.append((self.problem, v, self.active, self.load))
+
+    def look(self):
+        """Where the motion is; nodes that have come within the window, or left it, and more unknowns if need be."""
+        before, self.v = self.v, self.dynamics.unknowns(self.motion.y)
+        if not np.abs(self.v).max() < LIMITS.diverged * self.unit:  # nan fails it too
+            raise TooLong("the motion diverges")
+        self.ahead = self.v - before
+        now = self.problem.active_of(self.v, self.load)
+        changed = now != self.active
+        if changed.any():
+            self._changes += changed
+            self.active = np.where(self._changes > LIMITS.come_and_go, self.active, now)
+            self._grow()
+        self.worst = self.problem.residual(self.v, self.active, self.load, self._r)
+        self.starting = self.end.located and np.abs(self.v - self.end_v).max() < LIMITS.left * self.unit
+
+    def _grow(self):
+        """More unknowns while some are needed."""
+        while self.problem.crowded(self.v, self.active, self.load):
+            _, self.end_v, self.end_active = self.problem.grown(self.end_v, self.end_active, self.end.load)
+            problem, self.v, self.active = self.problem.grown(self.v, self.active, self.load)
+            self.dynamics = self.motion.dynamics = problem.motion()
+            self.mode = None
+            self._of(problem)
+
+    def land(self):
+        """The State in which Anderson steps come to rest from here; None if it is too early, or they fail."""
+        small = self.short if self.starting else self.landing
+        if not self.worst < small or not np.abs(self.dynamics.displacement(self.motion.swing())).max() < small:
+            return None
+        state = self._rest_near()
+        if state is not None:
+            if not (self.end.located and np.abs(state.v - self.end_v).max() < LIMITS.shortest * self.unit):
+                if self.film is not None:
+                    self.film.append((self.problem, state.v, state.active, self.load))
+                return state
+        self.failures += state is None
+        if self.starting:
+            self.short *= 0.3
+        else:
+            self.landing *= 0.3
+        return None
+
+    def _rest_near(self):
+        """The State that Anderson steps lead to; None if they fail, go too far or find no rest."""
+        corrector = Corrector(self.problem)
+        corrector.begin(State.at_rest(self.load, self.v, self.active))
+        secants, v = corrector.secants(), self.v.copy()
+        active = corrector.settle(v, self.active, self.load, secants)
+        if active is None or np.abs(v - self.v).max() > LIMITS.drawn * self.unit:
+            return None
+        # while an oscillation goes on, landings often lead to the same state
+        self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
+        if not self.mode.rests:
+            return None
+        return State(self.load, v, active, [(self.load, v)], secants, corrector.sharp, self.mode)
+
+    def raise_load(self):
+        """Go on under a higher load where the motion does not rest, or where the branch goes on farther than thought."""
+        returned = self.starting and self.worst <= self.problem.tolerance
+        if not returned and not self._restless():
+            return
+        if not returned and self.pace.finer == 1 and self.end.kind != "flutter":
+            raise TooLong("the motion does not come to rest")
+        share = LIMITS.raised * (self.load - self.end.load)
+        self.load += min(max(LIMITS.raised_least * self.unit, share), LIMITS.raised_most * self.unit)
+        self.landing = LIMITS.landing * self.unit
+        self.motion.drive(self.load)
+
+    def _restless(self):
+        """Whether the motion has gone on for so long that it may never rest."""
+        if not isfinite(self.damping):
+            return self.steps > 10 * LIMITS.least
+        period = 4.0 * np.pi / (self.dynamics.critical * min(1.0, self.damping))
+        return self.steps > LIMITS.least and self.elapsed > LIMITS.patience * period
+
+    def check(self):
+        """Raises Restless or NotConverged where going on makes no sense."""
+        if self.load > self.end.load + LIMITS.farthest * self.unit or self.failures > LIMITS.failures:
+            raise Restless(f"the surface does not come to rest: it flutters, residual {self.worst:.2g} nm")
+        if self.problem.evaluations > self.limit:
+            raise NotConverged(f"still moving, residual {self.worst:.2g} nm, after {LIMITS.budget} force evaluations")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .anderson import Secants
+from .rest import Mode
 
 
 class NotConverged(RuntimeError):
@@ -33,7 +34,7 @@ class State:
     past: list = field(default_factory=list)  # [(load, v)] on this branch, newest first, this one included
     secants: Secants | None = None
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
-    modes: object = None  # what `stability.Watch` knows of the modes that may grow
+    mode: Mode | None = None  # the one that grows fastest, as judged last
     unsure: bool = False  # it may be unstable, or no equilibrium at all, under the loading to come
     record: object = None  # what `replay.Replay` knows of the states before
 

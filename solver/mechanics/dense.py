@@ -4,51 +4,30 @@ Only the tractions of active nodes change; the displacements of the others follo
 of their number, each use the square; it pays where layers are soft: there iterations need a hundred products each.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numba import njit
 
-
-@dataclass(frozen=True)
-class Limits:
-    """Sizes at which methods change, by measured times."""
-
-    most: int = 1200  # active nodes; for more, iterative solves take less time than to form the inverse
-    leaf: int = 96  # rows; blocks up to that size are inverted faster by LAPACK than by halves
-
-
-LIMITS = Limits()
+MOST = 1200  # active nodes; for more, iterative solves take less time than to form the inverse
+LEAF = 96  # rows; blocks up to that size are inverted faster by LAPACK than by halves
 
 
 class DenseInverse:
-    """(-dR/dv)^-1 of an `equilibrium.Equilibrium` at one v."""
+    """(1 - C J)^-1 of a Contact displaced by u (2, m), nm. Raises numpy's LinAlgError where that is singular."""
 
-    def __init__(self, problem, v, active):
-        self._problem, self._held = problem, problem.pressure is not None
-        contact, self._nodes = problem.contact, np.flatnonzero(active)
-        self._tangents = contact.tangents(problem.surface(v), active)
-        k = self._nodes.size
-        matrix = np.zeros((2 * k + self._held,) * 2, np.float32)
+    def __init__(self, contact, u, active):
+        self._contact, self._nodes = contact, np.flatnonzero(active)
+        self._tangents = contact.tangents(u, active)
+        matrix = np.empty((2 * self._nodes.size,) * 2, np.float32)
         _fill(contact.modes.kernels, self._nodes, self._tangents, matrix)
-        if self._held:
-            matrix[k:-1, -1] = -1.0
-            matrix[-1, :-1] = -problem.top_compliance / contact.nodes * self._tangents[2:, self._nodes].reshape(-1)
         self._inverse = inverted(matrix)
         self._rows = np.concatenate([self._nodes, contact.size + self._nodes])
-        if self._held:
-            self._rows = np.append(self._rows, problem.size - 1)
 
     def __call__(self, r):
-        """The inverse times r (size,), a new array; counts as a force evaluation."""
-        m, contact = 2 * self._problem.nodes, self._problem.contact
+        """The inverse times r (2 m,), nm, a new array; counts as a force evaluation."""
         inside = (self._inverse @ r[self._rows].astype(np.float32)).astype(float)
         w = np.zeros(r.size)
         w[self._rows] = inside
-        out = r.copy()
-        out[:m] += contact.product(self._tangents, w[:m].reshape(2, -1))[0].reshape(-1)
-        if self._held:
-            out[m // 2 : m] += w[-1]
+        out = r + self._contact.product(self._tangents, w.reshape(2, -1))[0].reshape(-1)
         out[self._rows] = inside
         return out
 
@@ -56,7 +35,7 @@ class DenseInverse:
 def inverted(a):
     """a^-1 by halves, so that nearly all work is matrix products; overwrites a. Raises numpy's LinAlgError."""
     n = len(a)
-    if n <= LIMITS.leaf:
+    if n <= LEAF:
         return np.linalg.inv(a)
     k = n // 2
     first = inverted(a[:k, :k])

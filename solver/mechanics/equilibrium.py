@@ -1,12 +1,7 @@
-"""The contact as a problem R(v; s) = 0, under the contract of `continuation.problem`.
+"""The contact as a problem R(v; s) = 0 at given height of the top, under the contract of `continuation.problem`.
 
-Unknowns: the displacement of the patch, v[:2 m] = (u_x, u_z), nm; under a held load also the height U_z of the top, the
-last of 2 m + 1. Residual: R = U(s) + C T(u) - u, nm; for the top, `top_compliance` times (p - p_0), with p the mean of
-T_z over the cell and p_0 the one held. That compliance merely turns a pressure into nm: the uniform mode's, or
-delta_n^2/phi_n if that is more.
-
-A held load is a dead weight: the top has no mass and bears no other force, so that the layer always carries p_0. In the
-motion (`Surface`) the uniform normal mode then has no stiffness, and p_0 acts on it as a force.
+Unknowns: the displacement of the patch, v = (u_x, u_z), nm. Residual: R = U(s) + C T(u) - u, nm. Under a held load
+`load_control` wraps this problem.
 """
 
 from functools import lru_cache
@@ -15,38 +10,27 @@ from math import ceil, log2
 import numpy as np
 from numba import njit
 
-from ..continuation.state import PulledOff
-from . import cohesive_law
-from .dense import LIMITS as DENSE
-from .dense import DenseInverse
-from .disturbance import Disturbances, UniformDisturbance, uniform_growth
-from .layer import transforms
+from .dense import MOST, DenseInverse
+from .linearised import Linearised
+from .surface import Surface
 
-UNSTABLE = 1e-6  # growth, 1/time, from which on a wave that one node for all cannot show counts as growing
 STIFF = 50.0  # interface stiffness over that of the softest wave on the patch, from which on residuals are smoothed
 
 
 class Equilibrium:
-    """The Contact driven along a Loading: at given height of the top, or at the mean normal traction `pressure`."""
+    """The Contact driven along a Loading."""
 
-    def __init__(self, contact, loading, pressure=None):
+    def __init__(self, contact, loading):
         scene = contact.scene
-        self.contact, self.loading, self.pressure = contact, loading, pressure
+        self.contact, self.loading = contact, loading
         self.unit, self.tolerance = min(scene.delta_n, scene.delta_t), scene.tolerance
         self.nodes = contact.size  # m
-        self.size = 2 * self.nodes + (pressure is not None)
-        self.direction = np.zeros(self.size)
-        self.direction[: self.nodes] = loading.direction[0]
-        if pressure is None:
-            self.direction[self.nodes :] = loading.direction[1]
-        self._along = np.zeros(self.size)
-        self._along[: self.nodes] = loading.direction[0]
-        self.top_compliance = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)
+        self.size, self.place = 2 * self.nodes, (contact.first, contact.size)
+        self.direction = np.repeat(np.array(loading.direction, float), self.nodes)
         mode = min(max(1, round(scene.nodes / self.nodes)), scene.nodes // 2)
         self._stiff = STIFF / float(contact.modes.compliance[1, mode])
         self._smoother = lru_cache(maxsize=8)(self._new_smoother)
-        self._surface, self._inverse = None, (None, None)
-        self.place = contact.first, contact.size
+        self._surface = None
 
     @property
     def evaluations(self):
@@ -54,46 +38,32 @@ class Equilibrium:
 
     def surface(self, v):
         """u (2, m) nm, a view of v."""
-        return v[: 2 * self.nodes].reshape(2, self.nodes)
+        return v.reshape(2, self.nodes)
 
     def top(self, v, s):
         """(U_x, U_z) of the top at load s, nm."""
-        U_x, U_z = self.loading.at(s)
-        return (U_x, U_z) if self.pressure is None else (U_x, float(v[-1]))
-
-    def unknowns(self, u, U_z):
-        """v of a surface u (2, m) under a top at U_z, nm; a new array."""
-        return np.append(u.ravel(), () if self.pressure is None else U_z)
+        return self.loading.at(s)
 
     def undeformed(self, s):
         """The unknowns of a layer that nothing acts on."""
-        top = self.loading.at(s)
-        return self.unknowns(np.repeat(np.array(top)[:, None], self.nodes, axis=1), top[1])
+        return np.repeat(np.array(self.loading.at(s)), self.nodes)
 
     def residual(self, v, active, s, out):
         """Fill out (size,) with R, nm; returns its largest magnitude."""
-        u, (U_x, U_z) = self.surface(v), self.top(v, s)
-        response = self.contact.response(u, active)
-        worst = _residual(u, response, U_x, U_z, out)
-        if self.pressure is not None:
-            out[-1] = self.top_compliance * (self.contact.pressure(self.contact.last_traction) - self.pressure)
-            worst = max(worst, abs(out[-1]))
-        return worst
+        return self.residual_under(v, active, self.loading.at(s), out)
+
+    def residual_under(self, v, active, top, out):
+        """The same under a top displaced by (U_x, U_z), nm."""
+        u = self.surface(v)
+        return _residual(u, self.contact.response(u, active), *top, out)
 
     def traction(self, v, active):
         """T (2, m), GPa; a new array."""
         return self.contact.traction(self.surface(v), active)
 
     def active_of(self, v, s):
-        """Nodes within the interaction window; raises PulledOff if there are none and a tensile load is held."""
-        active = self.contact.within_window(self.surface(v))
-        if self.pressure is not None and self.pressure < 0.0 and not active.any():
-            raise PulledOff(
-                f"The contact has pulled off at U_x = {round(self.loading.at(s)[0], 6) + 0.0:g} nm: the motion that"
-                f" began there under the held load L_bar = {self.pressure / self.contact.scene.E:.4g} led away from the"
-                " surface; hold delta instead, or press harder"
-            )
-        return active
+        """Nodes within the interaction window, bool (m,)."""
+        return self.contact.within_window(self.surface(v))
 
     def admitted(self, v, active, settled=None):
         """As `Contact.admitted`."""
@@ -106,47 +76,21 @@ class Equilibrium:
         return self._smoother(ceil(log2(0.5 * stiffness))) if stiffness > self._stiff else None
 
     def _new_smoother(self, power):
-        shifted, m = self.contact.shifted(2.0**power), 2 * self.nodes
+        shifted = self.contact.shifted(2.0**power)
 
         def smooth(r):
-            smoothed = r.copy()
-            shifted.field[:] = r[:m].reshape(2, -1)
+            shifted.field[:] = r.reshape(2, -1)
             shifted.apply()
-            smoothed[:m] = shifted.product.reshape(-1)
-            return smoothed
+            return shifted.product.reshape(-1).copy()
 
         return smooth
 
-    def tangent(self, v, active):
-        """The function w -> dR/dv w, (size,) nm each; its products count as force evaluations."""
-        contact, m = self.contact, 2 * self.nodes
-        tangents = contact.tangents(self.surface(v), active)
-
-        def product(w):
-            response, traction = contact.product(tangents, w[:m].reshape(2, -1))
-            out = np.append(response, 0.0) if self.pressure is not None else response.reshape(-1).copy()
-            out[:m] -= w[:m]
-            if self.pressure is not None:
-                out[self.nodes : m] += w[-1]
-                out[-1] = self.top_compliance * contact.pressure(traction)
-            return out
-
-        return product
-
     def inverse(self, v, active):
-        """The DenseInverse, or None where it is singular or takes longer than iterations.
-
-        That at the last v is kept: v must not be changed later.
-        """
-        if self._inverse[0] is not v:
-            self._inverse = v, self._new_inverse(v, active)
-        return self._inverse[1]
-
-    def _new_inverse(self, v, active):
-        if self.contact.uniform or not 0 < active.sum() <= DENSE.most:
+        """The DenseInverse, or None where it is singular or takes longer than iterations."""
+        if self.contact.uniform or not 0 < active.sum() <= MOST:
             return None
         try:
-            return DenseInverse(self, v, active)
+            return DenseInverse(self.contact, self.surface(v), active)
         except np.linalg.LinAlgError:
             return None
 
@@ -156,142 +100,46 @@ class Equilibrium:
 
     def translated(self, v, distance):
         """The same state moved on along x by a distance (nm), a whole number of sites; a new array."""
-        return v + distance * self._along
+        return v + distance * self.direction
 
     def crowded(self, v, active, s):
         """Whether a node outside the patch may interact."""
-        return self.contact.crowded(active) or self.contact.overlooked(self.surface(v), active, self.top(v, s)[1])
+        return self.crowded_under(v, active, self.loading.at(s)[1])
 
-    def hides(self, v, active):
-        """Whether waves grow that one node for all cannot show (as in the adhesive instability of a flat)."""
-        if not self.contact.uniform or not active.any():
-            return False
-        return uniform_growth(self, v, active, self.contact.scene.damping)[1] > UNSTABLE
+    def crowded_under(self, v, active, height):
+        """The same under a top at U_z = height, nm."""
+        return self.contact.crowded(active) or self.contact.overlooked(self.surface(v), active, height)
 
     def grown(self, v, active, s):
         """(the problem on a wider patch, v, active there); new nodes are displaced by the tractions of the old ones.
 
         From one node for all: the problem of all nodes.
         """
-        contact, (U_x, U_z) = self.contact, self.top(v, s)
-        wide = Equilibrium(contact.wider(), self.loading, self.pressure)
+        return self.grown_under(v, active, self.loading.at(s))
+
+    def grown_under(self, v, active, top):
+        """The same under a top displaced by (U_x, U_z), nm."""
+        contact, wide = self.contact, Equilibrium(self.contact.wider(), self.loading)
         if contact.uniform:
-            u = np.repeat(self.surface(v), wide.nodes, axis=1)
-            return wide, wide.unknowns(u, U_z), np.repeat(active, wide.nodes)
-        u = contact.whole(self.traction(v, active)) + np.array([[U_x], [U_z]])
+            return wide, np.repeat(v, wide.nodes), np.repeat(active, wide.nodes)
+        u = contact.whole(self.traction(v, active)) + np.array(top)[:, None]
         part = slice(wide.contact.first, wide.contact.first + wide.nodes)
         inner = slice(contact.first - wide.contact.first, contact.first - wide.contact.first + self.nodes)
         u = u[:, part].copy()
         u[:, inner] = self.surface(v)
         wide_active = np.zeros(wide.nodes, bool)
         wide_active[inner] = active
-        return wide, wide.unknowns(u, U_z), wide_active
+        return wide, u.reshape(-1), wide_active
+
+    def linearised(self, v, active):
+        """The Linearised at an equilibrium."""
+        return Linearised(self.motion(), v, active)
 
     def motion(self):
         """The Surface, whose rests are the equilibria of this problem."""
         if self._surface is None:
             self._surface = Surface(self)
         return self._surface
-
-
-class Surface:
-    """The Dynamics of the whole surface: y (2, modes), the Fourier coefficients of u, of unit mass (paper section 2.1).
-
-    Attributes: stiffness (3, modes) GPa/nm in rows xx, zz, c, as of `layer.Modes`, but zero for the uniform normal mode
-    under a held load; critical: 2 sqrt(k_min), the friction that is critical for the slowest mode of the layer.
-    """
-
-    def __init__(self, problem):
-        self.problem, contact = problem, problem.contact
-        modes, self._uniform = contact.modes, contact.uniform
-        last = 1 if self._uniform else None
-        k_xx, k_zz, k_c = modes.stiffness
-        least = 0.5 * (k_xx + k_zz) - np.hypot(0.5 * (k_xx - k_zz), k_c)
-        self.critical = 2.0 * float(np.sqrt(least.min()))
-        self.stiffness = modes.stiffness[:, :last].copy()
-        self.compliance = modes.compliance[:, :last]
-        self._count = 1 if self._uniform else contact.nodes
-        self.even = self._count % 2 == 0
-        self._disturbances = None
-        if problem.pressure is not None:
-            self.stiffness[1, 0] = 0.0
-        if not self._uniform:
-            self._traction, self._u, self._spectrum, self._forward, self._backward = transforms(self._count)
-            self._patch = slice(contact.first, contact.first + contact.size)
-
-    def top(self, s):
-        """U as the uniform mode of y, complex (2,)."""
-        return np.array(self.problem.loading.at(s), complex) * self._count
-
-    def disturbance(self, v, active):
-        """The Maps of small disturbances at an equilibrium; those given before are no longer valid."""
-        if self._uniform:
-            return UniformDisturbance(self, v, active)
-        if self._disturbances is None:
-            self._disturbances = Disturbances(self)
-        return self._disturbances.at(v, active)
-
-    def start(self, v, active, s):
-        """y of the surface at rest in v, complex (2, modes); outside the patch it follows from the traction inside."""
-        problem = self.problem
-        T, (U_x, U_z) = problem.traction(v, active), problem.top(v, s)
-        if self._uniform:
-            return problem.surface(v).astype(complex)
-        self._traction[:] = 0.0
-        self._traction[:, self._patch] = T
-        self._forward()
-        y = problem.contact.modes.displacement(self._spectrum)
-        y[0, 0] += U_x * self._count
-        y[1, 0] += U_z * self._count
-        # v is not quite an equilibrium: the patch is put where v has it, not where its traction would
-        # put it, as a tenth of that difference may decide which rest the motion reaches
-        self._traction[:, self._patch] = problem.surface(v) - self.displacement(y)
-        self._forward()
-        return y + self._spectrum
-
-    def displacement(self, y):
-        """u (2, m) on the patch, nm; a buffer."""
-        if self._uniform:
-            return np.ascontiguousarray(y.real)
-        self._spectrum[:] = y
-        self._backward()
-        self._u *= 1.0 / self._count
-        return self._u[:, self._patch]
-
-    def unknowns(self, y):
-        """v of y; under a held load the top is where the layer carries that load."""
-        problem = self.problem
-        height = float(y[1, 0].real) / self._count
-        if problem.pressure is not None:
-            height -= float(self.compliance[1, 0]) * problem.pressure
-        return problem.unknowns(self.displacement(y), height)
-
-    def force(self, y, active):
-        """T in the coordinates y, less a held load; complex (2, modes), a buffer; counts as a force evaluation."""
-        contact = self.problem.contact
-        contact.count()
-        u = self.displacement(y)
-        if self._uniform:
-            spectrum = contact.traction(u, active).astype(complex)
-        else:
-            field = self._traction[:, self._patch]
-            cohesive_law.tractions(u, contact.profile, active, contact.law, contact.work, field, contact.size)
-            self._forward()
-            spectrum = self._spectrum
-        if self.problem.pressure is not None:
-            spectrum[1, 0] -= self.problem.pressure * self._count
-        return spectrum
-
-    def interface(self, v, active):
-        """The largest stiffness of the interface in v, GPa/nm: a bound on dT/du by row sums."""
-        t = np.abs(self.problem.contact.tangents(self.problem.surface(v), active))
-        return float(max((t[0] + t[1]).max(), (t[2] + t[3]).max()))
-
-
-def closed_stiffness(scene):
-    """Stiffness of a node in registry and in touch, the larger of both directions, GPa/nm."""
-    tangent = cohesive_law.tangent(scene, 0.0, 0.0)
-    return float(max(-tangent[0], -tangent[3]))
 
 
 @njit(cache=True, nogil=True)

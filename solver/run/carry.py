@@ -8,6 +8,7 @@ import numpy as np
 from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
+from ..mechanics.load_control import LoadControl
 from ..scene import SURFACES, SceneError
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
@@ -50,8 +51,9 @@ def carry_on(checkpoint, scene, changed):
 
 
 def _problem(scene, checkpoint, step):
-    """The Equilibrium that the state of a checkpoint solves."""
-    return Equilibrium(Contact(scene, *checkpoint.patch), step.loading, checkpoint.pressure if step.held else None)
+    """The problem that the state of a checkpoint solves."""
+    problem = Equilibrium(Contact(scene, *checkpoint.patch), step.loading)
+    return LoadControl(problem, checkpoint.pressure) if step.held else problem
 
 
 def _refuse(scene, changed):

@@ -11,7 +11,9 @@ from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
 from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
 from ..mechanics.contact import Contact, patch
-from ..mechanics.equilibrium import Equilibrium, closed_stiffness
+from ..mechanics.equilibrium import Equilibrium
+from ..mechanics.load_control import LoadControl
+from ..mechanics.surface import closed_stiffness
 from .frame import SlipEvent, contact_area, forces, frame_of, on_nodes
 from .load_steps import HIGHEST, load_steps_of, stretched
 from .shortcuts import ALL
@@ -125,9 +127,10 @@ class Run:
         place = step, checkpoint.patch, checkpoint.pressure
         if self._place == place:
             return self._stepper
-        scene, held = self.scene, checkpoint.pressure if step.held else None
-        contact = self._contact_of(checkpoint.patch)
-        problem = Equilibrium(contact, step.loading, held)
+        scene = self.scene
+        problem = Equilibrium(self._contact_of(checkpoint.patch), step.loading)
+        if step.held:
+            problem = LoadControl(problem, checkpoint.pressure)
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene))
         if self.film is not None:
             stepper.film = self.film
@@ -189,6 +192,6 @@ def _turned(problem, state, was_held, following):
     """The State at the end of a step as the first of the following LoadStep: another load, no past along it."""
     v, load = state.v, following.at(0)
     if was_held == following.held:
-        return State(load, v, state.active, [(load, v)], state.secants, modes=state.modes)
+        return State(load, v, state.active, [(load, v)], state.secants, mode=state.mode)
     v = np.append(problem.surface(v).ravel(), problem.top(v, state.load)[1] if following.held else ())
     return State(load, v, state.active, [(load, v)], unsure=following.held)

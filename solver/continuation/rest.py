@@ -1,0 +1,247 @@
+"""Whether an equilibrium is a rest of the motion: the only judge of that.
+
+A disturbance x exp(lambda t) of an equilibrium obeys (J - K) x = mu x with lambda^2 + gamma lambda = mu. It may grow as
+
+fold     a real mu passes zero, and with it an eigenvalue of the equilibrium's tangent dR/dv;
+flutter  on its way to zero that mu meets the mu of a long wave of the layer, |mu| a few k_min: both turn complex.
+
+Both have the mu nearest to zero. It is sought by Rayleigh-Ritz in a space of disturbances of the whole surface, which
+is extended by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). What is found is
+carried from state to state. Waves of the contact, with mu far from zero, may flutter where damping is weaker than the
+local criterion says to be safe; small problems and flats are judged by all their mu, others carry that damping along.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .inverse import Inverse, Space
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Growths over gamma (over k_min in the overdamped limit), |mu| over k_min, unless said otherwise."""
+
+    unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest: round-off of flats makes 1e-8
+    dense: int = 32  # size of a disturbance up to which all its mu are computed: that takes no longer
+    dense_waves: int = 256  # the same where waves may flutter: 0.1 s
+    radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
+    kept: int = 4  # vectors carried to the next state: two complex pairs
+    fine: float = 1e-8  # error of a growth where an end is located
+    coarse: float = 1e-3  # error of a growth where a state is accepted
+    clear: float = 0.25  # a growth below minus that need not be known better
+    sure: float = 4.0  # errors by which a growth must differ from zero to be told from it
+    others: int = 3  # vectors of no known symmetry that an exact look begins with; with one a mode was missed
+    most: int = 60  # vectors that a look may add to the space
+    # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no unknown has moved
+    # farther since the last look, in units of the problem, and tractions change no faster with the load, times as fast:
+    # towards a fold at a distance d in load they change as d^-1/2
+    far: float = 0.5
+    faster: float = 1.15
+    skewer: float = 0.1  # change of J_xz - J_zx over its largest, from which on the safe damping is estimated anew
+
+
+LIMITS = Limits()
+
+
+@dataclass(frozen=True)
+class Mode:
+    """The disturbance of an equilibrium that grows fastest, its unknowns x (size,), and what the next look goes on from.
+
+    growth, 1/time; mu, GPa/nm. hidden: a wave grows that one node for all cannot show.
+    """
+
+    growth: float
+    mu: complex
+    x: np.ndarray | None
+    hidden: bool = False
+    safe_damping: float = 0.0  # over critical: above it no wave can flutter; 0 where all mu are known
+    skew: np.ndarray | None = None  # J_xz - J_zx (m,) where that was estimated
+    basis: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
+    v: np.ndarray | None = None  # (size,) where it was looked for, and
+    pace: float = 0.0  # how fast tractions changed with the load there, GPa/nm
+
+    @property
+    def rests(self):
+        return self.growth <= LIMITS.unstable
+
+    @property
+    def kind(self):
+        """What it is the onset of, as of `state.LimitPoint`, unless the load has a maximum there."""
+        return "flutter" if abs(self.mu.imag) > 1e-9 * abs(self.mu) else "bifurcation"
+
+
+class Judge:
+    """Judges the states of a run, under a motion of that damping over critical; holds scratch, and nothing else."""
+
+    def __init__(self, damping):
+        self.damping, self._scratch = damping, None
+
+    def accept(self, problem, point, before=None, smooth=None):
+        """The Mode at a `point` (load, v, active) that may become a frame: that of the State before, or one looked for.
+
+        smooth: a function close to the inverse of -dR/dv, if one is at hand.
+        """
+        load, v, active = point
+        here, known = problem.linearised(v, active), before and before.mode
+        if not _continues(known, here):
+            return self._looked(problem, here, v, active, None, smooth, fine=True)
+        pace = here.pace(v - before.v) / max(abs(load - before.load), 1e-300)
+        calm = known.growth < -LIMITS.clear * self._scale(problem) and pace < LIMITS.faster * known.pace
+        if calm and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
+            return replace(known, **self._safety(here, known))
+        return replace(self._looked(problem, here, v, active, known, smooth, fine=False), pace=pace)
+
+    def rightmost(self, problem, v, active, known=None, smooth=None):
+        """The Mode of an equilibrium, to `fine`; arguments as in `accept`."""
+        return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
+
+    def _scale(self, problem):
+        """gamma, or k_min where gamma is infinite: what growths are compared with."""
+        critical = problem.motion().critical
+        return self.damping * critical if np.isfinite(self.damping) else 0.25 * critical**2
+
+    def _safety(self, here, known):
+        """{safe_damping, skew}: those of `known` while J_xz - J_zx has hardly changed."""
+        skew, before = here.skew, None if known is None else known.skew
+        if before is not None and before.shape == skew.shape:
+            if np.abs(skew - before).max() <= LIMITS.skewer * np.abs(before).max():
+                return {"safe_damping": known.safe_damping, "skew": before}
+        return {"safe_damping": here.safe_damping(), "skew": skew}
+
+    def _looked(self, problem, here, v, active, known, smooth, fine):
+        critical = problem.motion().critical
+        friction = self.damping * critical
+        waves = here.waves()
+        if waves is not None:
+            return _of_waves(here, waves, friction)
+        if here.size <= LIMITS.dense:
+            return _dense(here, friction)
+        safety = self._safety(here, known)
+        if self.damping < safety["safe_damping"] and here.size <= LIMITS.dense_waves:
+            return _dense(here, friction)
+        space, inverse = self._emptied(problem, here, v, active, smooth)
+        start = known.basis if _continues(known, here) else ()
+        radius, scale = LIMITS.radius * 0.25 * critical**2, self._scale(problem)
+        growth, mu, x, basis = _near_zero(here, inverse, friction, radius, scale, start, fine, space)
+        return Mode(growth, mu, here.seen(x), basis=basis, v=v, **safety)
+
+    def _emptied(self, problem, here, v, active, smooth):
+        """An empty Space and Inverse for this equilibrium, in memory used again."""
+        sizes = here.size, problem.size
+        if self._scratch is None or self._scratch[0] != sizes:
+            room = LIMITS.kept + LIMITS.others + LIMITS.most + 4
+            self._scratch = sizes, Space(here.size, room), Inverse(problem.size)
+        _, space, inverse = self._scratch
+        return space.emptied(here), inverse.of_tangent(here.tangent, smooth or problem.smoother(v, active))
+
+
+def rate(mu, friction):
+    """The larger Re(lambda) of lambda^2 + gamma lambda = mu; Re(mu) for infinite gamma."""
+    mu = np.asarray(mu, complex)
+    return mu.real if np.isinf(friction) else np.sqrt(friction**2 / 4.0 + mu).real - friction / 2.0
+
+
+def inside(mu, friction):
+    """Distance, to first order, of mu from the parabola Im^2 = -friction^2 Re within which modes decay, GPa/nm."""
+    depth = -mu.real
+    if np.isinf(friction):
+        return depth
+    steepness = friction * np.sqrt(friction**2 + 4.0 * np.maximum(depth, 0.0))
+    return (friction**2 * depth - mu.imag**2) / steepness
+
+
+def _continues(known, here):
+    """Whether what is carried fits this equilibrium."""
+    return known is not None and known.basis is not None and known.skew.shape == here.skew.shape
+
+
+def _largest_phase(x):
+    """The real part of an eigenvector, turned to the phase in which it is largest."""
+    return (x * np.exp(-0.5j * np.angle((x * x).sum()))).real
+
+
+def _dense(here, friction):
+    """The Mode among all of them."""
+    values, vectors = np.linalg.eig(np.array([here.product(e) for e in np.eye(here.size)]).T)
+    rates = rate(values, friction)
+    i = int(np.argmax(rates))
+    return Mode(float(rates[i]), complex(values[i]), here.seen(_largest_phase(vectors[:, i])))
+
+
+def _of_waves(here, mu, friction):
+    """The Mode where every mode is a wave, mu (2, waves): the fastest that can be shown."""
+    rates = rate(mu, friction)
+    order = np.argsort(-rates, axis=None)[:: 1]
+    fastest = np.unravel_index(order[0], mu.shape)
+    x, hidden = here.wave(fastest[1], mu[fastest]), False
+    if x is None:
+        hidden = bool(rates[fastest] > LIMITS.unstable)
+        fastest = int(np.argmax(rates[:, 0])), 0
+        x = here.wave(0, mu[fastest])
+    return Mode(float(rates[fastest]), complex(mu[fastest]), here.seen(_largest_phase(x)), hidden)
+
+
+def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
+    """(growth, mu, x, basis (k, size) to go on from) of the fastest mode with |mu| < radius, GPa/nm.
+
+    start: vectors to begin with; scale: of growths; space: an empty Space. Unless `fine`, the search ends once it is
+    told whether a mode lies outside the parabola.
+    """
+    for x in start:
+        space.add(x)
+    other = np.random.default_rng(1).normal(size=here.size)  # else modes of another symmetry would be missed
+    for _ in range(LIMITS.others if fine else 1):
+        other = here.inverse(inverse.solve, other)
+        space.add(other)
+    most = space.rows + LIMITS.most
+    while True:
+        values, vectors, strange = _ritz_pairs(space, radius)
+        depth, rates = inside(values, friction), rate(values, friction)
+        residuals = space.residuals(vectors, values)
+        miss = np.sqrt((np.abs(residuals) ** 2).sum(axis=1))
+        i = int(np.argmax(rates - 1e-9 * np.abs(values)))
+        growth, error = float(rates[i]), _error(miss[i], values[i], friction)
+        doubt = miss / np.maximum(depth, 1e-300) * (LIMITS.sure if strange else 1.0)
+        worst = int(np.argmax(doubt))
+        told = doubt[worst] < 1.0 or growth > LIMITS.sure * error
+        clear = doubt[worst] < 1.0 and growth < -LIMITS.clear * scale
+        rows = space.rows
+        if clear or error < LIMITS.fine * scale or (told and not fine):
+            break
+        aims = {i} if doubt[worst] < 1.0 or depth[i] <= 0.0 else {worst, i} if fine else {worst}
+        for aim in aims:
+            for part in _parts(residuals[aim]):
+                space.add(here.inverse(inverse.solve, part))
+        if not rows < space.rows < most:
+            break
+    if growth > 0.0 and error > LIMITS.coarse * scale:
+        growth -= 2.0 * error  # so that what is called unstable is
+    parts = [part for k in np.argsort(depth) for part in _parts(vectors[:, k])][: LIMITS.kept]
+    known = space.vectors[: len(vectors)]
+    basis = np.linalg.qr(np.array(parts).T)[0].T @ known
+    return growth, complex(values[i]), _largest_phase(vectors[:, i] @ known), basis
+
+
+def _ritz_pairs(space, radius):
+    """(values, vectors, strange) with |mu| < radius or Re mu > 0, one of each complex pair; strange: there is none."""
+    values, vectors = np.linalg.eig(space.matrix)
+    size = np.abs(values)
+    near = (size < radius) | (values.real > 0.0)
+    strange = not near.any()  # contact is stiff everywhere, or the space is out of date: then the smallest
+    if strange:
+        near = size <= size.min()
+    near &= values.imag >= 0.0
+    return values[near], vectors[:, near], strange
+
+
+def _error(miss, mu, friction):
+    """Error of the growth at a Ritz value mu whose unit vector has a residual of length `miss`."""
+    if np.isinf(friction):
+        return miss
+    return min(miss / max(abs(np.sqrt(friction**2 + 4.0 * complex(mu))), 1e-300), miss**0.5)
+
+
+def _parts(x):
+    """(real part, imaginary part) of x; the latter only if it is not round-off."""
+    return (x.real, x.imag) if np.iscomplexobj(x) and np.abs(x.imag).max() > 1e-10 * np.abs(x).max() else (x.real,)

@@ -1,0 +1,122 @@
+"""An equilibrium linearised: J = dT/du, the layer K, their difference, and the tangent dR/dv of the problem.
+
+A small disturbance x (2, n) nm of all n nodes of the cell, flattened, obeys x'' = (J - K) x - gamma x', with J zero
+outside the patch. By Parseval's theorem its Euclidean inner product is that of Fourier modes of unit mass.
+"""
+
+import numpy as np
+from numba import njit
+
+from .flutter import safe_friction
+
+SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
+ALIKE = 1e-7  # difference of J between nodes, over its largest, below which they count as alike: well above round-off
+
+
+class Linearised:
+    """The Linearised of `continuation.problem`, at one equilibrium v of an `equilibrium.Equilibrium`.
+
+    Attributes: J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; size, of a disturbance.
+    """
+
+    def __init__(self, surface, v, active):
+        self.surface, self.contact, self.m = surface, surface.contact, surface.contact.size
+        self.J = self.contact.tangents(surface.problem.surface(v), active)
+        self.size = 2 * surface.count
+
+    @property
+    def skew(self):
+        """J_xz - J_zx of each node, (m,) GPa/nm: what feeds flutter."""
+        return self.J[1] - self.J[2]
+
+    def tangent(self, w):
+        """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
+        return self.contact.product(self.J, w.reshape(2, -1))[0].reshape(-1) - w
+
+    def product(self, x):
+        """(J - K) x, (size,), a new array; counts as a force evaluation."""
+        surface, field = self.surface, x.reshape(2, -1)
+        self.contact.count()
+        if self.contact.uniform:
+            out = -surface.stiffness[:2] * field
+        else:
+            out = -surface.through(field, surface.stiffness * SIGNS)
+        _add_product(self.J, field[:, surface.patch], out[:, surface.patch])
+        return out.reshape(-1)
+
+    def seen(self, x):
+        """The unknowns (problem size,) of a disturbance x (size,), a new array."""
+        return x.reshape(2, -1)[:, self.surface.patch].reshape(-1).copy()
+
+    def inverse(self, solve, f):
+        """x (size,) with (K - J) x = f; solve: the function that gives w for dR/dv w."""
+        field = f.reshape(2, -1)
+        return self.spread(solve(-self._load(field)), field)
+
+    def spread(self, w, field=None):
+        """The disturbance (size,) that rests with unknowns w (problem size,) under a force (2, n), by default none."""
+        surface = self.surface
+        field = np.zeros((2, surface.count)) if field is None else field.copy()
+        _add_product(self.J, w[: 2 * self.m].reshape(2, -1), field[:, surface.patch])
+        return self._raised(w, surface.through(field, surface.compliance)).reshape(-1).copy()
+
+    def _load(self, field):
+        """What a force on the surface, (2, n), adds to R."""
+        surface = self.surface
+        return surface.through(field, surface.compliance)[:, surface.patch].reshape(-1).copy()
+
+    def _raised(self, w, field):
+        """The surface (2, n) displaced by `field` against the top."""
+        return field
+
+    def pace(self, step):
+        """Length of J step, the change of tractions with a step of the unknowns (problem size,), GPa."""
+        x, z = step[: 2 * self.m].reshape(2, -1)
+        J = self.J
+        return float(np.hypot(np.linalg.norm(J[0] * x + J[1] * z), np.linalg.norm(J[2] * x + J[3] * z)))
+
+    def safe_damping(self):
+        """The damping, over critical, above which no wave can flutter, by `flutter.safe_friction`."""
+        contact, surface = self.contact, self.surface
+        if not self.skew.any():
+            return 0.0
+        whole = contact.modes.stiffness
+        return safe_friction(self.J, whole, contact.nodes, contact.covers_cell) / surface.critical
+
+    def waves(self):
+        """mu (2, waves) of all modes, GPa/nm, where all nodes are alike, so that every mode is a wave; else None."""
+        J = self.J
+        if not self.contact.covers_cell or np.ptp(J, axis=1).max() > ALIKE * np.abs(J).max():
+            return None
+        (a, b), (c, d) = self._blocks()
+        mean, half = 0.5 * (a + d), 0.5 * (a - d)
+        root = np.sqrt(half * half + b * c)
+        return np.array([mean + root, mean - root])
+
+    def wave(self, q, mu):
+        """The disturbance, complex (size,), of wave number q and that mu; None if these nodes cannot show it."""
+        if self.contact.uniform and q:
+            return None
+        (a, b), (c, d) = (row[:, q] for row in self._blocks())
+        amplitude = np.array([mu - d, c] if abs(mu - d) > abs(mu - a) else [b, mu - a])
+        if not amplitude.any():  # the block is a number: any direction will do
+            amplitude = np.array([1.0, 0.0])
+        n = self.surface.count
+        return np.outer(amplitude, np.exp(2j * np.pi * q * np.arange(n) / n)).reshape(-1)
+
+    def _blocks(self):
+        """The 2 x 2 blocks of J - K of all waves, complex (2, 2, waves), J that of the first node."""
+        k, J = self._stiffness_of_waves(), self.J[:, 0]
+        return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
+
+    def _stiffness_of_waves(self):
+        return self.contact.modes.stiffness
+
+
+@njit(cache=True, nogil=True)
+def _add_product(J, x, out):
+    """out += J x, both (2, m)."""
+    for i in range(x.shape[1]):
+        a, b = x[0, i], x[1, i]
+        out[0, i] += J[0, i] * a + J[1, i] * b
+        out[1, i] += J[2, i] * a + J[3, i] * b
