@@ -46,7 +46,7 @@ def continue_branch(corrector, judge, state, target):
     settled = np.zeros(state.active.size, bool)
     while isinstance(found, LimitPoint) and found.located:
         # if nodes have crossed the edge of the window on the way here, the end is sought again with these let in or out
-        active = corrector.problem.admitted(found.v, found.active, settled)
+        active = corrector.problem.active(found.v, found.load, found.active, settled)
         if active is found.active:
             break
         settled |= active != found.active
@@ -84,7 +84,7 @@ def _by_load(corrector, judge, state, target):
     if np.abs(v - state.v).max() > farthest:
         return None
     guess = v.copy()
-    active = corrector.settle(v, corrector.problem.admitted(v, state.active), target, state.secants)
+    active = corrector.settle(v, corrector.problem.active(v, target, state.active), target, state.secants)
     if active is None or np.abs(v - state.v).max() > farthest:
         return None
     if len(past) > 1 and np.abs(v - guess).max() > LIMITS.surprise * corrector.problem.unit:

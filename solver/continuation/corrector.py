@@ -73,12 +73,12 @@ class Corrector:
         self._use(*state.sharp) if state.sharp else self._soften()
 
     def _soften(self):
-        self._sharp, self._smooth = None, self.problem.smoother(*self._origin)
+        self._sharp, self._smooth = None, self.problem.preconditioner(*self._origin)
 
     def _use(self, v, active):
         """Precondition with the inverse of the tangent at an equilibrium."""
         if self._known is None or not self._known.at(v):
-            formed = self.problem.inverse(v, active)
+            formed = self.problem.preconditioner(v, active, sharp=True)
             self._known = Sharp(v, active, formed or self._iterations(v, active, LIMITS.iterated), formed is not None)
         self._sharp, self._smooth = self._known, self._known.apply
 
@@ -89,7 +89,7 @@ class Corrector:
     def _iterations(self, v, active, *accuracy):
         """The inverse of -dR/dv by iterations."""
         inverse = Inverse(self.problem.size)
-        inverse.of_tangent(self.problem.linearised(v, active).tangent, self.problem.smoother(v, active))
+        inverse.of_tangent(self.problem.linearised(v, active).tangent, self.problem.preconditioner(v, active))
         return lambda r: -inverse.solve(r, *accuracy)
 
     def settle(self, v, active, s, secants):
@@ -100,7 +100,7 @@ class Corrector:
         """
         settled = None
         while self.solve(v, active, s, secants):
-            again = self.problem.admitted(v, active, settled)
+            again = self.problem.active(v, s, active, settled)
             if again is active:
                 return active
             changed = again != active

@@ -38,14 +38,14 @@ class Gfmd:
         """The Increment in which the motion from `state` comes to rest at load `target`; raises NotConverged."""
         while True:
             v, active, residual = self._settled(state, target)
-            if not self.problem.crowded(v, active, target):
+            if self.problem.grown(v, active, target) is None:
                 break
-            self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
+            self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
         moved, unit = np.abs(v - state.v).max(), self.problem.unit
         slipped = moved > LIMITS.slipped * unit + 2.0 * abs(target - state.load)
         after = State.at_rest(target, v, active)
-        slips = (Slip(state.load, state.v, state.active, "lost", False, after, self.problem.place),) if slipped else ()
+        slips = (Slip(state.load, state.v, state.active, "lost", False, after),) if slipped else ()
         return Increment(after, residual, slips)
 
     def _settled(self, state, target):
@@ -53,7 +53,7 @@ class Gfmd:
         v, active, load, settled = state.v, state.active, state.load, np.zeros(state.active.size, bool)
         while True:
             v, residual = self._moved(v, active, load, target)
-            load, again = target, self.problem.admitted(v, active, settled)
+            load, again = target, self.problem.active(v, target, active, settled)
             if again is active:
                 return v, active, residual
             settled |= again != active
@@ -71,7 +71,7 @@ class Gfmd:
             residual = problem.residual(v, active, target, r)
             if residual <= problem.tolerance:
                 return v, residual
-            problem.active_of(v, target)  # raises PulledOff once the contact no longer carries a held load
+            problem.active(v, target)  # raises PulledOff once the contact no longer carries a held load
             if not residual < LIMITS.diverged * problem.unit:
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
             if problem.evaluations > limit:

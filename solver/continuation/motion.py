@@ -40,14 +40,14 @@ LIMITS = Limits()
 
 
 class Motion:
-    """y (2, modes) and its change per step, from rest, under the load given; masses as above."""
+    """y (2, modes) and its change per step, from rest, under `load`, which may be changed; masses as above."""
 
     def __init__(self, dynamics, y, load, damping, closed):
         """closed: stiffness of closed springs (see Limits), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
         self._step = LIMITS.step / sqrt(closed) * min(1.0, damping / LIMITS.weak)
-        self._top = dynamics.top(load)
+        self.load = load
         self._power, self._mass, self._starts = None, None, True
         self._tables = lru_cache(maxsize=16)(self._of_stiffness)
 
@@ -93,16 +93,12 @@ class Motion:
     def advance(self, active, steps):
         """Make so many steps."""
         for _ in range(steps):
-            force = self.dynamics.force(self.y, active)
-            _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push, self._top)
+            force = self.dynamics.force(self.y, active, self.load)
+            _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push)
             if self._starts:  # from rest, the first change is half that of a step
                 self.change *= 0.5
                 self.y -= self.change
                 self._starts = False
-
-    def drive(self, load):
-        """Go on under another load."""
-        self._top = self.dynamics.top(load)
 
     def swing(self):
         """Amplitudes in y to which the velocities would carry the modes against the layer alone: K^-1/2 u'."""
@@ -156,13 +152,10 @@ def _applied(blocks, y):
 
 
 @njit(cache=True, nogil=True)
-def _step(y, change, force, k, keep, push, top):
-    """One step of all modes in place, under the traction `force` (2, modes) and the top's displacement `top` (2,)."""
+def _step(y, change, force, k, keep, push):
+    """One step of all modes in place, under the `force` (2, modes) that the layer does not exert."""
     for q in range(y.shape[1]):
         x, z = y[0, q], y[1, q]
-        if q == 0:
-            x -= top[0]
-            z -= top[1]
         f_x = force[0, q] - k[0, q] * x + 1j * k[2, q] * z
         f_z = force[1, q] - k[1, q] * z - 1j * k[2, q] * x
         d_x, d_z = change[0, q], change[1, q]

@@ -37,30 +37,30 @@ class QuasiStatic:
     def increment(self, state, target):
         """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
         slips = []
-        while True:
+        while len(slips) <= LIMITS.slips:
             if state.unsure:
                 state = self._released(state)
             state.secants = state.secants or self.corrector.secants()
             self.corrector.begin(state)
             found = continue_branch(self.corrector, self.judge, state, target)
-            if isinstance(found, State):
-                hidden = found.mode.hidden
-                if not (hidden or self.problem.crowded(found.v, found.active, target)):
-                    return Increment(found, self.corrector.worst, tuple(slips))
-                state = replace(self._grown(state), unsure=hidden)
-                continue
-            place = self.problem.place
-            landed = self._through(found)
-            self._report(slips, state, found, landed, place)
-            if len(slips) > LIMITS.slips:
-                residual = f"residual {self.corrector.worst:.2g} nm"
-                raise NotConverged(f"more than {LIMITS.slips} slips in one increment, {residual}")
-            state = landed
-            hidden = state.mode.hidden
-            arrived = state.load == target and not (hidden or self.problem.crowded(state.v, state.active, target))
-            if state.load > target or arrived:
+            if isinstance(found, LimitPoint):
+                before, problem = state, self.problem
+                state = self._through(found)
+                if self._slipped(before, found, state):
+                    slips.append(Slip(found.load, found.v, found.active, found.kind, found.located, state))
+                slips = [self._carried(problem, slip) for slip in slips]
+                if state.load < target:
+                    continue
+            else:
+                state = found
+            wide = self._grown(state)
+            if wide is None or state.load > target:
                 residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
                 return Increment(state, residual, tuple(slips))
+            problem, self.problem, state = self.problem, *wide
+            self.corrector = Corrector(self.problem)
+            slips = [self._carried(problem, slip) for slip in slips]
+        raise NotConverged(f"more than {LIMITS.slips} slips in one increment, residual {self.corrector.worst:.2g} nm")
 
     def _released(self, state):
         """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
@@ -72,12 +72,17 @@ class QuasiStatic:
         return self._through(LimitPoint(state.load, state.v, state.active, away, mode.kind))
 
     def _grown(self, state):
-        """The same state in a problem of more unknowns, which takes the place of the present one."""
-        self.problem, v, active = self.problem.grown(state.v, state.active, state.load)
-        self.corrector = Corrector(self.problem)
-        wide = State.at_rest(state.load, v, active)
-        wide.unsure = state.unsure
-        return wide
+        """(problem of more unknowns, the same State there) if such are needed, else None."""
+        hidden = state.mode.hidden
+        grown = self.problem.grown(state.v, state.active, state.load, hidden)
+        return grown and (grown[0], replace(State.at_rest(state.load, *grown[1:]), unsure=hidden))
+
+    def _carried(self, problem, slip):
+        """A Slip of `problem` in the unknowns of the present one, which may have grown from it."""
+        while problem.size < self.problem.size:
+            problem, v, active = problem.grown(slip.v, slip.active, slip.load, True)
+            slip = replace(slip, v=v, active=active)
+        return slip
 
     def _through(self, end):
         """The State in which the motion from the end of a branch comes to rest."""
@@ -86,10 +91,9 @@ class QuasiStatic:
             self.problem, self.corrector = problem, Corrector(problem)
         return state
 
-    def _report(self, slips, before, end, landed, place):
-        """Add the Slip from the end of a branch to the state landed in, unless the branch was lost and goes on."""
-        if not end.located and landed.v.size == before.v.size:
-            moved = np.abs(landed.v - before.v).max()
-            if moved < LIMITS.moved * self.problem.unit + 2.0 * abs(end.load - before.load):
-                return
-        slips.append(Slip(end.load, end.v, end.active, end.kind, end.located, landed, place))
+    def _slipped(self, before, end, after):
+        """Whether the branch of the State `before` ended in `end`, or was merely lost, and goes on."""
+        if end.located or after.v.size != before.v.size:
+            return True
+        moved = np.abs(after.v - before.v).max()
+        return bool(moved >= LIMITS.moved * self.problem.unit + 2.0 * abs(end.load - before.load))

@@ -136,7 +136,7 @@ class Replay:
             if branch is None or len(branch.loads) < 2:
                 continue
             v, _ = branch.state_at(home)
-            if np.abs(self.problem.translated(v, period) - landed.v).max() > same:
+            if np.abs(v + period * self.problem.direction - landed.v).max() > same:
                 continue
             place = record.branches.index(branch)
             if not all(b.end.located for b in record.branches[place:-1]):
@@ -158,14 +158,14 @@ class Replay:
         if load > target - shift:  # the surface does not rest before; else `target` stays as it is, to the last bit
             target = load + shift
         v, active = branch.state_at(load)
-        guess, before = problem.translated(v, shift), problem.evaluations
+        guess, before = v + shift * problem.direction, problem.evaluations
         v = guess.copy()
         secants = state.secants or self.stepper.corrector.secants()
         active = self.stepper.corrector.settle(v, active, target, secants)
         if active is None or not self._same(np.abs(v - guess).max(), branch, load):
             return None
         if problem.evaluations > before + 1:  # interpolation did not meet the tolerance: the record takes the solution
-            branch.add(load, problem.translated(v, -shift), active)
+            branch.add(load, v - shift * problem.direction, active)
         slips = tuple(self._slips(record, state.load, target))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
         moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, record=record)
@@ -188,5 +188,5 @@ class Replay:
             shift = turns * record.period
             for branch in record.branches:
                 if low < branch.end.load + shift <= high:
-                    v = self.problem.translated(branch.end.v, shift)
+                    v = branch.end.v + shift * self.problem.direction
                     yield replace(branch.end, load=branch.end.load + shift, v=v)

@@ -34,11 +34,10 @@ class Limits:
     others: int = 3  # vectors of no known symmetry that an exact look begins with; with one a mode was missed
     most: int = 60  # vectors that a look may add to the space
     # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no unknown has moved
-    # farther since the last look, in units of the problem, and tractions change no faster with the load, times as fast:
-    # towards a fold at a distance d in load they change as d^-1/2
+    # farther since the last look, in units of the problem, and states move no faster with the load, so many times: towards
+    # a fold at a distance d in load they move as d^-1/2
     far: float = 0.5
     faster: float = 1.15
-    skewer: float = 0.1  # change of J_xz - J_zx over its largest, from which on the safe damping is estimated anew
 
 
 LIMITS = Limits()
@@ -55,11 +54,10 @@ class Mode:
     mu: complex
     x: np.ndarray | None
     hidden: bool = False
-    safe_damping: float = 0.0  # over critical: above it no wave can flutter; 0 where all mu are known
-    skew: np.ndarray | None = None  # J_xz - J_zx (m,) where that was estimated
+    safety: tuple = (0.0, None)  # damping over critical above which no wave can flutter, and `Linearised.safe_damping`'s
     basis: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     v: np.ndarray | None = None  # (size,) where it was looked for, and
-    pace: float = 0.0  # how fast tractions changed with the load there, GPa/nm
+    pace: float = 0.0  # how far the unknown that moved most did per load there
 
     @property
     def rests(self):
@@ -84,12 +82,12 @@ class Judge:
         """
         load, v, active = point
         here, known = problem.linearised(v, active), before and before.mode
-        if not _continues(known, here):
+        if known is None or known.v is None or known.v.shape != v.shape:
             return self._looked(problem, here, v, active, None, smooth, fine=True)
-        pace = here.pace(v - before.v) / max(abs(load - before.load), 1e-300)
+        pace = np.abs(v - before.v).max() / max(abs(load - before.load), 1e-300)
         calm = known.growth < -LIMITS.clear * self._scale(problem) and pace < LIMITS.faster * known.pace
         if calm and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
-            return replace(known, **self._safety(here, known))
+            return replace(known, safety=here.safe_damping(known.safety))
         return replace(self._looked(problem, here, v, active, known, smooth, fine=False), pace=pace)
 
     def rightmost(self, problem, v, active, known=None, smooth=None):
@@ -101,30 +99,21 @@ class Judge:
         critical = problem.motion().critical
         return self.damping * critical if np.isfinite(self.damping) else 0.25 * critical**2
 
-    def _safety(self, here, known):
-        """{safe_damping, skew}: those of `known` while J_xz - J_zx has hardly changed."""
-        skew, before = here.skew, None if known is None else known.skew
-        if before is not None and before.shape == skew.shape:
-            if np.abs(skew - before).max() <= LIMITS.skewer * np.abs(before).max():
-                return {"safe_damping": known.safe_damping, "skew": before}
-        return {"safe_damping": here.safe_damping(), "skew": skew}
-
     def _looked(self, problem, here, v, active, known, smooth, fine):
         critical = problem.motion().critical
         friction = self.damping * critical
-        waves = here.waves()
-        if waves is not None:
-            return _of_waves(here, waves, friction)
+        if (waves := here.waves()) is not None:
+            return _of_waves(here, *waves, friction)
         if here.size <= LIMITS.dense:
             return _dense(here, friction)
-        safety = self._safety(here, known)
-        if self.damping < safety["safe_damping"] and here.size <= LIMITS.dense_waves:
+        fits = known is not None and known.v is not None and known.v.shape == v.shape
+        safety = here.safe_damping(known.safety) if fits else here.safe_damping()
+        if self.damping < safety[0] and here.size <= LIMITS.dense_waves:
             return _dense(here, friction)
         space, inverse = self._emptied(problem, here, v, active, smooth)
-        start = known.basis if _continues(known, here) else ()
-        radius, scale = LIMITS.radius * 0.25 * critical**2, self._scale(problem)
-        growth, mu, x, basis = _near_zero(here, inverse, friction, radius, scale, start, fine, space)
-        return Mode(growth, mu, here.seen(x), basis=basis, v=v, **safety)
+        radius, start = LIMITS.radius * 0.25 * critical**2, known.basis if fits else ()
+        growth, mu, x, basis = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
+        return Mode(growth, mu, here.seen(x), basis=basis, v=v, safety=safety)
 
     def _emptied(self, problem, here, v, active, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""
@@ -133,7 +122,7 @@ class Judge:
             room = LIMITS.kept + LIMITS.others + LIMITS.most + 4
             self._scratch = sizes, Space(here.size, room), Inverse(problem.size)
         _, space, inverse = self._scratch
-        return space.emptied(here), inverse.of_tangent(here.tangent, smooth or problem.smoother(v, active))
+        return space.emptied(here), inverse.of_tangent(here.tangent, smooth or problem.preconditioner(v, active))
 
 
 def rate(mu, friction):
@@ -151,11 +140,6 @@ def inside(mu, friction):
     return (friction**2 * depth - mu.imag**2) / steepness
 
 
-def _continues(known, here):
-    """Whether what is carried fits this equilibrium."""
-    return known is not None and known.basis is not None and known.skew.shape == here.skew.shape
-
-
 def _largest_phase(x):
     """The real part of an eigenvector, turned to the phase in which it is largest."""
     return (x * np.exp(-0.5j * np.angle((x * x).sum()))).real
@@ -169,16 +153,15 @@ def _dense(here, friction):
     return Mode(float(rates[i]), complex(values[i]), here.seen(_largest_phase(vectors[:, i])))
 
 
-def _of_waves(here, mu, friction):
-    """The Mode where every mode is a wave, mu (2, waves): the fastest that can be shown."""
+def _of_waves(here, mu, shown, friction):
+    """The Mode where every mode is a wave, arguments as of `Linearised.waves`: the fastest that can be shown."""
     rates = rate(mu, friction)
-    order = np.argsort(-rates, axis=None)[:: 1]
-    fastest = np.unravel_index(order[0], mu.shape)
-    x, hidden = here.wave(fastest[1], mu[fastest]), False
+    fastest = np.unravel_index(np.argmax(rates), mu.shape)
+    x, hidden = shown(*fastest), False
     if x is None:
         hidden = bool(rates[fastest] > LIMITS.unstable)
         fastest = int(np.argmax(rates[:, 0])), 0
-        x = here.wave(0, mu[fastest])
+        x = shown(*fastest)
     return Mode(float(rates[fastest]), complex(mu[fastest]), here.seen(_largest_phase(x)), hidden)
 
 

@@ -123,7 +123,7 @@ class _Passage:
         self.load, self.v, self.end_v, self.end_active = end.load, end.v + end.away, end.v, end.active
         if self.film is not None:
             self.film.append((problem, end.v, end.active, end.load))
-        self.active = problem.active_of(self.v, self.load)
+        self.active = problem.active(self.v, self.load)
         self.dynamics = problem.motion()
         y = self.dynamics.start(self.v, self.active, self.load)
         self.motion = motion_of(self.dynamics, y, self.load, self.damping, self.closed)
@@ -164,7 +164,7 @@ class _Passage:
         if not np.abs(self.v).max() < LIMITS.diverged * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
-        now = self.problem.active_of(self.v, self.load)
+        now = self.problem.active(self.v, self.load)
         changed = now != self.active
         if changed.any():
             self._changes += changed
@@ -175,9 +175,9 @@ class _Passage:
 
     def _grow(self):
         """More unknowns while some are needed."""
-        while self.problem.crowded(self.v, self.active, self.load):
-            _, self.end_v, self.end_active = self.problem.grown(self.end_v, self.end_active, self.end.load)
-            problem, self.v, self.active = self.problem.grown(self.v, self.active, self.load)
+        while (grown := self.problem.grown(self.v, self.active, self.load)) is not None:
+            _, self.end_v, self.end_active = self.problem.grown(self.end_v, self.end_active, self.end.load, True)
+            problem, self.v, self.active = grown
             self.dynamics = self.motion.dynamics = problem.motion()
             self.mode = None
             self._of(problem)
@@ -185,7 +185,7 @@ class _Passage:
     def land(self):
         """The State in which Anderson steps come to rest from here; None if it is too early, or they fail."""
         small = self.short if self.starting else self.landing
-        if not self.worst < small or not np.abs(self.dynamics.displacement(self.motion.swing())).max() < small:
+        if not self.worst < small or not self._swing() < small:
             return None
         state = self._rest_near()
         if state is not None:
@@ -199,6 +199,10 @@ class _Passage:
         else:
             self.landing *= 0.3
         return None
+
+    def _swing(self):
+        """How far the velocities would carry an unknown, nm."""
+        return np.abs(self.dynamics.unknowns(self.motion.y + self.motion.swing()) - self.v).max()
 
     def _rest_near(self):
         """The State that Anderson steps lead to; None if they fail, go too far or find no rest."""
@@ -224,7 +228,7 @@ class _Passage:
         share = LIMITS.raised * (self.load - self.end.load)
         self.load += min(max(LIMITS.raised_least * self.unit, share), LIMITS.raised_most * self.unit)
         self.landing = LIMITS.landing * self.unit
-        self.motion.drive(self.load)
+        self.motion.load = self.load
 
     def _restless(self):
         """Whether the motion has gone on for so long that it may never rest."""

@@ -47,7 +47,7 @@ class State:
     def undeformed(problem, load):
         """The state of a problem in which nothing acts on the unknowns but the load."""
         v = problem.undeformed(load)
-        return State.at_rest(load, v, problem.active_of(v, load))
+        return State.at_rest(load, v, problem.active(v, load))
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,6 @@ class Slip:
     kind: str
     located: bool
     after: State
-    place: object = None  # `place` of the problem that v belongs to
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ class Equilibrium:
         self.contact, self.loading = contact, loading
         self.unit, self.tolerance = min(scene.delta_n, scene.delta_t), scene.tolerance
         self.nodes = contact.size  # m
-        self.size, self.place = 2 * self.nodes, (contact.first, contact.size)
+        self.size = 2 * self.nodes
         self.direction = np.repeat(np.array(loading.direction, float), self.nodes)
         mode = min(max(1, round(scene.nodes / self.nodes)), scene.nodes // 2)
         self._stiff = STIFF / float(contact.modes.compliance[1, mode])
@@ -49,7 +49,7 @@ class Equilibrium:
         return np.repeat(np.array(self.loading.at(s)), self.nodes)
 
     def residual(self, v, active, s, out):
-        """Fill out (size,) with R, nm; returns its largest magnitude."""
+        """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
         return self.residual_under(v, active, self.loading.at(s), out)
 
     def residual_under(self, v, active, top, out):
@@ -61,16 +61,19 @@ class Equilibrium:
         """T (2, m), GPa; a new array."""
         return self.contact.traction(self.surface(v), active)
 
-    def active_of(self, v, s):
-        """Nodes within the interaction window, bool (m,)."""
-        return self.contact.within_window(self.surface(v))
+    def active(self, v, s, before=None, settled=None):
+        """Nodes within the interaction window, bool (m,); given those `before`, as `Contact.admitted`."""
+        u = self.surface(v)
+        return self.contact.within_window(u) if before is None else self.contact.admitted(u, before, settled)
 
-    def admitted(self, v, active, settled=None):
-        """As `Contact.admitted`."""
-        return self.contact.admitted(self.surface(v), active, settled)
+    def preconditioner(self, v, active, sharp=False):
+        """A function close to the inverse of -dR/dv, (size,) nm each, or None where it would not pay.
 
-    def smoother(self, v, active):
-        """r -> (I + sigma C)^-1 r, sigma the interface's stiffness: weakens long waves, which it pins; None if soft."""
+        r -> (I + sigma C)^-1 r, sigma the interface's stiffness, weakens long waves, which a stiff interface pins; sharp:
+        the DenseInverse, unless it is singular or takes longer than iterations.
+        """
+        if sharp:
+            return self._inverse(v, active)
         tangents = self.contact.tangents(self.surface(v), active)
         stiffness = max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
         return self._smoother(ceil(log2(0.5 * stiffness))) if stiffness > self._stiff else None
@@ -85,8 +88,7 @@ class Equilibrium:
 
         return smooth
 
-    def inverse(self, v, active):
-        """The DenseInverse, or None where it is singular or takes longer than iterations."""
+    def _inverse(self, v, active):
         if self.contact.uniform or not 0 < active.sum() <= MOST:
             return None
         try:
@@ -94,32 +96,20 @@ class Equilibrium:
         except np.linalg.LinAlgError:
             return None
 
-    def oriented(self, mode):
-        """A mode with the sign in which the surface, on the whole, moves towards the substrate, as on approach."""
-        return -mode if self.surface(mode)[1].sum() > 0.0 else mode.copy()
+    def grown(self, v, active, s, hidden=False):
+        """(the problem on a wider patch, v, active there) where a node outside may interact, else None.
 
-    def translated(self, v, distance):
-        """The same state moved on along x by a distance (nm), a whole number of sites; a new array."""
-        return v + distance * self.direction
-
-    def crowded(self, v, active, s):
-        """Whether a node outside the patch may interact."""
-        return self.crowded_under(v, active, self.loading.at(s)[1])
-
-    def crowded_under(self, v, active, height):
-        """The same under a top at U_z = height, nm."""
-        return self.contact.crowded(active) or self.contact.overlooked(self.surface(v), active, height)
-
-    def grown(self, v, active, s):
-        """(the problem on a wider patch, v, active there); new nodes are displaced by the tractions of the old ones.
-
-        From one node for all: the problem of all nodes.
+        New nodes are displaced by the tractions of the old ones. hidden: a wave grows that one node for all cannot show,
+        so that all nodes are needed.
         """
-        return self.grown_under(v, active, self.loading.at(s))
+        return self.grown_under(v, active, self.loading.at(s), hidden)
 
-    def grown_under(self, v, active, top):
+    def grown_under(self, v, active, top, hidden=False):
         """The same under a top displaced by (U_x, U_z), nm."""
-        contact, wide = self.contact, Equilibrium(self.contact.wider(), self.loading)
+        contact = self.contact
+        if not (hidden or contact.crowded(active) or contact.overlooked(self.surface(v), active, top[1])):
+            return None
+        wide = Equilibrium(contact.wider(), self.loading)
         if contact.uniform:
             return wide, np.repeat(v, wide.nodes), np.repeat(active, wide.nodes)
         u = contact.whole(self.traction(v, active)) + np.array(top)[:, None]

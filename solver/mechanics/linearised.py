@@ -10,6 +10,7 @@ from numba import njit
 from .flutter import safe_friction
 
 SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
+SKEWER = 0.1  # change of J_xz - J_zx over its largest, from which on the safe damping is estimated anew
 ALIKE = 1e-7  # difference of J between nodes, over its largest, below which they count as alike: well above round-off
 
 
@@ -23,11 +24,6 @@ class Linearised:
         self.surface, self.contact, self.m = surface, surface.contact, surface.contact.size
         self.J = self.contact.tangents(surface.problem.surface(v), active)
         self.size = 2 * surface.count
-
-    @property
-    def skew(self):
-        """J_xz - J_zx of each node, (m,) GPa/nm: what feeds flutter."""
-        return self.J[1] - self.J[2]
 
     def tangent(self, w):
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
@@ -45,18 +41,18 @@ class Linearised:
         return out.reshape(-1)
 
     def seen(self, x):
-        """The unknowns (problem size,) of a disturbance x (size,), a new array."""
-        return x.reshape(2, -1)[:, self.surface.patch].reshape(-1).copy()
+        """The unknowns (problem size,) of a disturbance x (size,), of the sign in which the surface sinks, on the whole."""
+        field = x.reshape(2, -1)
+        rises = field[1, self.surface.patch].sum() > 0.0
+        return self._unknowns(-field if rises else field)
+
+    def _unknowns(self, field):
+        return field[:, self.surface.patch].reshape(-1).copy()
 
     def inverse(self, solve, f):
-        """x (size,) with (K - J) x = f; solve: the function that gives w for dR/dv w."""
-        field = f.reshape(2, -1)
-        return self.spread(solve(-self._load(field)), field)
-
-    def spread(self, w, field=None):
-        """The disturbance (size,) that rests with unknowns w (problem size,) under a force (2, n), by default none."""
-        surface = self.surface
-        field = np.zeros((2, surface.count)) if field is None else field.copy()
+        """x (size,) with (K - J) x = f; solve: the function that gives w for dR/dv w, (problem size,) each."""
+        surface, field = self.surface, f.reshape(2, -1).copy()
+        w = solve(-self._load(field))
         _add_product(self.J, w[: 2 * self.m].reshape(2, -1), field[:, surface.patch])
         return self._raised(w, surface.through(field, surface.compliance)).reshape(-1).copy()
 
@@ -69,32 +65,34 @@ class Linearised:
         """The surface (2, n) displaced by `field` against the top."""
         return field
 
-    def pace(self, step):
-        """Length of J step, the change of tractions with a step of the unknowns (problem size,), GPa."""
-        x, z = step[: 2 * self.m].reshape(2, -1)
-        J = self.J
-        return float(np.hypot(np.linalg.norm(J[0] * x + J[1] * z), np.linalg.norm(J[2] * x + J[3] * z)))
+    def safe_damping(self, known=(0.0, None)):
+        """(damping over critical above which no wave can flutter, J_xz - J_zx (m,) that it is for), by `flutter`.
 
-    def safe_damping(self):
-        """The damping, over critical, above which no wave can flutter, by `flutter.safe_friction`."""
-        contact, surface = self.contact, self.surface
-        if not self.skew.any():
-            return 0.0
-        whole = contact.modes.stiffness
-        return safe_friction(self.J, whole, contact.nodes, contact.covers_cell) / surface.critical
+        `known` itself, such a pair, where J_xz - J_zx has hardly changed since.
+        """
+        skew, before = self.J[1] - self.J[2], known[1]
+        if before is not None and before.shape == skew.shape:
+            if np.abs(skew - before).max() <= SKEWER * np.abs(before).max():
+                return known
+        contact = self.contact
+        friction = safe_friction(self.J, contact.modes.stiffness, contact.nodes, contact.covers_cell)
+        return friction / self.surface.critical, skew
 
     def waves(self):
-        """mu (2, waves) of all modes, GPa/nm, where all nodes are alike, so that every mode is a wave; else None."""
+        """Where all nodes are alike, so that every mode is a wave, (mu (2, waves) GPa/nm, shown); else None.
+
+        shown(i, q): the disturbance, complex (size,), of mu[i, q]; None if these nodes cannot show it.
+        """
         J = self.J
         if not self.contact.covers_cell or np.ptp(J, axis=1).max() > ALIKE * np.abs(J).max():
             return None
         (a, b), (c, d) = self._blocks()
         mean, half = 0.5 * (a + d), 0.5 * (a - d)
         root = np.sqrt(half * half + b * c)
-        return np.array([mean + root, mean - root])
+        mu = np.array([mean + root, mean - root])
+        return mu, lambda i, q: self._wave(q, mu[i, q])
 
-    def wave(self, q, mu):
-        """The disturbance, complex (size,), of wave number q and that mu; None if these nodes cannot show it."""
+    def _wave(self, q, mu):
         if self.contact.uniform and q:
             return None
         (a, b), (c, d) = (row[:, q] for row in self._blocks())

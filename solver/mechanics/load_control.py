@@ -19,7 +19,7 @@ class LoadControl:
     def __init__(self, problem, pressure):
         self.inner, self.pressure, self.contact, self.loading = problem, pressure, problem.contact, problem.loading
         self.unit, self.tolerance, self.nodes = problem.unit, problem.tolerance, problem.nodes
-        self.size, self.place = problem.size + 1, problem.place
+        self.size = problem.size + 1
         self.direction = np.append(problem.direction, 0.0)
         self.direction[self.nodes : -1] = 0.0
         scene = self.contact.scene
@@ -52,9 +52,9 @@ class LoadControl:
         """T (2, m), GPa; a new array."""
         return self.inner.traction(v[:-1], active)
 
-    def active_of(self, v, s):
-        """Nodes within the interaction window; raises PulledOff if there are none and the load is tensile."""
-        active = self.inner.active_of(v[:-1], s)
+    def active(self, v, s, before=None, settled=None):
+        """As of the problem; raises PulledOff if no node interacts and the load is tensile."""
+        active = self.inner.active(v[:-1], s, before, settled)
         if self.pressure < 0.0 and not active.any():
             raise PulledOff(
                 f"The contact has pulled off at U_x = {round(self.loading.at(s)[0], 6) + 0.0:g} nm: the motion that"
@@ -63,58 +63,33 @@ class LoadControl:
             )
         return active
 
-    def admitted(self, v, active, settled=None):
-        """As `Contact.admitted`."""
-        return self.inner.admitted(v[:-1], active, settled)
-
-    def smoother(self, v, active):
-        """That of the problem; the height is left as it is."""
-        smooth = self.inner.smoother(v[:-1], active)
-        return smooth and (lambda r: np.append(smooth(r[:-1]), r[-1]))
-
-    def inverse(self, v, active):
-        """The inverse of the problem, bordered by the height that keeps the load."""
-        inverse = self.inner.inverse(v[:-1], active)
-        if inverse is None:
-            return None
-        m = self.nodes
+    def preconditioner(self, v, active, sharp=False):
+        """That of the problem; a sharp one is bordered by the height that keeps the load."""
+        inner = self.inner.preconditioner(v[:-1], active, sharp)
+        if inner is None or not sharp:
+            return inner and (lambda r: np.append(inner(r[:-1]), r[-1]))
         J = self.contact.tangents(self.surface(v), active)
-
-        def pressure(w):
-            return self.contact.pressure([None, J[2] * w[:m] + J[3] * w[m:]])
-
-        raised = inverse(np.repeat([0.0, 1.0], m))  # by a unit of height
-        gained = pressure(raised)
+        raised = inner(np.repeat([0.0, 1.0], self.nodes))  # by a unit of height
+        gained = self.pressure_of(J, raised)
         if gained == 0.0:
             return None
 
         def bordered(r):
-            w = inverse(r[:-1])
-            height = -(r[-1] / self.scale + pressure(w)) / gained
+            w = inner(r[:-1])
+            height = -(r[-1] / self.scale + self.pressure_of(J, w)) / gained
             return np.append(w + height * raised, height)
 
         return bordered
 
-    def hides(self, v, active):
-        """As of the problem: nodes that are alike under a held load have but one more free mode, which is shown."""
-        return self.inner.hides(v[:-1], active)
+    def pressure_of(self, J, w):
+        """Mean of the normal traction J w (GPa) over the cell."""
+        x, z = self.inner.surface(w)
+        return self.contact.pressure([None, J[2] * x + J[3] * z])
 
-    def oriented(self, mode):
+    def grown(self, v, active, s, hidden=False):
         """As of the problem."""
-        return np.copysign(1.0, self.inner.oriented(mode[:-1]) @ mode[:-1]) * mode
-
-    def translated(self, v, distance):
-        """The same state moved on along x by a distance (nm), a whole number of sites; a new array."""
-        return np.append(self.inner.translated(v[:-1], distance), v[-1])
-
-    def crowded(self, v, active, s):
-        """Whether a node outside the patch may interact."""
-        return self.inner.crowded_under(v[:-1], active, v[-1])
-
-    def grown(self, v, active, s):
-        """(the problem on a wider patch, v, active there), as of the problem."""
-        wide, u, active = self.inner.grown_under(v[:-1], active, self.top(v, s))
-        return LoadControl(wide, self.pressure), np.append(u, v[-1]), active
+        wider = self.inner.grown_under(v[:-1], active, self.top(v, s), hidden)
+        return wider and (LoadControl(wider[0], self.pressure), np.append(wider[1], v[-1]), wider[2])
 
     def linearised(self, v, active):
         """The HeldLinearised at an equilibrium."""
@@ -138,11 +113,11 @@ class HeldSurface(Surface):
     def unknowns(self, y):
         """v of y; the top is where the layer carries the load."""
         height = float(y[1, 0].real) / self.count - float(self.compliance[1, 0]) * self.problem.pressure
-        return np.append(self.displacement(y), height)
+        return np.append(self._displacement(y), height)
 
-    def force(self, y, active):
-        """T less the load, as of Surface."""
-        spectrum = super().force(y, active)
+    def force(self, y, active, s):
+        """That of Surface, less the load."""
+        spectrum = super().force(y, active, s)
         spectrum[1, 0] -= self.problem.pressure * self.count
         return spectrum
 
@@ -152,14 +127,12 @@ class HeldLinearised(Linearised):
 
     def tangent(self, w):
         """As of Linearised; w (problem size,)."""
-        out = super().tangent(w[:-1])
+        problem, out = self.surface.problem, super().tangent(w[:-1])
         out[self.m :] += w[-1]
-        u = w[:-1].reshape(2, -1)
-        return np.append(out, self.surface.problem.scale * self.contact.pressure([0.0, self.J[2] * u[0] + self.J[3] * u[1]]))
+        return np.append(out, problem.scale * problem.pressure_of(self.J, w[:-1]))
 
-    def seen(self, x):
-        """The unknowns of a disturbance; the top is as high as the surface on average."""
-        return np.append(super().seen(x), x.reshape(2, -1)[1].mean())
+    def _unknowns(self, field):
+        return np.append(super()._unknowns(field), field[1].mean())  # the layer bears the same load
 
     def _load(self, field):
         scale = self.surface.problem.scale

@@ -28,10 +28,6 @@ class Surface:
         if not contact.uniform:
             self._field, self._u, self._spectrum, self._forward, self._backward = transforms(self.count)
 
-    def top(self, s):
-        """U as the uniform mode of y, complex (2,)."""
-        return np.array(self.problem.loading.at(s), complex) * self.count
-
     def start(self, v, active, s):
         """y of the surface at rest in v, complex (2, modes); outside the patch it follows from the traction inside."""
         problem, u = self.problem, self.problem.surface(v)
@@ -44,11 +40,11 @@ class Surface:
         y[:, 0] += np.array(problem.top(v, s)) * self.count
         # v is not quite an equilibrium: the patch is put where v has it, not where its traction would
         # put it, as a tenth of that difference may decide which rest the motion reaches
-        self._field[:, self.patch] = u - self.displacement(y)
+        self._field[:, self.patch] = u - self._displacement(y)
         self._forward()
         return y + self._spectrum
 
-    def displacement(self, y):
+    def _displacement(self, y):
         """u (2, m) on the patch, nm; a buffer."""
         if self.contact.uniform:
             return np.ascontiguousarray(y.real)
@@ -59,19 +55,24 @@ class Surface:
 
     def unknowns(self, y):
         """v of y, a new array."""
-        return self.displacement(y).reshape(-1).copy()
+        return self._displacement(y).reshape(-1).copy()
 
-    def force(self, y, active):
-        """T in the coordinates y, complex (2, modes), a buffer; counts as a force evaluation."""
+    def force(self, y, active, s):
+        """T + K U in the coordinates y, complex (2, modes), a buffer; counts as a force evaluation."""
         contact = self.contact
         contact.count()
-        u = self.displacement(y)
+        u = self._displacement(y)
         if contact.uniform:
-            return contact.traction(u, active).astype(complex)
-        field = self._field[:, self.patch]
-        cohesive_law.tractions(u, contact.profile, active, contact.law, contact.work, field, contact.size)
-        self._forward()
-        return self._spectrum
+            spectrum = contact.traction(u, active).astype(complex)
+        else:
+            field = self._field[:, self.patch]
+            cohesive_law.tractions(u, contact.profile, active, contact.law, contact.work, field, contact.size)
+            self._forward()
+            spectrum = self._spectrum
+        U_x, U_z = self.problem.loading.at(s)
+        spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
+        spectrum[1, 0] += self.stiffness[1, 0] * U_z * self.count
+        return spectrum
 
     def through(self, field, blocks):
         """A field (2, nodes), each Fourier mode times its block, rows xx, zz, c of `layer.multiply`; a buffer."""

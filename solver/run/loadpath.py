@@ -179,10 +179,8 @@ class Run:
         return bool(np.abs(problem.surface(state.v) - top).max() <= FREE * self.scene.delta_n)
 
     def _event(self, step, slip):
-        """The SlipEvent of a Slip, which may have happened on a smaller patch than the present one."""
+        """The SlipEvent of a Slip."""
         contact, m = self._stepper.problem.contact, slip.active.size
-        if slip.place != (contact.first, contact.size):
-            contact = Contact(self.scene, *slip.place)
         T = on_nodes(self.scene, contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active))
         load, area = float(step.loading.coordinate(slip.load)), contact_area(self.scene, T)
         return SlipEvent(load, *forces(self.scene, T), area, step.stage, slip.kind, slip.located)
