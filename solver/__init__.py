@@ -16,13 +16,14 @@ run/            load steps, increments, frames
 cautions        when a result depends on a choice
 cli, bulk, command, files                   the command line and what it writes
 isolated, cluster                           calls with a deadline in processes of their own, or on a cluster
+threads                                     one thread of linear algebra while something is computed
 analysis/  verification/  work_precision/    not needed to run anything: stress inside, proofs, error against run time
 """
 
 from .analysis.energy_balance import Work, work_of
 from .continuation.state import NotConverged
 from .profile import ProfileError, read_profile
-from .run.carry import carry_on
+from .run.carry import carried_path, carry_on
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, load_path
 from .run.slices import advance
@@ -48,6 +49,7 @@ __all__ = [
     "Work",
     "__version__",
     "advance",
+    "carried_path",
     "carry_on",
     "load_path",
     "read_profile",

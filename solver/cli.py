@@ -28,6 +28,7 @@ from .files import write_csv, write_json, write_npz
 from .presets import PresetError, preset, presets
 from .run.load_steps import load_steps_of
 from .run.shortcuts import account
+from .threads import one_thread
 
 # Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
 # arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
@@ -54,7 +55,8 @@ def main(argv=None):
         for add in (add_run, add_accuracy, add_stability, add_map):
             add(commands)
         arguments = parser.parse_args(argv)
-        return arguments.command(arguments)
+        with one_thread():
+            return arguments.command(arguments)
     except (ClusterError, InputError, PresetError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
@@ -168,7 +170,7 @@ def run(arguments):
 def report_of(scene, frames, method, seconds, failure):
     """What --json writes: scene, version, method and summary."""
     report = {"version": __version__, "method": method, "scene": asdict(scene)}
-    left_out = account(scene, frames) if method == "fast" else {}
+    left_out = account(frames) if method == "fast" else {}
     return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
 
 

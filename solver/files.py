@@ -6,15 +6,20 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
+from .run.summary import changing
+
 COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
 
 
 def write_csv(file, frames):
-    """A row per frame, numbers in full precision."""
+    """A row per frame, numbers in full precision; at its end the parameters that change along the run, if any."""
+    names = changing(frames)
     with open(file, "w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow((*COLUMNS, "stage"))
-        writer.writerows([*(number(getattr(frame, name)) for name in COLUMNS), frame.stage] for frame in frames)
+        writer.writerow((*COLUMNS, "stage", *names))
+        for frame in frames:
+            numbers = (number(getattr(frame, name)) for name in COLUMNS)
+            writer.writerow([*numbers, frame.stage, *(getattr(frame.scene, name) for name in names)])
 
 
 def number(value):
@@ -23,7 +28,10 @@ def number(value):
 
 
 def write_npz(file, scene, frames):
-    """Curves and stage (frames,), x (m,) nm, u and T (frames, 2, m); nodes outside a frame's patch hold nan and 0."""
+    """Curves, stage and what changes along the run (frames,), x (m,) nm, u and T (frames, 2, m).
+
+    Nodes outside a frame's patch hold nan and 0.
+    """
     first = min((frame.first for frame in frames), default=0)
     last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
     u = np.full((len(frames), 2, last - first), nan)
@@ -33,6 +41,7 @@ def write_npz(file, scene, frames):
         u[k, :, patch], T[k, :, patch] = frame.u, frame.T
     curves = {name: np.array([number(getattr(frame, name)) for frame in frames]) for name in COLUMNS}
     curves["stage"] = np.array([frame.stage for frame in frames], dtype=str)
+    curves |= {name: np.array([getattr(frame.scene, name) for frame in frames]) for name in changing(frames)}
     with open(file, "wb") as out:  # an open file, or NumPy would append .npz to the name that was asked for
         np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
 

@@ -14,7 +14,7 @@ from threading import Event, RLock, Thread
 from time import monotonic
 from traceback import format_exc
 
-# One thread of linear algebra in each process: there are as many of these as cores, and threads would only wait
+# The limit of `threads.one_thread` from the start: as many processes as cores, of which none makes threads in vain
 ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"
 # A plain fork copies threads' locks in whatever state they are. A server of forks has one thread, and holds what was
 # imported with `multiprocessing.set_forkserver_preload`: a process is there at once. Not every system bears it.

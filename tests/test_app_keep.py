@@ -166,7 +166,7 @@ def test_a_run_goes_on_from_another_so_often_only(session):
 @pytest.mark.parametrize("name", presets())
 def test_the_python_lines_of_a_preset_make_its_scene(name):
     scene = presets()[name].scene
-    call = python_lines(scene).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
+    call = python_lines([(scene, None)]).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
     assert eval(call, {"Scene": Scene}) == scene
 
 

@@ -1,11 +1,15 @@
 """Other loadings and surfaces in the app, without a browser: runs that go on, loops, profiles that are uploaded."""
 
+import io
+import json
+
 import numpy as np
 import pytest
 from visitor import Page, order
 
 from app.service import packing, tasks, worker
 from app.session.controls import values_of
+from app.session.share import python_lines
 from solver import Checkpoint, Scene, load_path
 from solver.analysis.energy_balance import work_of
 from solver.presets import presets
@@ -60,6 +64,29 @@ def test_a_run_that_went_on_can_go_on_again_from_before_and_after_that(page):
     assert page.session.run.history == ((SHORT, first + 1), (SHORT.changed(E=90.0), 5))
     change(page, (3, first - 5), E=110)
     assert page.session.run.history == ((SHORT, first - 4),)
+
+
+def test_what_is_taken_away_of_a_run_that_went_on_is_the_whole_of_it_in_newtons_per_metre(page):
+    """TRIAL.md N1: lines, NPZ and JSON began anew with the last parameters; frames did not say what their E was."""
+    frame = page.status()["frames"] - 20
+    change(page, (1, frame), E=90)
+    legs = page.session.computing.legs
+    assert legs == ((SHORT, frame + 1), (SHORT.changed(E=90.0), None))
+    made = {}
+    exec(python_lines(legs), made)
+    assert len(made["frames"]) == page.status()["frames"]
+    shown = []  # (E, N/m) of every frame, as the browser holds them
+    for _, head, curves, _ in page.chunks:
+        assert head["force"] == head["scene"]["E"] * SHORT.width
+        shown += [(head["scene"]["E"], head["force"] * F) for F in curves["F_bar"]]
+    first = page.session.shelf.get(SHORT).frames
+    shown = shown[: frame + 1] + shown[first:]
+    assert [(f.scene.E, f.F) for f in made["frames"]] == [(E, pytest.approx(F, rel=1e-5, abs=1e-6)) for E, F in shown]
+    with np.load(io.BytesIO(tasks.file_of_run(legs, "npz"))) as data:
+        F = [f.F for f in made["frames"] if f.stage != "approach"]
+        assert data["F_bar"] * data["E"] * SHORT.width == pytest.approx(F, rel=1e-9, abs=1e-9)
+    report = json.loads(tasks.file_of_run(legs, "json"))
+    assert report["converged"] and [part["E"] for part in report["changes"]] == [70.0, 90.0]
 
 
 def test_a_run_that_went_on_is_not_taken_for_one_from_the_start(page):

@@ -1,5 +1,6 @@
 """Slips below critical damping, runs that carry on under changed parameters, and patches that are widened."""
 
+import csv
 import pickle
 from itertools import pairwise
 
@@ -7,7 +8,18 @@ import numpy as np
 import pytest
 from helpers import same, stage
 
-from solver import Checkpoint, Scene, SceneError, advance, carry_on, load_path
+from solver import (
+    Checkpoint,
+    Scene,
+    SceneError,
+    advance,
+    carried_path,
+    carry_on,
+    load_path,
+    summarize,
+    work_of,
+)
+from solver.files import write_csv, write_npz
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
 from solver.run.load_steps import load_steps_of
@@ -219,3 +231,78 @@ def test_carrying_on_leaves_the_given_checkpoint_as_it_is():
     rest_of(SMALL.changed(E=90.0), carry_on(checkpoint, SMALL, SMALL.changed(E=90.0)))
     rest_of(SMALL, carry_on(checkpoint, SMALL, SMALL))
     assert pickle.dumps(checkpoint) == before
+
+
+# What is said of a run that was carried on
+
+
+@pytest.fixture(scope="module")
+def stiffened():
+    """(scene, changed, count, frames): a run that goes on with three times the stiffness; both parts slip."""
+    scene = SMALL.changed(u_x_max=8.0)
+    frames = list(load_path(scene))
+    count = next(k for k, f in enumerate(frames) if f.slips and f.stage == "shear") + 3
+    changed = scene.changed(E=3.0 * scene.E)
+    return scene, changed, count, list(carried_path([(scene, count), (changed, None)]))
+
+
+def pulled(frame):
+    """(F, L) of a frame by the sums over its tractions, N/m: whatever the stiffness."""
+    return -frame.T[0].sum() * SMALL.spacing, frame.T[1].sum() * SMALL.spacing
+
+
+def test_a_path_that_is_carried_on_is_the_one_made_step_by_step(stiffened):
+    scene, changed, count, frames = stiffened
+    checkpoint, own = Checkpoint(), []
+    for _ in range(count):
+        frame, checkpoint = next_frame(scene, checkpoint)
+        own.append(frame)
+    own += rest_of(changed, carry_on(checkpoint, scene, changed))
+    assert len(own) == len(frames) and all(np.array_equal(a.u, b.u) for a, b in zip(own, frames, strict=True))
+    with pytest.raises(ValueError, match=r"legs: 999 increments; allowed: 1 \.\. "):
+        list(carried_path([(SMALL.changed(u_x_max=0.4), 999), (SMALL.changed(u_x_max=0.4, E=80.0), None)]))
+
+
+def test_every_frame_knows_its_scene_and_says_the_force_of_its_tractions(stiffened):
+    scene, changed, count, frames = stiffened
+    assert [f.scene for f in frames] == [scene] * count + [changed] * (len(frames) - count)
+    assert [(f.F, f.L) for f in frames] == [pytest.approx(pulled(f), rel=1e-9, abs=1e-12) for f in frames]
+
+
+def test_the_summary_of_a_run_carried_on_says_with_what_its_forces_count(stiffened):
+    scene, changed, count, frames = stiffened
+    known = summarize(changed, frames)
+    assert known["converged"]
+    k, first = next((k, f) for k, f in enumerate(frames) if f.slips and f.stage == "shear")
+    assert known["E_s"] == scene.E and k < count
+    assert known["F_s"] * known["E_s"] * scene.width == pytest.approx(pulled(frames[k - 1])[0], rel=0.05)
+    assert {event["E"] for event in known["events"] if event["stage"] == "shear"} == {scene.E, changed.E}
+    assert known["changes"] == [
+        {"increment": 0, "stage": "approach", "U_x": 0.0, "E": scene.E},
+        {"increment": count, "stage": "shear", "U_x": frames[count].U_x, "E": changed.E},
+    ]
+    assert first.slips[0].F_bar * first.unit == pytest.approx(known["F_s"] * known["E_s"] * scene.width)
+    cut = summarize(changed, frames[:-1])
+    assert not cut["converged"] and not {"E_s", "changes"} & summarize(scene, frames[:count]).keys()
+
+
+def test_files_hold_what_changes_along_the_run_beside_its_curves(stiffened, tmp_path):
+    scene, _, _, frames = stiffened
+    write_csv(tmp_path / "csv", frames)
+    write_npz(tmp_path / "npz", scene, frames)
+    with open(tmp_path / "csv", newline="") as text:
+        rows = list(csv.DictReader(text))
+    assert list(rows[0])[-2:] == ["stage", "E"]
+    F = [pulled(f)[0] for f in frames]
+    assert [float(r["F_bar"]) * float(r["E"]) * scene.width for r in rows] == pytest.approx(F, rel=1e-9, abs=1e-12)
+    with np.load(tmp_path / "npz") as data:
+        assert data["F_bar"] * data["E"] * scene.width == pytest.approx(F, rel=1e-9, abs=1e-12)
+
+
+def test_the_work_of_the_top_goes_on_in_the_same_unit(stiffened):
+    changed, frames = stiffened[1], stiffened[3]
+    F, U = np.array([(pulled(f)[0], f.U_x) for f in frames]).T
+    expected = 0.5 * ((F[1:] + F[:-1]) * np.diff(U)).sum()
+    start = work_of(changed, [f for f in frames if f.stage == "approach"]).top[-1]
+    # increments with a slip are taken in parts
+    assert work_of(changed, frames).top[-1] - start == pytest.approx(expected, rel=0.02)

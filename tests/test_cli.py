@@ -125,7 +125,7 @@ def test_npz_pads_where_the_patch_grew(tmp_path):
             "evaluations": 1,
             "slip": False,
         }
-        return SimpleNamespace(first=first, u=np.full((2, m), 1.0), T=np.full((2, m), 2.0), **curves)
+        return SimpleNamespace(scene=Scene(), first=first, u=np.full((2, m), 1.0), T=np.full((2, m), 2.0), **curves)
 
     cli.write_npz(tmp_path / "grown", Scene(), [frame(10, 3), frame(8, 6)])
     with np.load(tmp_path / "grown") as data:

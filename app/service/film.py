@@ -34,7 +34,7 @@ def frame_of(scene, block, row):
     known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
     place = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
     u, T = np.array([u_x, gap - profile]), packing.tractions(block, row)
-    return Frame(**place, **known, first=head["first"], u=u, T=T, evaluations=0)
+    return Frame(scene, **place, **known, first=head["first"], u=u, T=T, evaluations=0)
 
 
 def place_of(block, row):

@@ -10,8 +10,10 @@ from math import e
 
 import numpy as np
 
+from solver.files import plain
 from solver.run.frame import STAGES
 from solver.run.load_steps import lifts
+from solver.scene import PARAMETERS
 
 COLUMNS = (  # of a packed block: a number each per frame
     *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
@@ -38,8 +40,8 @@ def same_patch(rows):
 def pack(scene, rows, last):
     """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
 
-    The header names the columns, and the fields with their scales, in the order in which they follow. What goes to a
-    browser has the number of its run in front (uint32, `numbered`).
+    scene: of all these frames. The header has its parameters, and names the columns, and the fields with their scales,
+    in the order in which they follow. What goes to a browser has the number of its run in front (uint32, `numbered`).
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
     at half the bytes of float32. A default run takes 1.3 MB.
@@ -74,6 +76,7 @@ def pack(scene, rows, last):
         "delta_t": scene.delta_t,
         "force": scene.width * scene.E,  # N/m of force per unit of F_bar, L_bar
         "flat": scene.surface == "flat",
+        "scene": plain({name: getattr(scene, name) for name in PARAMETERS}),
     }
     head = json.dumps(header).encode()
     head += b" " * (-len(head) % 4)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.service import worker
-from solver import NotConverged, ProfileError, advance, load_path, read_profile
+from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.raster import fringes, mesh, picture
 from solver.cli import report_of
@@ -165,13 +165,17 @@ def measured(text):
         return None, str(error)
 
 
-def file_of_run(scene, kind):
-    """What `python -m solver run` writes of a scene, kind npz or json, as bytes; up to where it did not converge."""
+def file_of_run(legs, kind):
+    """What `python -m solver run` writes of a run, kind npz or json, as bytes; up to where it did not converge.
+
+    legs: as of `solver.carried_path`; one (Scene, None) where the run was not carried on.
+    """
+    scene, _ = legs[-1]
     frames, failure, begun = [], None, perf_counter()
     try:
-        for frame in load_path(scene):
+        for frame in carried_path(legs):
             frames.append(frame)
-    except NotConverged as error:
+    except (NotConverged, ValueError) as error:  # ValueError: the state does not lead on into a scene
         failure = str(error)
     with TemporaryDirectory() as folder:
         file = Path(folder, "run")

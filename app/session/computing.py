@@ -52,6 +52,14 @@ class Computing:
         self.last = None  # the slice before: the worker that did it is the best for the next
         self.cautions = []  # of the last finished run
 
+    @property
+    def legs(self):
+        """((Scene, frames), ..., (Scene, None)) that lead to the run wanted last: see `solver.carried_path`."""
+        if self.wanted is not None:
+            scene, after, _ = self.wanted
+            return (*(self.chains.history(*after) if after else ()), (scene, None))
+        return (*self.run.history, (self.run.wish, None)) if self.run else ((self.session.scene, None),)
+
     def close(self):
         """Wait for nothing any longer."""
         self.abandon()

@@ -1,4 +1,4 @@
-"""What a visitor takes away: a link as a QR code, Python lines of a scene, and files as the command line writes."""
+"""What a visitor takes away: a link as a QR code, Python lines of a run, and files as the command line writes."""
 
 import json
 import struct
@@ -25,16 +25,16 @@ class Share:
         self.session, self.task, self.sent = session, None, 0
 
     def sheet(self, values):
-        """Tell the browser what belongs to a link, values["link"], and to the scene on screen."""
-        scene, link = self.session.scene, values["link"]
+        """Tell the browser what belongs to a link, values["link"], and to the run on screen."""
+        link, python = values["link"], python_lines(self.session.computing.legs)
         code = segno.make(link, error="l").svg_data_uri(scale=4, border=2) if len(link) <= SCANNED else ""
-        self._send({"what": "sheet", "link": link, "qr": code, "python": python_lines(scene)})
+        self._send({"what": "sheet", "link": link, "qr": code, "python": python})
 
     def take(self, values):
         """Have a worker make the file of the run: values["kind"] is npz or json."""
         self.close()
         session, kind = self.session, values["kind"]
-        call = (tasks.file_of_run, session.scene, kind)
+        call = (tasks.file_of_run, session.computing.legs, kind)
         task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=LONG)
         session.when_done(task, lambda task: self._made(task, kind))
 
@@ -58,15 +58,29 @@ class Share:
         self.session.wire.taken = struct.pack("<I", len(text)) + text + body
 
 
-def python_lines(scene):
-    """The lines of Python that compute a scene; those of a measured surface read its profile from the run's JSON."""
-    usual = Scene()
+def python_lines(legs):
+    """The lines of Python that compute a run, given by its legs as `solver.carried_path` takes them.
+
+    Those of a measured surface read its profile from the run's JSON.
+    """
+    first, path = legs[0][0], "load_path" if len(legs) == 1 else "carried_path"
+    made = _arguments(first, Scene())
+    lines = [f"from solver import Scene, {path}"]
+    if first.surface == "measured":
+        made.append('measured=Profile(known["length"], known["heights"])')
+        lines = [f"import json; from solver import Profile, Scene, {path}"]
+        lines += ['known = json.load(open("mixed-mode-contact.json"))["scene"]["measured"]']
+    what = f"Scene({', '.join(made)})"
+    if len(legs) > 1:
+        parts = [f"(scene, {legs[0][1]})"]
+        parts += [f"(scene.changed({', '.join(_arguments(scene, first))}), {count})" for scene, count in legs[1:]]
+        lines += [f"scene = {what}", f"legs = [{', '.join(parts)}]"]
+        what = "legs"
+    last = 'print(len(frames), "increments, largest F", max(frame.F for frame in frames), "N/m")'
+    return "\n".join([*lines, f"frames = list({path}({what}))", last])
+
+
+def _arguments(scene, usual):
+    """["name=value", ...] of what differs between two scenes, but for the profile of a measured surface."""
     known = {name: getattr(scene, name) for name in PARAMETERS if getattr(scene, name) != getattr(usual, name)}
-    values = [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in known.items()]
-    first = ["from solver import Scene, load_path"]
-    if scene.surface == "measured":
-        values.append('measured=Profile(known["length"], known["heights"])')
-        first = ["import json; from solver import Profile, Scene, load_path"]
-        first += ['known = json.load(open("mixed-mode-contact.json"))["scene"]["measured"]']
-    last = 'print(len(frames), "increments, largest F_bar", max(frame.F_bar for frame in frames))'
-    return "\n".join([*first, f"frames = list(load_path(Scene({', '.join(values)})))", last])
+    return [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in known.items()]

@@ -41,14 +41,14 @@ class Work:
 
 
 def work_of(scene, frames):
-    """The Work of a run's Frames in order, with their fields."""
+    """The Work of a run's Frames in order, with their fields; of a run carried on, `top` alone is a balance."""
     top = np.zeros(len(frames))
     surface, released = np.zeros_like(top), np.zeros_like(top)
     energy = np.array([layer_energy(scene, frame) for frame in frames])
     for k in range(1, len(frames)):
         here, there = frames[k - 1], frames[k]
         after = frames[k + 1] if k + 1 < len(frames) else None
-        top[k] = _top(scene, here, there, after)
+        top[k] = _top(here, there, after)
         if there.slips:
             released[k] = top[k] - (energy[k] - energy[k - 1])
         else:
@@ -62,13 +62,13 @@ def layer_energy(scene, frame):
     return 0.5 * float(np.sum(frame.T * (frame.u - top))) * scene.spacing
 
 
-def _top(scene, here, there, after):
+def _top(here, there, after):
     """Work of the top between two frames, nN: F dU_x + L d(delta)."""
-    sideways = _integral(here, there, after, "U_x", "F_bar")
+    sideways = _integral(here, there, after, "U_x", "F")
     # a load that is held is the same before and after a slip, whatever delta does meanwhile
     held = here.delta != there.delta and here.U_x != there.U_x
-    normal = _trapezoid(here, there, "delta", "L_bar") if held else _integral(here, there, after, "delta", "L_bar")
-    return (sideways + normal) * scene.E * scene.width
+    normal = _trapezoid(here, there, "delta", "L") if held else _integral(here, there, after, "delta", "L")
+    return sideways + normal
 
 
 def _trapezoid(here, there, along, force):
@@ -86,7 +86,7 @@ def _integral(here, there, after, along, force):
         slope = (getattr(after, force) - last) / (getattr(after, along) - end)
     total = 0.0
     for slip in there.slips:
-        before = getattr(slip, force)
+        before = getattr(slip, f"{force}_bar") * there.unit
         total += 0.5 * (f + before) * (slip.load - at)
         at, f = slip.load, last - slope * (end - slip.load)
     return total + 0.5 * (f + last) * (end - at)

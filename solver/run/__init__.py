@@ -6,5 +6,5 @@ slices               the same, a few frames at a time, from one checkpoint to th
 frame, summary       what an increment reports: u, T, F, L, A, slip events; and a run in a few numbers
 carry                going on under other parameters from the state reached
 film                 the motion of one slip, state by state
-shortcuts            what a scene does not need, and what leaving it out saved
+shortcuts            what a scene does not need, and which of it a run left out
 """

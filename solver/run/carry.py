@@ -12,7 +12,7 @@ from ..mechanics.load_control import LoadControl
 from ..scene import SURFACES, SceneError
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
-from .loadpath import Checkpoint
+from .loadpath import Checkpoint, Run
 from .slices import owned
 
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
@@ -48,6 +48,24 @@ def carry_on(checkpoint, scene, changed):
     v = np.append(u.ravel(), top[1] if ahead[0].held else ())
     begun = State(load, v, state.active, [(load, v)], unsure=True)
     return Checkpoint(ahead[0].stage, 0, checkpoint.patch, begun, load_steps=ahead, pressure=pressure, carried=True)
+
+
+def carried_path(legs):
+    """Yield the Frames of a run that is carried on: [(Scene, how many), ..., (Scene, None: up to its end)].
+
+    Raises NotConverged as `load_path` does, the errors of `carry_on`, and ValueError where a leg ends too early.
+    """
+    checkpoint, before = Checkpoint(), None
+    for scene, count in legs:
+        if before is not None:
+            checkpoint = carry_on(checkpoint, before, scene)
+        run, given, before = Run(scene), 0, scene
+        while given != count and not checkpoint.done:
+            frame, checkpoint = run.next_frame(checkpoint)
+            given += 1
+            yield frame
+        if count is not None and given < count:
+            raise ValueError(f"legs: {count} increments; allowed: 1 .. {given}, where the run ends; give fewer")
 
 
 def _problem(scene, checkpoint, step):

@@ -25,7 +25,7 @@ def through(scene, before, stage, load, most=60, limit=float("inf")):
     """
     step, start = _step(scene, before, stage), _load(before, stage)
     step = replace(step, start=start, increment=(load - start) / PARTS, increments=PARTS, end=load, until_free=False)
-    pressure = before.L_bar * scene.E if step.held else None
+    pressure = before.L_bar * before.scene.E if step.held else None
     u, first = before.u, before.first
     if scene.surface == "flat":
         if np.ptp(u, axis=1).max() > 1e-3 * scene.delta_t:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from ..scene import Scene
+
 STAGES = {  # stage: what changes along it, and which way; press: to another indentation, see `carry`
     "approach": ("delta", 1.0),
     "shear": ("U_x", 1.0),
@@ -46,6 +48,7 @@ class Frame:
     u, T: (2, m) displacement (nm) and traction on the layer (GPa) of the patch, whose first node is `first`; read-only.
     """
 
+    scene: Scene  # it was computed with: of a run carried on (`carry`), not the same for all
     stage: str  # of the load path: as of `load_steps.LoadStep`
     index: int  # of the increment within its stage
     U_x: float  # nm
@@ -60,6 +63,21 @@ class Frame:
     evaluations: int  # force evaluations of this increment
     slips: tuple = ()  # SlipEvents in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
+
+    @property
+    def unit(self):
+        """N/m of force per unit of F_bar and L_bar, those of `slips` too."""
+        return self.scene.width * self.scene.E
+
+    @property
+    def F(self):
+        """Friction force, N/m."""
+        return self.F_bar * self.unit
+
+    @property
+    def L(self):
+        """Normal load, N/m."""
+        return self.L_bar * self.unit
 
     @property
     def slip(self):
@@ -134,9 +152,8 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     first = 0 if u.shape[1] == scene.nodes else problem.contact.first
     F_bar, L_bar = forces(scene, T)
     A_bar, delta = contact_area(scene, T), 0.0 - float(U_z)
-    return Frame(
-        stage, index, float(U_x), delta, first, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated
-    )
+    place = scene, stage, index, float(U_x), delta, first
+    return Frame(*place, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated)
 
 
 def on_nodes(scene, field):

@@ -14,6 +14,7 @@ from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.load_control import LoadControl
 from ..mechanics.surface import closed_stiffness
+from ..threads import one_thread
 from .frame import SlipEvent, contact_area, forces, frame_of, on_nodes
 from .load_steps import HIGHEST, load_steps_of, stretched
 from .shortcuts import ALL
@@ -63,6 +64,7 @@ class Run:
         self._limit = self._end = self._latest = inf  # s; of an increment, and where both clocks stand when it must end
         self._stepper = self._place = None  # the stepper in use, and the load step, patch and pressure it is for
 
+    @one_thread()
     def next_frame(self, checkpoint, limit=inf):
         """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
 

@@ -1,9 +1,7 @@
 """What a scene does not need, and is therefore not computed: rules, each of which can be switched off.
 
-With or without a rule frames are the same, to the tolerance. `account` says which rules applied and what they saved.
+With or without a rule frames are the same, to the tolerance. `account` says which applied, and to how much.
 """
-
-import numpy as np
 
 RULES = {
     "uniform": "flat on flat, as long as no wave grows: all nodes move alike, so one stands for all",
@@ -14,29 +12,20 @@ RULES = {
 ALL = frozenset(RULES)
 
 
-def account(scene, frames, leave_out=ALL):
-    """{rule: {what, saved, of, unit}} of the rules that applied to a run of the fast method, from its frames."""
-    applied = {}
-
-    def add(rule, saved, of, unit):
-        if rule in leave_out and saved > 0:
-            applied[rule] = {"what": RULES[rule], "saved": int(saved), "of": int(of), "unit": unit}
-
+def account(frames, leave_out=ALL):
+    """{rule: {what, count, unit}} of the rules that applied to a run of the fast method, from its frames."""
     if not frames:
-        return applied
-    uniform = frames[-1].u.strides[1] == 0  # one node stands for all: see `frame.on_nodes`
-    kept = 1 if uniform else frames[-1].u.shape[1]
-    add("uniform" if uniform else "window", scene.nodes - kept, scene.nodes, "nodes of every force evaluation")
-    if not uniform and scene.phi_ratio == 0.0:
-        total = sum(f.evaluations for f in frames)
-        add("friction", total, 4 * total, "transforms of one row")
-    repeated = [f for f in frames if f.repeated]
-    if repeated:
-        solved = [f for f in frames if f.stage == "shear" and not f.repeated]
-        slips = sum(f.slip for f in repeated)
-        usual = [f.evaluations for f in solved if not f.slip] or [0]
-        slipping = [f.evaluations for f in solved if f.slip] or [0]
-        estimate = slips * np.mean(slipping) + (len(repeated) - slips) * np.mean(usual)
-        spent = sum(f.evaluations for f in repeated)
-        add("translation", estimate - spent, estimate, "force evaluations of repeated increments (estimate)")
-    return applied
+        return {}
+    last, scene = frames[-1].u, frames[-1].scene
+    uniform = last.strides[1] == 0  # one node stands for all: see `frame.on_nodes`
+    kept = 1 if uniform else last.shape[1]
+    counted = {
+        "uniform" if uniform else "window": (scene.nodes - kept, "nodes left out at the end"),
+        "friction": (sum(f.evaluations for f in frames if f.scene.phi_ratio == 0.0), "force evaluations"),
+        "translation": (sum(f.repeated for f in frames), "increments repeated"),
+    }
+    return {
+        rule: {"what": RULES[rule], "count": count, "unit": unit}
+        for rule, (count, unit) in counted.items()
+        if rule in leave_out and count
+    }

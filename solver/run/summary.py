@@ -3,6 +3,8 @@
 import numpy as np
 
 from ..mechanics.layer import Convolution, Modes
+from ..scene import PARAMETERS
+from .frame import STAGES
 from .load_steps import load_steps_of
 
 
@@ -14,23 +16,54 @@ def whole_surface(scene, frame):
     return compliance.product + np.array([[frame.U_x], [-frame.delta]])
 
 
+def changing(frames):
+    """Names of the parameters that are not the same in all Frames: in those of a run that was carried on, a few."""
+    scenes = list({id(frame.scene): frame.scene for frame in frames}.values())
+    return tuple(name for name in PARAMETERS if any(getattr(s, name) != getattr(scenes[0], name) for s in scenes))
+
+
 def summarize(scene, frames):
     """A run in a few numbers: A_0 and slips after the approach; U_s (nm), F_s and A_s at the first slip in shear.
 
     Each is None where there is none. L_min, the least load during retraction, is there in a run with unloading only.
+    Forces are over w E of their own increment. scene: that of the end of the run. Of one that was carried on, `events`
+    name what changes along it, `E_s` is the E of F_s, and `changes` says from which increment of all on it has what.
     """
+    names = changing(frames)
     after = [f for f in frames if f.stage != "approach"]
-    first = next((event for f in after if f.stage == "shear" for event in f.slips), None)
-    last = load_steps_of(scene)[-1]
-    ended = bool(after) and after[-1].stage == last.stage and after[-1].index >= last.increments
+    first = next(((f, event) for f in after if f.stage == "shear" for event in f.slips), None)
+    found, event = first or (None, None)
     pull_off = [f.L_bar for f in after if f.stage == "unload"]
-    return {
-        "converged": ended and all(f.residual <= scene.tolerance for f in frames),
-        "evaluations": sum(f.evaluations for f in frames),
-        "A_0": after[0].A_bar if after else None,
-        "slips": sum(len(f.slips) for f in after),
-        "events": [event.as_dict() for f in frames for event in f.slips],
-        "U_s": first.load if first else None,
-        "F_s": first.F_bar if first else None,
-        "A_s": first.A_bar if first else None,
-    } | ({"L_min": min(pull_off)} if pull_off else {})
+    return (
+        {
+            "converged": _ended(scene, after) and all(f.residual <= f.scene.tolerance for f in frames),
+            "evaluations": sum(f.evaluations for f in frames),
+            "A_0": after[0].A_bar if after else None,
+            "slips": sum(len(f.slips) for f in after),
+            "events": [one.as_dict() | _values(f, names) for f in frames for one in f.slips],
+            "U_s": event and event.load,
+            "F_s": event and event.F_bar,
+            "A_s": event and event.A_bar,
+        }
+        | ({"L_min": min(pull_off)} if pull_off else {})
+        | ({"E_s": found and found.scene.E, "changes": _changes(frames, names)} if names else {})
+    )
+
+
+def _ended(scene, after):
+    """Whether the Frames after the approach lead to the end of the path."""
+    last = load_steps_of(scene)[-1]
+    if not after or after[-1].stage != last.stage:
+        return False
+    name, sign = STAGES[last.stage]
+    return sign * getattr(after[-1], name) >= last.at(last.increments) - 1e-9 * last.increment
+
+
+def _values(frame, names):
+    return {name: getattr(frame.scene, name) for name in names}
+
+
+def _changes(frames, names):
+    """[{increment, stage, U_x and the parameters of these names}] of each Frame from which on these are others."""
+    begun = [k for k, f in enumerate(frames) if k == 0 or f.scene != frames[k - 1].scene]
+    return [{"increment": k, "stage": frames[k].stage, "U_x": frames[k].U_x} | _values(frames[k], names) for k in begun]

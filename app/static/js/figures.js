@@ -57,22 +57,22 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 // What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame];
 // whether a run is among these
 export const overlays = { curves: () => [], drawn: () => {}, punches: () => [], has: () => false }
-let drawnGhost = null, drawnUnit = "N/m", drawnApproach = false
+let drawnGhost = null, drawnUnit = "F, L (N/m)", drawnApproach = false
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {
   const part = (of, name, factor) => of?.drawn(name, approach, factor) ?? NOTHING
   const curve = (...asked) => { const { along, value } = part(...asked); return { U_x: along, value } }
   if (ghost?.head.abscissa !== run.head.abscissa || overlays.has(ghost)) ghost = null // along something else, or drawn already
   const unit = forceUnit([run, ghost]), { F, L } = unit.names
-  const same = ghost === drawnGhost && unit.text === drawnUnit && approach === drawnApproach
+  const same = ghost === drawnGhost && labelOf(unit) === drawnUnit && approach === drawnApproach
   for (const [view, label, name, factor] of [["forces", "F", F, unit.factor], ["forces", "L", L, unit.factor], ["area", "A", "A", 1]]) {
     if (!same) fill(view, `ghost_${label}`, curve(ghost, name, factor))
     fill(view, label, curve(run, name, factor))
   }
-  if (unit.text !== drawnUnit) nameForces(unit)
+  if (labelOf(unit) !== drawnUnit) nameForces(unit)
   drawnGhost = ghost
   document.querySelector(".page").dataset.ghost = ghost !== null
-  drawnUnit = unit.text
+  drawnUnit = labelOf(unit)
   drawnApproach = approach
   for (const [view, label, name, factor] of [["forces", "slips_F", run.normal || approach ? L : F, unit.factor], ["area", "slips_A", "A", 1]]) {
     const [U_x, value] = run.slips(name, factor, null, approach)
@@ -110,8 +110,10 @@ function pointAlong(run, { names, factor }) {
 }
 
 // The unit of forces, on the axis and beside the mouse
-function nameForces({ symbols, text }) {
-  set(figures.forces.left[0], { axis_label: `${symbols.F}, ${symbols.L} (${text})` })
+const labelOf = ({ symbols, text, over = "" }) => `${symbols.F}, ${symbols.L} (${text}${over})`
+function nameForces(unit) {
+  const { symbols, text } = unit
+  set(figures.forces.left[0], { axis_label: labelOf(unit) })
   for (const tool of figures.forces.toolbar.tools) {
     const [where, [symbol]] = tool.tooltips, name = symbol.startsWith("F") ? "F" : "L"
     set(tool, { tooltips: [where, [symbols[name], `@value{0.000} ${text}`]] })
@@ -186,8 +188,8 @@ export function drawFrame(run, k) {
   for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.curves[run.part(run.approaching(k)).abscissa][k] })
 }
 
-function drawPunch({ view, run, frame: { x, gap, T_n, T_t } }, top) {
-  const n = x.length
+function drawPunch({ view, run, frame }, top) {
+  const { x, gap, T_n, T_t } = frame, n = x.length
   const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
   for (let i = 0; i < n; i++) {
     outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
@@ -197,8 +199,8 @@ function drawPunch({ view, run, frame: { x, gap, T_n, T_t } }, top) {
   fill(view, "body", outline)
   fill(view, "surface", { x, gap })
   const found = Object.fromEntries(Object.keys(states).map((state) => [state, []]))
-  for (let i = 0; i < n; i++) found[run.state(T_n[i], gap[i])].push(i)
-  if (run.head.flat && view === "punch") tellFlat(states[run.state(T_n[0], gap[0])])
+  for (let i = 0; i < n; i++) found[frame.state(i)].push(i)
+  if (run.head.flat && view === "punch") tellFlat(states[frame.state(0)])
   for (const label in found) {
     const pick = (list) => Float32Array.from(found[label], (i) => list[i])
     fill(view, label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })

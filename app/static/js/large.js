@@ -7,12 +7,12 @@ export const projected = () => document.documentElement.dataset.view === "projec
 
 export function tellLarge(run, k) {
   if (!projected()) return
-  const v = run.values(k), { force, middle, flat } = run.places[k][0].head
+  const v = run.values(k)
   const [friction, contact] = by("large").querySelectorAll("b")
   const [name, word] = run.normal || run.approaching(k) ? ["L", "load "] : ["F", "friction "] // what the path is about
-  const value = v[`${name}_bar`], told = Math.abs(value) < NOUGHT * run.strongest ? 0 : Number((value * force).toPrecision(3))
+  const told = Math.abs(v[name]) < NOUGHT * run.strongest ? 0 : Number(v[name].toPrecision(3))
   friction.previousSibling.textContent = word
   friction.textContent = `${name} = ${minus(told)} N/m`
-  contact.textContent = `A = ${Math.round(v.A_bar * 2 * middle)} nm`
-  contact.parentElement.hidden = flat
+  contact.textContent = `A = ${Math.round(v.A)} nm`
+  contact.parentElement.hidden = run.head.flat
 }

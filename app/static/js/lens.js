@@ -14,16 +14,16 @@ const lens = { place: null, shown: true } // nm along the interface, null: at th
 // if any
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
-  const edges = run.edges(k), { first } = run.places[k][0].head, { x, gap, T_n } = frame
+  const edges = run.edges(k), { first } = run.headOf(k), { x, gap } = frame
   if (!edges) {
-    const dip = gap.findIndex((g, i) => g <= gap[i - 1] && g < gap[i + 1] && run.state(T_n[i], g) === "adhering")
+    const dip = gap.findIndex((g, i) => g <= gap[i - 1] && g < gap[i + 1] && frame.state(i) === "adhering")
     return dip < 0 ? null : x[dip]
   }
   return frame.x[Math.max(0, Math.floor(run.stage(k) === "back" ? edges[1] - first : edges[0] - first))]
 }
 
 export function drawLens(view) {
-  const { pen, box, X, Y, frame, run, ink } = view
+  const { pen, box, X, Y, frame, ink } = view
   const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width), at = focus(view)
   by("lens").hidden = !lens.shown || radius < 40 || at === null
   if (by("lens").hidden) return
@@ -32,7 +32,7 @@ export function drawLens(view) {
   Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
   const { start, end } = figures.punch.x_range
   for (const [name, value] of [["min", start], ["max", end], ["now", at]]) by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
-  by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${run.state(frame.T_n[near], frame.gap[near])}`)
+  by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${frame.state(near)}`)
   pen.strokeStyle = ink.soft
   pen.lineWidth = 1
   pen.beginPath() // from what it shows to the lens
@@ -60,8 +60,8 @@ export function drawLens(view) {
 }
 
 // Substrate, sites, springs and nodes between two places; x and y give pixels of lengths in nm
-function drawAtoms({ pen, frame, run, ink }, x, y, scale, from, to) {
-  const { spacing, middle, delta_t, delta_n } = run.head, dot = Math.min(9, 0.28 * spacing * scale)
+function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
+  const { spacing, middle, delta_t, delta_n } = run.headOf(k), dot = Math.min(9, 0.28 * spacing * scale)
   pen.fillStyle = ink.grid
   pen.fillRect(x(from) - 1, y(0), x(to) - x(from) + 2, 1000)
   const site = (j) => j * spacing - middle
@@ -86,7 +86,7 @@ function drawAtoms({ pen, frame, run, ink }, x, y, scale, from, to) {
   pen.fillStyle = ink.text
   for (let j = Math.floor((from + middle) / spacing); site(j) < to + spacing; j++) pen.fillRect(x(site(j)) - 0.7 * dot, y(0) - 0.7 * dot, 1.4 * dot, 1.4 * dot)
   for (const i of inside) {
-    const state = run.state(frame.T_n[i], frame.gap[i])
+    const state = frame.state(i)
     pen.fillStyle = state === "contact" ? ink.shear : ink[state]
     pen.strokeStyle = ink.page
     pen.lineWidth = 1.5

@@ -11,6 +11,7 @@ import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
 import { checkTruth } from "./truth.js"
 import { areaSaid, forceSaid, forceUnit } from "./units.js"
+import { value as named } from "./words.js"
 
 const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
 
@@ -117,10 +118,16 @@ export function tellFrame(run, k) {
   const said = [
     `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
     `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
-    work,
+    [work, under(run, k)].filter(Boolean).join("; "),
   ]
   by("solver").lastElementChild.textContent = `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
   said.forEach((text, i) => { by("readout").children[i].textContent = text })
+}
+
+// With what a frame was computed that a run goes on from, where that is no longer so
+function under(run, k) {
+  const { scene } = run.headOf(k), other = Object.keys(scene).filter((name) => scene[name] !== run.head.scene[name])
+  return other.length ? `computed with ${other.map((name) => named(name, scene[name])).join(", ")}` : ""
 }
 
 let before = 0
@@ -181,10 +188,10 @@ export function goto(k) {
 function summarise(what) {
   const { run } = me, k = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1)
   if (k < 0) return
-  const v = run.values(k), { force, middle } = run.places[k][0].head
-  const [F, L] = [v.F_bar * force, v.L_bar * force].map((value) => minus(Number(value.toPrecision(3))))
+  const v = run.values(k)
+  const [F, L] = [v.F, v.L].map((value) => minus(Number(value.toPrecision(3))))
   by("told").textContent = `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${F}, load ${L} newtons per metre, `
-    + (run.head.flat ? "all in contact." : `contact ${fixed(v.A_bar * 2 * middle, 0)} nanometres wide.`)
+    + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
 }
 
 export function reset() {

@@ -7,7 +7,10 @@ export const FILM = 2e6 // those with still higher ones are motions through a sl
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
-const REAL = { F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle] } // N/m, nm
+const REAL = { // N/m, nm
+  F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
+  A: ["A_bar", (head) => 2 * head.middle],
+}
 
 // One packed chunk (ArrayBuffer) as {run, head, columns: {name: Float32Array}, fields: {name: Int16Array (n, m)}};
 // nothing is copied
@@ -21,6 +24,15 @@ export function unpack(buffer) {
   const columns = named(head.columns, Float32Array, head.frames)
   const fields = named(Object.keys(head.scales), Int16Array, head.frames * head.nodes)
   return { run: new DataView(buffer).getUint32(0, true), head, columns, fields }
+}
+
+// Weak attraction counts as free beyond the peak of the law, not where it passes through zero
+const acts = ({ adhesion, free, delta_n }, T_n, gap) => gap <= delta_n || T_n <= -free * adhesion
+
+function state(head, T_n, gap) {
+  if (!acts(head, T_n, gap)) return "free"
+  if (head.flat && Math.abs(T_n) < NONE * head.adhesion) return "contact"
+  return T_n > 0 ? "repulsive" : "adhering"
 }
 
 export class Run {
@@ -38,6 +50,7 @@ export class Run {
     this.strongestForce = 0 // N/m, of F and L
     this.lowest = 0 // nm, the smallest gap
     this.reach = 0 // nm from the middle within which anything acts while sheared
+    this.worked = 0 // nJ/m, work of the top in the runs before, from which this one goes on
   }
 
   get length() {
@@ -50,10 +63,11 @@ export class Run {
     this.whole = last
     const start = this.length
     for (const name of this.head.columns) this.curves[name].push(...chunk.columns[name])
+    for (let k = start; k < start + frames; k++) this.curves.work[k] += this.worked
     for (const name in REAL) {
       const [bar, unit] = REAL[name], by = unit(chunk.head)
       for (const value of chunk.columns[bar]) this.curves[name].push(value * by)
-      if (name !== "A") this.strongestForce = this.curves[name].slice(start).reduce((a, b) => Math.max(a, Math.abs(b)), this.strongestForce)
+      if (name === "F" || name === "L") this.strongestForce = this.curves[name].slice(start).reduce((a, b) => Math.max(a, Math.abs(b)), this.strongestForce)
     }
     for (let k = 0; k < frames; k++) {
       this.places.push([chunk, k])
@@ -93,21 +107,19 @@ export class Run {
     }
   }
 
-  // Weak attraction counts as free beyond the peak of the law, not where it passes through zero
-  acts(T_n, gap) {
-    const { adhesion, free, delta_n } = this.head
-    return gap <= delta_n || T_n <= -free * adhesion
+  // What is said of the run that frame k belongs to: of one that goes on from others, not the same for all
+  headOf(k) {
+    return this.places[k][0].head
   }
 
-  // How a node is drawn
-  state(T_n, gap) {
-    const { adhesion, flat } = this.head
-    if (!this.acts(T_n, gap)) return "free"
-    if (flat && Math.abs(T_n) < NONE * adhesion) return "contact"
-    return T_n > 0 ? "repulsive" : "adhering"
+  // Names of the parameters that are not the same for all frames after the approach
+  get changing() {
+    const scenes = [...new Set(this.places.slice(Math.max(0, this.sheared)).map(([{ head }]) => head.scene))]
+    return Object.keys(this.head.scene).filter((name) => scenes.some((scene) => scene[name] !== scenes[0][name]))
   }
 
-  // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 points against +x.
+  // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 points against +x; and
+  // state(i), how node i is drawn.
   // All nodes of a flat surface are alike: they are drawn less than a spacing from where they were, to fill the view
   frame(k) {
     const [{ head, fields }, row] = this.places[k]
@@ -115,7 +127,8 @@ export class Run {
     const real = (name, factor) => Float32Array.from(
       fields[name].subarray(row * nodes, (row + 1) * nodes), (value) => value * factor * scales[name])
     const x = real("u_x", 1).map((u, i) => (first + i) * spacing - middle + (flat ? u - spacing * Math.round(u / spacing) : u))
-    return { x, gap: real("gap", 1), T_n: real("T_z", 1), T_t: real("T_x", -1) }
+    const gap = real("gap", 1), T_n = real("T_z", 1)
+    return { x, gap, T_n, T_t: real("T_x", -1), state: (i) => state(head, T_n[i], gap[i]) }
   }
 
   // Displacement u_x of the first node, nm; of a flat surface that of all
@@ -139,13 +152,13 @@ export class Run {
     return [first + left - beyond(left, left - 1), first + right + beyond(right, right + 1)]
   }
 
-  // Largest of F_bar and L_bar after the approach
+  // Largest of F and L after the approach, N/m
   get strongest() {
-    const { F_bar, L_bar } = this.curves
-    if (this.weighed !== F_bar.length) {
+    const { F, L } = this.curves
+    if (this.weighed !== F.length) {
       const from = Math.max(0, this.sheared)
-      this.most = [F_bar, L_bar].reduce((most, list) => list.reduce((a, b, k) => (k < from ? a : Math.max(a, Math.abs(b))), most), 0)
-      this.weighed = F_bar.length
+      this.most = [F, L].reduce((most, list) => list.reduce((a, b, k) => (k < from ? a : Math.max(a, Math.abs(b))), most), 0)
+      this.weighed = F.length
     }
     return this.most
   }
@@ -215,6 +228,7 @@ export class Run {
     this.places = other.places.slice(0, k + 1)
     for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
     for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "strongestForce", "lowest", "reach"]) this[name] = other[name]
+    this.worked = this.curves.work.at(-1)
   }
 
   // Work of the top over the closed cycle of a loop, nJ/m, once it is closed
@@ -264,7 +278,7 @@ export class Run {
       const c = Math.round((along[k] - start) / step)
       for (let i = 0; i < head.nodes; i++) {
         const j = row * head.nodes + i, value = fields.T_z[j] * head.scales.T_z
-        if (this.acts(value, fields.gap[j] * head.scales.gap)) image[(head.first - from + i) * columns + c] = value
+        if (acts(head, value, fields.gap[j] * head.scales.gap)) image[(head.first - from + i) * columns + c] = value
       }
     }
     return { image, rows, columns, start, step, unrested: this.unrested(frames, along, step), low: (from - 0.5) * this.head.spacing - this.head.middle }

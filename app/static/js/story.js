@@ -43,7 +43,7 @@ export function drawStory(run, k, canvas = by("story"), figure = figures.punch) 
 
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
 function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
-  const { nodes, first, spacing, middle } = run.places[k][0].head, every = Math.max(1, Math.round(nodes / LINES))
+  const { nodes, first, spacing, middle } = run.headOf(k), every = Math.max(1, Math.round(nodes / LINES))
   const U_x = run.curves.U_x[k]
   pen.strokeStyle = ink.body
   pen.globalAlpha = 0.55
@@ -83,11 +83,10 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
 // What the hand must do, at the top: F to the side, L down or up, in lengths over the largest of the runs in view
 function drawForces(view) {
   const { box, narrow, run, k, ink } = view
-  const { F_bar, L_bar } = run.curves, force = run.head.force
-  const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest * of.head.force))
+  const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest))
   const long = Math.min(ARROW, 0.3 * box.height)
   if (!(full > 0) || run.apart) return
-  const F = F_bar[k] * force, L = L_bar[k] * force
+  const F = run.curves.F[k], L = run.curves.L[k]
   const top = box.top + BAR, line = 1.25 * size()
   const x = box.left + 0.82 * box.width, y = top + (narrow ? 2.1 : 2.6) * line
   arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
@@ -119,15 +118,15 @@ function drawEdges(view) {
   let y = Math.min(Math.max(Y(0), Y(Math.min(...frame.gap))) + 12, bottom - 1.6 * size())
   const back = run.stage(k) === "back"
   if (!edges) {
-    const held = frame.T_n.some((T, i) => run.state(T, frame.gap[i]) === "adhering")
+    const held = frame.T_n.some((_, i) => frame.state(i) === "adhering")
     write(view, !held ? "the surfaces do not reach each other" : narrow ? "A = 0: attraction alone" : "nothing is repelled: A = 0, held by attraction alone", X(0), y + size())
     return
   }
   const place = (edge) => {
-    const { first } = run.places[k][0].head, i = Math.floor(edge - first), t = edge - first - i
+    const { first } = run.headOf(k), i = Math.floor(edge - first), t = edge - first - i
     return X(frame.x[i] * (1 - t) + frame.x[Math.min(i + 1, frame.x.length - 1)] * t)
   }
-  const [left, right] = edges.map(place), A = run.curves.A_bar[k] * 2 * run.head.middle
+  const [left, right] = edges.map(place), A = run.curves.A[k]
   const repelled = narrow ? `A ${fixed(A, 0)} nm` : `A = ${fixed(A, 0)} nm is repelled`
   const start = run.sheared >= 0 && k >= run.sheared ? run.edges(run.sheared) : null
   const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
@@ -155,12 +154,12 @@ function drawEdges(view) {
 
 // The zones that pull, on either side, where there is room for the words
 function drawAttracted(view, [left, right]) {
-  const { X, Y, frame, run, k, ink } = view, { first } = run.places[k][0].head
+  const { X, Y, frame, run, k, ink } = view, { first } = run.headOf(k)
   const zones = [[0, left - first], [right - first, frame.x.length]]
   for (const [from, to] of zones) {
     let total = 0, weight = 0
     for (let i = Math.max(0, Math.ceil(from)); i < to && i < frame.x.length; i++) {
-      if (run.state(frame.T_n[i], frame.gap[i]) !== "adhering") continue
+      if (frame.state(i) !== "adhering") continue
       total += -frame.T_n[i] * frame.x[i]
       weight -= frame.T_n[i]
     }
@@ -179,7 +178,7 @@ function lastSlip(run, k) {
 
 // By how many sites every node of frame `at` has moved since the frame before; the same node in either
 export function movedSites(run, at) {
-  const [now, before] = [at, at - 1].map((k) => ({ head: run.places[k][0].head, x: run.frame(k).x }))
+  const [now, before] = [at, at - 1].map((k) => ({ head: run.headOf(k), x: run.frame(k).x }))
   const shift = now.head.first - before.head.first, { spacing, flat } = now.head
   if (flat) return Float32Array.from(now.x, () => Math.round((run.u(at) - run.u(at - 1)) / spacing))
   return now.x.map((x, i) => (i + shift in before.x ? Math.round((x - before.x[i + shift]) / spacing) : 0))
@@ -187,7 +186,7 @@ export function movedSites(run, at) {
 
 // The nodes that slipped flash, and fade as the top goes on
 function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
-  const moved = movedSites(run, slip.at), shift = run.places[k][0].head.first - run.places[slip.at][0].head.first
+  const moved = movedSites(run, slip.at), shift = run.headOf(k).first - run.headOf(slip.at).first
   pen.strokeStyle = ink.slip
   pen.lineWidth = 14
   pen.lineCap = "round"
@@ -207,7 +206,7 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
 const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
 export function slipSaid(run, at, brief = false) {
   const moved = movedSites(run, at), frame = run.frame(at)
-  const acting = [...moved.keys()].filter((i) => run.state(frame.T_n[i], frame.gap[i]) !== "free")
+  const acting = [...moved.keys()].filter((i) => frame.state(i) !== "free")
   const gone = acting.filter((i) => moved[i])
   const before = run.curves.A_bar[at - 1], now = run.curves.A_bar[at], change = now / before - 1
   const area = before === 0 ? (now > 0 ? ", contact again" : "") : now === 0 ? ", A falls to 0"

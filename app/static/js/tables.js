@@ -11,13 +11,13 @@ const short = (value) => (Number.isFinite(value) ? minus(Number(value.toPrecisio
 // title, headings and rows of a plot of a run, at frame k where it shows one
 const TABLES = {
   punch: (run, k) => nodes(run, k, "Surface nodes", ["height (nm)", "state"],
-    ({ gap, T_n }, i) => [fixed(gap[i], 3), run.state(T_n[i], gap[i])]),
+    (frame, i) => [fixed(frame.gap[i], 3), frame.state(i)]),
   traction: (run, k) => nodes(run, k, "Traction", ["normal Tₙ (GPa)", "tangential Tₜ (GPa)"],
     ({ T_n, T_t }, i) => [fixed(T_n[i], 4), fixed(T_t[i], 4)]),
   forces: (run) => increments(run, "Forces", ["friction F (N/m)", "load L (N/m)"],
-    ({ F_bar, L_bar }, { force }) => [short(F_bar * force), short(L_bar * force)]),
+    ({ F, L }) => [short(F), short(L)]),
   area: (run) => increments(run, "Contact area", ["A (nm)", "A / w (10⁻³)"],
-    ({ A_bar }, { middle }) => [short(A_bar * 2 * middle), short(A_bar * 1000)]),
+    ({ A, A_bar }) => [short(A), short(A_bar * 1000)]),
   map: (run) => increments(run, "Contact map", ["acts from x (nm)", "to (nm)", "repulsive nodes", "adhering nodes"], acting),
 }
 
@@ -33,16 +33,16 @@ function increments(run, title, headings, cells) {
   const rows = []
   for (let k = Math.max(0, run.sheared); k < run.length; k++) {
     const v = run.values(k)
-    rows.push([run.stage(k), fixed(run.along[k], 2), ...cells(v, run.places[k][0].head, run, k), v.slip ? "slip" : ""])
+    rows.push([run.stage(k), fixed(run.along[k], 2), ...cells(v, run, k), v.slip ? "slip" : ""])
   }
   return { title, headings: ["stage", run.normal ? "δ (nm)" : "Uₓ (nm)", ...headings, "slip"], rows }
 }
 
 // Where anything acts in a frame, in places of the undeformed punch
-function acting(values, { first, spacing, middle }, run, k) {
-  const { gap, T_n } = run.frame(k), count = { repulsive: 0, adhering: 0, free: 0, contact: 0 }, at = []
-  for (let i = 0; i < gap.length; i++) {
-    const state = run.state(T_n[i], gap[i])
+function acting(values, run, k) {
+  const { first, spacing, middle } = run.headOf(k), frame = run.frame(k), count = { repulsive: 0, adhering: 0, free: 0, contact: 0 }, at = []
+  for (let i = 0; i < frame.gap.length; i++) {
+    const state = frame.state(i)
     count[state]++
     if (state !== "free") at.push((first + i) * spacing - middle)
   }

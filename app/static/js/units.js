@@ -7,9 +7,9 @@ const BAR = { names: { F: "F_bar", L: "L_bar" }, factor: 1000, text: "10⁻³", 
 
 let bar = false // whether over wE
 
-// {names, factor, text, symbols} of the forces of the runs drawn together: one unit for all of them
+// {names, factor, text, symbols, over} of the forces of the runs drawn together: one unit for all of them
 export function forceUnit(runs) {
-  if (bar) return BAR
+  if (bar) return runs.some((run) => run?.changing.includes("E")) ? { ...BAR, over: ", by the E of each increment" } : BAR
   const most = Math.max(...runs.map((run) => run?.strongestForce ?? 0))
   const [size, text] = UNITS.find(([, , least]) => most >= least)
   return { names: { F: "F", L: "L" }, factor: 1 / size, text, symbols: { F: "F", L: "L" } }

@@ -10,15 +10,16 @@ const MAIN = ["delta_bar", "phi_ratio", "E"]
 export const value = (name, given) => `${SYMBOLS[name] ?? name} = ${`${given}`.replace("-", "−")}${name in UNITS ? ` ${UNITS[name]}` : ""}`
 
 // Parameters of the scene on screen: the preset, those with a slider, and what differs from the preset
-export function parameters({ values, address, preset } = me.status) {
-  const others = Object.keys(address).filter((name) => !["preset", "profile", ...MAIN].includes(name))
+export function parameters({ values, address, preset } = me.status, changing = []) {
+  const others = [...new Set([...Object.keys(address), ...changing])].filter((name) => !["preset", "profile", ...MAIN].includes(name))
   const title = document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
-  const changed = others.length || MAIN.some((name) => name in address)
+  const changed = others.length || changing.length || MAIN.some((name) => name in address)
   return `${title}${changed ? ", changed" : ""}: ${[...MAIN, ...others].map((name) => value(name, values[name])).join(", ")}`
 }
 
 export function described(run, k) {
   if (!me.status.values || !run?.length || k < 0) return ""
   const at = run.values(k)
-  return `${parameters()}; ${run.stage(k)} increment ${at.index}, Uₓ = ${fixed(at.U_x, 1)} nm, δ = ${fixed(at.delta, 1)} nm`
+  const scene = parameters({ ...me.status, values: run.headOf(k).scene }, run.changing)
+  return `${scene}; ${run.stage(k)} increment ${at.index}, Uₓ = ${fixed(at.U_x, 1)} nm, δ = ${fixed(at.delta, 1)} nm`
 }

@@ -2,7 +2,7 @@
 
 import { by } from "../dom.js"
 import { MEASURES, measured } from "./measures.js"
-import { load, onPins, pins, swatch } from "./pins.js"
+import { load, onPins, pins, swatch, titleOf } from "./pins.js"
 import { goto } from "../player.js"
 import { me } from "../state.js"
 
@@ -33,7 +33,7 @@ function fill() {
     Object.assign(cell, { scope: "col", title: what })
     return cell
   }))
-  const rows = pins.map((pin) => row(pin.name, swatch(pin.slot), pin.run, pin.values?.surface ?? pin.scene.surface ?? "circular", (k) => load(pin, k)))
+  const rows = pins.map((pin) => row(titleOf(pin), swatch(pin.slot), pin.run, pin.values?.surface ?? pin.scene.surface ?? "circular", (k) => load(pin, k)))
   const own = row("on screen", null, me.run, me.status.values.surface, (k) => goto(k))
   by("numbers-table").replaceChildren(element("thead", head), element("tbody", own, ...rows))
 }

@@ -31,7 +31,7 @@ export function measured(run, surface) {
   if (found.slips.k < 0) found.slips.k = end
   if (first === undefined) for (const name of ["U_s", "F_s", "A_s", "tau_c"]) found[name] = none("no slip in shear", end)
   else {
-    const F = curves.slip_F[first] * head.force, A = curves.slip_A[first] * width
+    const F = curves.F_slip[first], A = curves.slip_A[first] * width
     found.U_s = { text: number(curves.slip_at[first]), why: "", k: before }
     found.F_s = { text: number(F), why: `F̄ = ${(curves.slip_F[first] * 1000).toPrecision(5)}·10⁻³`, k: before }
     found.A_s = { text: number(A), why: `Ā = ${(curves.slip_A[first] * 1000).toPrecision(5)}·10⁻³`, k: before }
@@ -50,9 +50,9 @@ function friction({ curves, head }, inShear, start) {
   if (start === undefined) return none("it has not slid", end ?? 0)
   const begun = curves.slip[start] ? curves.slip_at[start] : curves.U_x[start]
   if (curves.U_x[end] - begun < head.spacing * (1 - 1e-6)) return none("it slid by less than a lattice period: enlarge u_x_max", end)
-  const forces = inShear.filter((k) => k >= start).flatMap((k) => (curves.slip[k] ? [[curves.slip_F[k], k - 1], [curves.F_bar[k], k]] : [[curves.F_bar[k], k]]))
+  const forces = inShear.filter((k) => k >= start).flatMap((k) => (curves.slip[k] ? [[curves.F_slip[k], k - 1], [curves.F[k], k]] : [[curves.F[k], k]]))
   const most = forces.reduce((a, b) => (b[0] > a[0] ? b : a)), least = forces.reduce((a, b) => (b[0] < a[0] ? b : a))
-  return { text: number(0.5 * (most[0] + least[0]) * head.force), why: `largest ${number(most[0] * head.force)}, least ${number(least[0] * head.force)} N/m`, k: most[1] }
+  return { text: number(0.5 * (most[0] + least[0])), why: `largest ${number(most[0])}, least ${number(least[0])} N/m`, k: most[1] }
 }
 
 function peeled(run, before, surface) {

@@ -12,8 +12,10 @@ import { value } from "../words.js"
 const MOST = 4
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
-export const pins = [] // {run, scene, values, name, slot, shown}: scene {name: text} as in an address, slot 1 .. MOST
+export const pins = [] // {run, scene, values, name, slot, shown, carried}: scene {name: text} as in an address, slot 1 .. MOST
 
+// Only the run itself was carried on from another: loaded, or in a link, its scene begins anew
+export const titleOf = ({ name, carried }) => `${name}${carried ? ", carried on" : ""}`
 const style = (slot) => ({ ink: colour(`--pin-${slot}`), dash: colour(`--pin-${slot}-dash`) })
 export const walksAlong = ({ run: pinned }, run) => pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa
 const drawable = (run) => pins.filter((pin) => pin.shown && walksAlong(pin, run))
@@ -80,8 +82,9 @@ export function pinRun() {
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((one) => one.run === run)) return say("this run is pinned already")
   add(run, { ...status.address }, { ...status.values }, named(status.address, status.preset))
+  pins.at(-1).carried = Boolean(status.after)
   redraw()
-  say(`pinned: ${pins.at(-1).name}`)
+  say(`pinned: ${titleOf(pins.at(-1))}`)
 }
 
 function add(run, scene, values, name) {
@@ -126,13 +129,13 @@ export function swatch(slot) {
 
 function chip(one) {
   const made = Object.assign(document.createElement("span"), { className: "chip" })
-  const show = button("", `Show ${one.name}`, () => {
+  const show = button("", `Show ${titleOf(one)}`, () => {
     one.shown = !one.shown
     redraw()
     chipOf(one)?.querySelector("button").focus()
   })
   show.setAttribute("aria-pressed", one.shown)
-  show.append(swatch(one.slot), ` ${one.name}${one.run ? "" : " …"}`)
+  show.append(swatch(one.slot), ` ${titleOf(one)}${one.run ? "" : " …"}`)
   const goTo = button("load", `Load ${one.name}`, () => load(one))
   const twin = button("side by side", `Side by side with ${one.name}`, async () => {
     (await import("./twin.js")).toggle(one)

@@ -117,11 +117,12 @@ export function svg(name) {
 
 const number = (value) => `${Number(value.toPrecision(8))}`
 
-// A row per increment after the approach, as `python -m solver run --csv` writes it, in single precision
+// A row per increment after the approach, as `solver.files.write_csv` does, in single precision
 export function csv(run) {
+  const { changing } = run
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
-    : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))), run.stage(k)].join(",")]))
-  return [[...COLUMNS, "stage"].join(","), ...rows, ""].join("\n")
+    : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))), run.stage(k), ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
+  return [[...COLUMNS, "stage", ...changing].join(","), ...rows, ""].join("\n")
 }
 
 function say(text) {
@@ -181,7 +182,7 @@ export function open() {
   const { address, after } = me.status
   const said = []
   if (address.profile?.startsWith("known-")) said.push("The measured profile is too large for a link, which holds only while this server runs; the JSON has it.")
-  if (after) said.push("This run was carried on from another: link, NPZ, JSON and Python begin anew with its parameters.")
+  if (after) said.push("This run was carried on from another: the link begins anew with its parameters; Python and all data have the whole of it.")
   if (!me.run?.whole) said.push("The run is still being computed: CSV and pictures hold what there is.")
   say(said.join(" "))
   order("share", { link })

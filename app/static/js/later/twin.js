@@ -9,7 +9,7 @@ import { slot } from "../pages.js"
 import { show } from "../player.js"
 import { me } from "../state.js"
 import { drawStory } from "../story.js"
-import { matched, named, onPins, pins, swatch, walksAlong } from "./pins.js"
+import { matched, named, onPins, pins, swatch, titleOf, walksAlong } from "./pins.js"
 
 const chosen = () => pins.find((one) => one.twin)
 const drawable = (run) => (figures.twin && chosen() && walksAlong(chosen(), run) ? chosen() : null)
@@ -38,7 +38,7 @@ function tell() {
   const pin = chosen()
   document.querySelector(".page").toggleAttribute("data-twin", Boolean(pin))
   by("twin").hidden = by("punch-of").hidden = !pin
-  if (pin) by("twin-of").replaceChildren(swatch(pin.slot), ` pinned: ${pin.name}`)
+  if (pin) by("twin-of").replaceChildren(swatch(pin.slot), ` pinned: ${titleOf(pin)}`)
   again()
 }
 

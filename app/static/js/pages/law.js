@@ -10,9 +10,8 @@ export const closed = () => { law = null }
 
 export function frame(run, k) {
   if (!law) return
-  const { spacing: a, delta_n, delta_t, phi_n, phi_t } = law
-  const { x, gap, T_n, T_t } = run.frame(k)
-  const { middle } = run.head
+  const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.headOf(k) // which may be another than that of the law
+  const a = law.spacing, phi_t = phi_ratio * phi_n, nodes = run.frame(k), { x, gap, T_n, T_t } = nodes
   const states = { stick: [], slip: [], open: [] }
   const s = new Float32Array(x.length), shear = new Float32Array(x.length), normal = new Float32Array(x.length)
   for (let i = 0; i < x.length; i++) {
@@ -22,7 +21,7 @@ export function frame(run, k) {
     let sum = 0
     for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++) sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
     normal[i] = (T_n[i] * delta_n) / phi_n / sum
-    states[run.state(T_n[i], gap[i]) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip"].push(i)
+    states[nodes.state(i) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip"].push(i)
   }
   for (const state in states) {
     const pick = (list) => Float32Array.from(states[state], (i) => list[i])
