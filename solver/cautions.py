@@ -5,15 +5,17 @@ import numpy as np
 COARSE = 1.25  # a / delta_t: below, the springs of neighbouring nodes overlap so far that they feel no lattice
 FAR = 4.0  # a / delta_t: above, a node that is moved sideways without friction feels no spring that presses it back
 NEARLY_RIGID = 0.499  # nu: from here on the layer hardly moves sideways
-WEAK = 0.4  # damping: below, many equilibria flutter under the motion
 WIDE = 0.6  # of w between the outermost nodes that act: the gap to the next punch is the smaller part
 SOFT = 0.25  # phi_t/(E delta_t): above, GFMD's slips end elsewhere with another time step (E = 14, 10 at friction 2)
 STRAIN = 0.1  # (|delta| + u_x_max) / h, a bound of the layer's mean strain
 SLOPE = 0.1  # half that width over R, the slope of the punch where the contact ends
 
 
-def cautions(scene, widest=0.0):
-    """One sentence for every choice that shows in the result; `widest`: the largest width that acted, over w."""
+def cautions(scene, widest=0.0, safe_damping=0.0):
+    """One sentence for every choice that shows in the result.
+
+    widest: the largest width that acted, over w; safe_damping: the largest of the run's frames.
+    """
     found = []
     ratio = scene.spacing / scene.delta_t
     if ratio < COARSE:
@@ -26,10 +28,10 @@ def cautions(scene, widest=0.0):
             f"Node spacing a = {ratio:.2g} δₜ is above {FAR:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes move"
             " sideways, out of reach of their springs, and the contact grows too wide."
         )
-    if scene.damping < WEAK:
+    if scene.damping < safe_damping:
         found.append(
-            f"Damping {scene.damping:g} is below {WEAK:g}: many equilibria flutter under such a motion, and a slip may"
-            " never come to rest; then the run ends early. Where more than 350 nodes interact, flutter may go unseen."
+            f"Damping {scene.damping:g} lets waves of the contact flutter unseen: increments that count as at rest may not"
+            f" be. From {safe_damping:.2g} on none can."
         )
     softness = scene.phi_t / (scene.E * scene.delta_t)
     if softness > SOFT and scene.surface != "flat":

@@ -149,6 +149,8 @@ def run(arguments):
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     seconds = perf_counter() - start
     report = report_of(scene, frames, arguments.method, seconds, failure)
+    for sentence in sorted({*cautions(scene, safe_damping=report["safe_damping"])} - {*cautions(scene)}):
+        print(f"Caution: {sentence}", file=sys.stderr, flush=True)
     after = [frame for frame in frames if frame.stage != "approach"]
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")

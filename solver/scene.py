@@ -38,12 +38,13 @@ class Scene:
     u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the top", LOAD_PATH)
     damping: float = number(
         1.0,
-        0.05,
+        0.2,
         4.0,
         "",
         "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped",
         LOAD_PATH,
         unbounded=True,
+        beyond="with less, waves of the contact flutter and never come to rest",
     )
     du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOAD_PATH)
     du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOAD_PATH)

@@ -34,6 +34,7 @@ class Range(NamedTuple):
     group: str
     whole: bool = False
     unbounded: bool = False  # infinity is allowed as well
+    beyond: str = ""  # why not less, for messages
 
     @property
     def span(self):
@@ -51,7 +52,8 @@ class Range(NamedTuple):
         if isfinite(number) and self.low <= number <= self.high and (not self.whole or number == int(number)):
             return int(number) if self.whole else number
         kind = "a whole number" if self.whole else "a number"
-        raise SceneError(name, value, f"allowed: {self.span}", f"give {kind} in that range")
+        why = f" ({self.beyond})" if self.beyond and number < self.low else ""
+        raise SceneError(name, value, f"allowed: {self.span}{why}", f"give {kind} in that range")
 
 
 class Choice(NamedTuple):

@@ -17,6 +17,7 @@ class Finished:
     evaluations: int
     residual: float  # nm, the largest of the run
     widest: float = 0.0  # part of w over which anything acted, at most
+    safe_damping: float = 0.0  # the largest of its frames
 
     @property
     def size(self):

@@ -42,6 +42,7 @@ class Slice:
     evaluations: int
     residual: float  # nm, the largest of the slice
     widest: float  # part of w over which anything acts, the largest of the slice
+    safe_damping: float  # the largest of the slice's frames
     checkpoint: Any
     last: Any
     done: bool
@@ -134,6 +135,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
         widest=widest,
+        safe_damping=float(max((frame.safe_damping for frame in frames), default=0.0)),
         checkpoint=checkpoint,
         last=last,
         done=checkpoint.done,

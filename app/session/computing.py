@@ -217,6 +217,7 @@ class Computing:
         metrics.count("evaluations", piece.evaluations)
         run.residual = max(run.residual, piece.residual)
         run.widest = max(run.widest, piece.widest)
+        run.safe_damping = max(run.safe_damping, piece.safe_damping)
         run.blocks += piece.blocks
         run.seen = run.seen or piece.done or (piece.frames > 0 and piece.checkpoint.stage != "approach")
         run.seconds = time.monotonic() - run.started
@@ -235,9 +236,9 @@ class Computing:
     def _keep(self):
         """A run that has ended goes on the shelf: for all, or, if it is no whole run of its scene, for this visitor."""
         run = self.run
-        self.cautions = cautions(run.scene, run.widest)
+        self.cautions = cautions(run.scene, run.widest, run.safe_damping)
         run.kept_as = run.scene if run.state == "finished" and not run.history else object()
-        whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest)
+        whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest, run.safe_damping)
         self.session.shelf.put(run.kept_as, whole)
         run.blocks = []
 
@@ -245,7 +246,8 @@ class Computing:
         run = self.run
         run.state, run.frames, run.total, run.kept_as = "finished", known.frames, known.frames, run.scene
         run.evaluations, run.residual, run.widest = known.evaluations, known.residual, known.widest
-        self.cautions = cautions(run.scene, run.widest)
+        run.safe_damping = known.safe_damping
+        self.cautions = cautions(run.scene, run.widest, run.safe_damping)
         self.chains.grown(run)
         self._send(known.blocks)
 

@@ -24,6 +24,7 @@ class Run:
     residual: float = 0.0
     seconds: float = 0.0
     widest: float = 0.0  # part of w over which anything acted, at most
+    safe_damping: float = 0.0  # the largest of its frames
     heavy: bool = False  # whether an increment takes so long that the run must not be in the way of others
     wish: Scene = None  # what was asked for: `scene`, but with its own increments
     refines: bool = False  # whether it takes the place of a coarser one: shown when it is done

@@ -36,7 +36,6 @@ class Inverse:
         return w
 
 
-
 class Space:
     """Orthonormal disturbances V, their images M V under M = J - K, and V^T M V."""
 

@@ -63,6 +63,7 @@ class Record:
     period: float | None = None
     home: float = 0.0
     end: float = 0.0
+    safety: tuple = (0.0, None)  # the largest of its states', as of `rest.Mode`
 
     @staticmethod
     def of(state):
@@ -75,6 +76,8 @@ class Record:
 
     def add(self, increment):
         """Take in what an Increment passed."""
+        if increment.state.mode is not None:
+            self.safety = max(self.safety, increment.state.mode.safety, key=lambda safety: safety[0])
         for slip in increment.slips:
             branch = self.branches[-1]
             branch.end = slip
@@ -168,7 +171,8 @@ class Replay:
             branch.add(load, v - shift * problem.direction, active)
         slips = tuple(self._slips(record, state.load, target))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, record=record)
+        mode = state.mode and replace(state.mode, safety=record.safety)
+        moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, mode=mode, record=record)
         return Increment(moved, self.stepper.corrector.worst, slips, True)
 
     def _same(self, moved, branch, load):

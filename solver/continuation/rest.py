@@ -54,7 +54,10 @@ class Mode:
     mu: complex
     x: np.ndarray | None
     hidden: bool = False
-    safety: tuple = (0.0, None)  # damping over critical above which no wave can flutter, and `Linearised.safe_damping`'s
+    safety: tuple = (
+        0.0,
+        None,
+    )  # damping over critical above which no wave can flutter, and `Linearised.safe_damping`'s
     basis: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     v: np.ndarray | None = None  # (size,) where it was looked for, and
     pace: float = 0.0  # how far the unknown that moved most did per load there

@@ -63,6 +63,14 @@ class Frame:
     evaluations: int  # force evaluations of this increment
     slips: tuple = ()  # SlipEvents in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
+    # over critical: above it no wave of the contact can flutter; 0 where all modes are known, and for gfmd, which does not
+    # look
+    safe_damping: float = 0.0
+
+    @property
+    def may_flutter(self):
+        """Whether a wave may grow unseen: the scene's damping is weaker than what is known to be safe here."""
+        return self.scene.damping < self.safe_damping
 
     @property
     def unit(self):
@@ -153,7 +161,8 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     F_bar, L_bar = forces(scene, T)
     A_bar, delta = contact_area(scene, T), 0.0 - float(U_z)
     place = scene, stage, index, float(U_x), delta, first
-    return Frame(*place, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated)
+    safe_damping = state.mode.safety[0] if state.mode else 0.0
+    return Frame(*place, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated, safe_damping)
 
 
 def on_nodes(scene, field):

@@ -41,6 +41,8 @@ def summarize(scene, frames):
             "A_0": after[0].A_bar if after else None,
             "slips": sum(len(f.slips) for f in after),
             "events": [one.as_dict() | _values(f, names) for f in frames for one in f.slips],
+            "safe_damping": max((f.safe_damping for f in frames), default=0.0),
+            "may_flutter": sum(f.may_flutter for f in frames),
             "U_s": event and event.load,
             "F_s": event and event.F_bar,
             "A_s": event and event.A_bar,

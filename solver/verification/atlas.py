@@ -123,7 +123,7 @@ LOADINGS = (
     {"path": "loop", "hold": "load"},
     {"damping": 0.5},
     {"damping": 0.25, "path": "loop"},
-    {"damping": 0.05},
+    {"damping": 0.2},
     {"damping": 4.0, "hold": "load"},
 )
 LOADING_BASES = (
