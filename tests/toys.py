@@ -14,7 +14,7 @@ from solver.continuation.state import State
 class Toy:
     """T and its Jacobian are functions of u (size,); period: of the lattice, if there is one."""
 
-    unit, place = 1.0, None
+    unit = 1.0
 
     def __init__(self, T, J, size=1, k=1.0, tolerance=1e-12):
         self.T, self.J, self.size, self.k, self.tolerance = T, J, size, k, tolerance
@@ -29,38 +29,17 @@ class Toy:
         out[:] = s * self.direction + self.T(v) / self.k - v
         return float(np.abs(out).max())
 
-    def active_of(self, v, s):
-        return np.ones(1, bool)
+    def active(self, v, s, before=None, settled=None):
+        return np.ones(1, bool) if before is None else before
 
-    def admitted(self, v, active, settled=None):
-        return active
-
-    def smoother(self, v, active):
+    def preconditioner(self, v, active, sharp=False):
         return None
 
-    def inverse(self, v, active):
+    def grown(self, v, active, s, hidden=False):
         return None
 
-    def hides(self, v, active):
-        return False
-
-    def crowded(self, v, active, s):
-        return False
-
-    def tangent(self, v, active):
-        tangent = self.J(v) / self.k - np.eye(self.size)
-
-        def product(w):
-            self.evaluations += 1
-            return tangent @ w
-
-        return product
-
-    def oriented(self, mode):
-        return mode.copy()
-
-    def translated(self, v, distance):
-        return v + distance * self.direction
+    def linearised(self, v, active):
+        return Disturbed(self, v)
 
     def motion(self):
         return Node(self)
@@ -81,9 +60,6 @@ class Node:
         self.stiffness = np.array([[problem.k], [problem.k], [0.0]])
         self.critical = 2.0 * problem.k**0.5
 
-    def top(self, s):
-        return np.array([s, 0.0], complex)
-
     def start(self, v, active, s):
         y = np.zeros((2, 1), complex)
         y[: v.size, 0] = v
@@ -92,21 +68,42 @@ class Node:
     def unknowns(self, y):
         return y[: self.problem.size, 0].real.copy()
 
-    def displacement(self, y):
-        return y[: self.problem.size].real
-
-    def force(self, y, active):
+    def force(self, y, active, s):
         self.problem.evaluations += 1
-        return self.start(self.problem.T(self.unknowns(y)), active, 0.0)
+        force = self.start(self.problem.T(self.unknowns(y)), active, s)
+        force[0, 0] += self.problem.k * s
+        return force
 
     def interface(self, v, active):
         return float(np.abs(self.problem.J(v)).sum(axis=1).max())
 
-    def disturbance(self, v, active):
-        """The Maps of the unknowns, of unit mass."""
-        problem = self.problem
-        matrix = problem.J(v) - problem.k * np.eye(problem.size)
-        return SimpleNamespace(size=problem.size, product=lambda x: matrix @ x, seen=np.copy)
+
+class Disturbed:
+    """The Linearised of a Toy: the unknowns, of unit mass."""
+
+    def __init__(self, problem, v):
+        self.problem, self.size = problem, problem.size
+        self._matrix = problem.J(v) - problem.k * np.eye(problem.size)
+
+    def product(self, x):
+        self.problem.evaluations += 1
+        return self._matrix @ x
+
+    def tangent(self, w):
+        self.problem.evaluations += 1
+        return self._matrix @ w / self.problem.k
+
+    def inverse(self, solve, f):
+        return solve(-f / self.problem.k)
+
+    def seen(self, x):
+        return x.copy()
+
+    def safe_damping(self, known=(0.0, None)):
+        return known
+
+    def waves(self):
+        return None
 
 
 def cubic():

@@ -59,7 +59,7 @@ class Corrector:
 
     @property
     def sharp(self):
-        """(v, active) of the tangent whose inverse is in use, or None; of a State, so that `begin` takes it up again."""
+        """(v, active) of the tangent whose inverse is in use, or None; a State keeps it for `begin`."""
         return self._sharp and (self._sharp.v, self._sharp.active)
 
     @property

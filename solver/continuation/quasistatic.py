@@ -7,8 +7,8 @@ import numpy as np
 from .branch import LIMITS as BRANCH
 from .branch import continue_branch
 from .corrector import Corrector
-from .slip import motion_to_rest
 from .rest import Judge
+from .slip import motion_to_rest
 from .state import Increment, LimitPoint, NotConverged, Slip, State
 
 
@@ -67,8 +67,7 @@ class QuasiStatic:
         mode = self.judge.accept(self.problem, (state.load, state.v, state.active))
         if mode.rests:
             return replace(state, unsure=False, mode=mode)
-        away = self.problem.oriented(mode.x)
-        away *= BRANCH.start * self.problem.unit / np.abs(away).max()
+        away = mode.x * (BRANCH.start * self.problem.unit / np.abs(mode.x).max())
         return self._through(LimitPoint(state.load, state.v, state.active, away, mode.kind))
 
     def _grown(self, state):

@@ -6,8 +6,8 @@ fold     a real mu passes zero, and with it an eigenvalue of the equilibrium's t
 flutter  on its way to zero that mu meets the mu of a long wave of the layer, |mu| a few k_min: both turn complex.
 
 Both have the mu nearest to zero. It is sought by Rayleigh-Ritz in a space of disturbances of the whole surface, which
-is extended by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). What is found is
-carried from state to state. Waves of the contact, with mu far from zero, may flutter where damping is weaker than the
+is extended by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). What is found
+is carried from state to state. Waves of the contact, with mu far from zero, may flutter where damping is weaker than the
 local criterion says to be safe; small problems and flats are judged by all their mu, others carry that damping along.
 """
 
@@ -34,8 +34,8 @@ class Limits:
     others: int = 3  # vectors of no known symmetry that an exact look begins with; with one a mode was missed
     most: int = 60  # vectors that a look may add to the space
     # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no unknown has moved
-    # farther since the last look, in units of the problem, and states move no faster with the load, so many times: towards
-    # a fold at a distance d in load they move as d^-1/2
+    # farther since the last look, in units of the problem, and states move with the load at most so many times as fast:
+    # towards a fold at a distance d in load they move as d^-1/2
     far: float = 0.5
     faster: float = 1.15
 
@@ -45,7 +45,7 @@ LIMITS = Limits()
 
 @dataclass(frozen=True)
 class Mode:
-    """The disturbance of an equilibrium that grows fastest, its unknowns x (size,), and what the next look goes on from.
+    """The disturbance of an equilibrium that grows fastest, its unknowns x (size,), and what the next look starts from.
 
     growth, 1/time; mu, GPa/nm. hidden: a wave grows that one node for all cannot show.
     """
@@ -85,12 +85,14 @@ class Judge:
         """
         load, v, active = point
         here, known = problem.linearised(v, active), before and before.mode
-        if known is None or known.v is None or known.v.shape != v.shape:
+        if not _fits(known, v):
             return self._looked(problem, here, v, active, None, smooth, fine=True)
         pace = np.abs(v - before.v).max() / max(abs(load - before.load), 1e-300)
         calm = known.growth < -LIMITS.clear * self._scale(problem) and pace < LIMITS.faster * known.pace
         if calm and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
-            return replace(known, safety=here.safe_damping(known.safety))
+            passed = replace(known, safety=here.safe_damping(known.safety))
+            if self.damping >= passed.safety[0] or here.size > LIMITS.dense_waves:
+                return passed
         return replace(self._looked(problem, here, v, active, known, smooth, fine=False), pace=pace)
 
     def rightmost(self, problem, v, active, known=None, smooth=None):
@@ -109,7 +111,7 @@ class Judge:
             return _of_waves(here, *waves, friction)
         if here.size <= LIMITS.dense:
             return _dense(here, friction)
-        fits = known is not None and known.v is not None and known.v.shape == v.shape
+        fits = _fits(known, v)
         safety = here.safe_damping(known.safety) if fits else here.safe_damping()
         if self.damping < safety[0] and here.size <= LIMITS.dense_waves:
             return _dense(here, friction)
@@ -141,6 +143,11 @@ def inside(mu, friction):
         return depth
     steepness = friction * np.sqrt(friction**2 + 4.0 * np.maximum(depth, 0.0))
     return (friction**2 * depth - mu.imag**2) / steepness
+
+
+def _fits(known, v):
+    """Whether a Mode holds what a look at the state v may start from."""
+    return known is not None and known.v is not None and known.v.shape == v.shape
 
 
 def _largest_phase(x):

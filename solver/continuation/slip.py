@@ -1,8 +1,8 @@
 """From the end of a branch to the next rest: the damped motion, finished by Anderson steps.
 
-A slip is a sequence of steps with names. `start` puts the surface just beyond the end of the branch; `step` moves it for
-a while; `look` examines where it is; `land` looks for the rest with Anderson steps, once the motion has nearly died
-down; `raise_load` goes on under a higher load where the motion does not rest; `check` gives up.
+A slip is a sequence of steps with names. `start` puts the surface just beyond the end of the branch; `step` moves it
+for a while; `look` examines where it is; `land` looks for the rest with Anderson steps, once the motion has nearly
+died down; `raise_load` goes on under a higher load where the motion does not rest; `check` gives up.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,8 @@ class Limits:
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
     # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
-    # gone since the end of the branch. Oscillations grow slowly where they begin: ten times as fast, it went 0.3 nm too far
+    # gone since the end of the branch. Oscillations grow slowly where they begin: raised ten times as fast, the load
+    # went 0.3 nm too far
     raised: float = 1e-2
     raised_least: float = 1e-4  # units
     raised_most: float = 1e-3  # units; by more, surfaces slide on and on
@@ -94,7 +95,7 @@ class Pace:
 
 
 class _Passage:
-    """One attempt to come to rest, in steps of the usual length over `finer`; raises TooLong where these may be too long.
+    """One attempt to come to rest, in steps of the usual length over `finer`; raises TooLong if these may be too long.
 
     Attributes: where the motion is: problem, dynamics, motion, load, v, active; what the last look found: residual
     `worst`, `ahead`, the way since the look before, and whether it is still `starting`.
@@ -188,17 +189,19 @@ class _Passage:
         if not self.worst < small or not self._swing() < small:
             return None
         state = self._rest_near()
-        if state is not None:
-            if not (self.end.located and np.abs(state.v - self.end_v).max() < LIMITS.shortest * self.unit):
-                if self.film is not None:
-                    self.film.append((self.problem, state.v, state.active, self.load))
-                return state
+        if state is not None and not self._same_as_end(state):
+            if self.film is not None:
+                self.film.append((self.problem, state.v, state.active, self.load))
+            return state
         self.failures += state is None
         if self.starting:
             self.short *= 0.3
         else:
             self.landing *= 0.3
         return None
+
+    def _same_as_end(self, state):
+        return self.end.located and np.abs(state.v - self.end_v).max() < LIMITS.shortest * self.unit
 
     def _swing(self):
         """How far the velocities would carry an unknown, nm."""
@@ -219,7 +222,7 @@ class _Passage:
         return State(self.load, v, active, [(self.load, v)], secants, corrector.sharp, self.mode)
 
     def raise_load(self):
-        """Go on under a higher load where the motion does not rest, or where the branch goes on farther than thought."""
+        """Go on under a higher load where the motion does not rest, or where the branch goes on a little farther."""
         returned = self.starting and self.worst <= self.problem.tolerance
         if not returned and not self._restless():
             return

@@ -69,8 +69,8 @@ class Equilibrium:
     def preconditioner(self, v, active, sharp=False):
         """A function close to the inverse of -dR/dv, (size,) nm each, or None where it would not pay.
 
-        r -> (I + sigma C)^-1 r, sigma the interface's stiffness, weakens long waves, which a stiff interface pins; sharp:
-        the DenseInverse, unless it is singular or takes longer than iterations.
+        r -> (I + sigma C)^-1 r, sigma the interface's stiffness, weakens long waves, which a stiff interface pins;
+        sharp: the DenseInverse, unless it is singular or takes longer than iterations.
         """
         if sharp:
             return self._inverse(v, active)
@@ -99,8 +99,8 @@ class Equilibrium:
     def grown(self, v, active, s, hidden=False):
         """(the problem on a wider patch, v, active there) where a node outside may interact, else None.
 
-        New nodes are displaced by the tractions of the old ones. hidden: a wave grows that one node for all cannot show,
-        so that all nodes are needed.
+        New nodes are displaced by the tractions of the old ones. hidden: a wave grows that one node for all cannot
+        show, so that all nodes are needed.
         """
         return self.grown_under(v, active, self.loading.at(s), hidden)
 

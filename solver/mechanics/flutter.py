@@ -1,8 +1,8 @@
 """Where waves of the contact may flutter: the damping above which they cannot, by a local criterion.
 
 As NP1 has no potential, T_x(u_z) and T_z(u_x) can feed a wave more than friction takes from it. Estimated at every
-place for a wave q as if alone, from the 2 x 2 block of J - K with J averaged over a length of 0.6/q by a Gaussian. Not a
-proof; `tests/bench/rests.py` counts exceptions among dense spectra.
+place for a wave q as if alone, from the 2 x 2 block of J - K with J averaged over a length of 0.6/q by a Gaussian. Not
+a proof; `tests/bench/rests.py` counts exceptions among dense spectra.
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ MARGIN = 1.1  # on what is found: 8 % too little has been seen, among 6237 dense
 def safe_friction(tangents, stiffness, nodes, covers_cell):
     """The friction gamma (1/time, unit mass) above which no wave grows as an oscillation; 0.0 where J is symmetric.
 
-    tangents: J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; stiffness: K, (3, modes) GPa/nm, rows xx,
-    zz, c; nodes: of the cell; covers_cell: whether the patch is the whole cell, so that averages go round its ends.
+    tangents: J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; stiffness: K, (3, modes) GPa/nm, rows
+    xx, zz, c; nodes: of the cell; covers_cell: whether the patch is the whole cell, so that averages go round its ends.
     """
     return MARGIN * _safe_friction(tangents, stiffness, nodes, covers_cell)
 

@@ -41,7 +41,7 @@ class Linearised:
         return out.reshape(-1)
 
     def seen(self, x):
-        """The unknowns (problem size,) of a disturbance x (size,), of the sign in which the surface sinks, on the whole."""
+        """The unknowns (problem size,) of a disturbance x (size,), with the sign in which the surface sinks."""
         field = x.reshape(2, -1)
         rises = field[1, self.surface.patch].sum() > 0.0
         return self._unknowns(-field if rises else field)
@@ -71,9 +71,9 @@ class Linearised:
         `known` itself, such a pair, where J_xz - J_zx has hardly changed since.
         """
         skew, before = self.J[1] - self.J[2], known[1]
-        if before is not None and before.shape == skew.shape:
-            if np.abs(skew - before).max() <= SKEWER * np.abs(before).max():
-                return known
+        fits = before is not None and before.shape == skew.shape
+        if fits and np.abs(skew - before).max() <= SKEWER * np.abs(before).max():
+            return known
         contact = self.contact
         friction = safe_friction(self.J, contact.modes.stiffness, contact.nodes, contact.covers_cell)
         return friction / self.surface.critical, skew

@@ -11,8 +11,8 @@ class Surface:
 
     One node for all has the uniform mode alone. Buffers belong to this object.
 
-    Attributes: stiffness (3, modes) GPa/nm in rows xx, zz, c, as of `layer.Modes`; critical: 2 sqrt(k_min), the friction
-    that is critical for the slowest mode of the layer, 1/time.
+    Attributes: stiffness (3, modes) GPa/nm in rows xx, zz, c, as of `layer.Modes`; critical: 2 sqrt(k_min), 1/time, the
+    friction that is critical for the slowest mode of the layer.
     """
 
     def __init__(self, problem):

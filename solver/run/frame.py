@@ -63,8 +63,8 @@ class Frame:
     evaluations: int  # force evaluations of this increment
     slips: tuple = ()  # SlipEvents in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
-    # over critical: above it no wave of the contact can flutter; 0 where all modes are known, and for gfmd, which does not
-    # look
+    # over critical: above it no wave of the contact can flutter; 0 where all modes are known, and for gfmd, which does
+    # not look
     safe_damping: float = 0.0
 
     @property

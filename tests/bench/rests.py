@@ -3,8 +3,8 @@
     python tests/bench/rests.py [--scenes N] [--seed N] [--jobs N] [--nodes LEAST MOST]
 
 All modes of the motion of the whole surface are computed for some twelve frames of each scene in contact, and for those
-before and after a slip; hence the cells are small, of 16 to 90 nodes. In larger ones than 128, waves are not looked for:
-frames where they may flutter say so. Prints every scene with a frame that does not say so, though its fastest mode
+before and after a slip; hence the cells are small, of 16 to 90 nodes. In larger ones than 128, waves are not looked
+for: frames where they may flutter say so. Prints every scene with a frame that does not say so, though its fastest mode
 grows, and how runs ended: a scene has 10 s of processor time, an increment 2 s.
 """
 

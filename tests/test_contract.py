@@ -1,0 +1,171 @@
+"""What `solver.continuation.problem` asks of a problem, held by every problem there is."""
+
+import numpy as np
+import pytest
+import toys
+
+from solver import Scene
+from solver.continuation.problem import Dynamics, Linearised, Problem
+from solver.mechanics.contact import Contact, patch
+from solver.mechanics.equilibrium import Equilibrium
+from solver.mechanics.load_control import LoadControl
+from solver.run.loading import sideways
+
+PUNCH = Scene(nodes=128, width=312.5, radius=10.0, E=20.0, delta_bar=0.2)
+
+
+def on_patch():
+    return Equilibrium(Contact(PUNCH, *patch(PUNCH, 3.0)), sideways(1.0, -PUNCH.delta))
+
+
+def on_all_nodes():
+    return Equilibrium(Contact(PUNCH, 0, PUNCH.nodes), sideways(1.0, -PUNCH.delta))
+
+
+def one_for_all():
+    flat = PUNCH.changed(surface="flat")
+    return Equilibrium(Contact(flat, 0, 1), sideways(-1.0, -flat.delta))
+
+
+PROBLEMS = {
+    "patch": on_patch,
+    "all nodes": on_all_nodes,
+    "one node for all": one_for_all,
+    "held load": lambda: LoadControl(on_patch(), -1e-3),
+    "held load, one node for all": lambda: LoadControl(one_for_all(), 2e-3),
+    "cubic": toys.cubic,
+    "lattice": lambda: toys.lattice((1.0, 0.0)),
+    "spiral": toys.spiral,
+}
+S = 0.7  # nm, a load
+
+
+@pytest.fixture(params=PROBLEMS)
+def problem(request):
+    return PROBLEMS[request.param]()
+
+
+def state(problem):
+    """(v, active) near an equilibrium, off the symmetry of the surface."""
+    v = problem.undeformed(S)
+    v = v + 0.1 * np.random.default_rng(0).uniform(-1.0, 1.0, v.size)
+    return v, problem.active(v, S)
+
+
+def residual(problem, v, active, s=S):
+    out = np.empty(problem.size)
+    worst = problem.residual(v, active, s, out)
+    assert worst == np.abs(out).max()
+    return out
+
+
+def members(protocol):
+    return [name for name in {**protocol.__annotations__, **vars(protocol)} if not name.startswith("_")]
+
+
+def test_every_member_is_offered(problem):
+    v, active = state(problem)
+    for part, protocol in (
+        (problem, Problem),
+        (problem.motion(), Dynamics),
+        (problem.linearised(v, active), Linearised),
+    ):
+        assert [name for name in members(protocol) if not hasattr(part, name)] == []
+
+
+def test_the_residual_is_linear_in_the_load(problem):
+    v, active = state(problem)
+    change = residual(problem, v, active, S + 0.3) - residual(problem, v, active)
+    assert change == pytest.approx(0.3 * problem.direction, abs=1e-12)
+
+
+def test_the_tangent_is_the_slope_of_the_residual(problem):
+    """Central differences over 2e-5 nm: their error is 1e-10 of the third derivative, and 1e-16/1e-5 by round-off."""
+    v, active = state(problem)
+    w = np.random.default_rng(1).normal(size=problem.size)
+    slope = (residual(problem, v + 1e-5 * w, active) - residual(problem, v - 1e-5 * w, active)) / 2e-5
+    assert problem.linearised(v, active).tangent(w) == pytest.approx(slope, abs=1e-7 * np.abs(slope).max())
+
+
+def test_a_sharp_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
+    v, active = state(problem)
+    inverse = problem.preconditioner(v, active, sharp=True)
+    w = np.random.default_rng(1).normal(size=problem.size)
+    if inverse is None:
+        assert problem.size <= 3  # too few unknowns to be worth one
+    else:
+        assert inverse(-problem.linearised(v, active).tangent(w)) == pytest.approx(
+            w, abs=0.03
+        )  # single precision, times its condition
+
+
+def test_the_motion_starts_where_the_state_is(problem):
+    v, active = state(problem)
+    motion = problem.motion()
+    y = motion.start(v, active, S)
+    u = slice(0, 2 * getattr(problem, "nodes", problem.size))  # a top without mass is where the load wants it
+    assert motion.unknowns(y)[u] == pytest.approx(v[u], abs=1e-12)
+
+
+def test_the_motion_rests_where_the_residual_vanishes(problem):
+    """The force less that of the layer vanishes on a surface in equilibrium; to first order it is that of `product`."""
+    v, active = state(problem)
+    here, motion = problem.linearised(v, active), problem.motion()
+    x = np.random.default_rng(2).normal(size=here.size)
+    y = motion.start(v, active, S)
+    dy = np.fft.rfft(x.reshape(2, -1), axis=1) if here.size > 2 else x.reshape(-1, 1)
+    dy = np.vstack([dy, np.zeros((2 - len(dy), dy.shape[1]))])
+
+    def force(y):
+        xx, zz, c = motion.stiffness
+        layer = np.array([xx * y[0] - 1j * c * y[1], zz * y[1] + 1j * c * y[0]])
+        return motion.force(y, active, S).copy() - layer
+
+    change = (force(y + 1e-5 * dy) - force(y - 1e-5 * dy)) / 2e-5
+    change = np.fft.irfft(change, here.size // 2, axis=1) if here.size > 2 else change.real[: here.size]
+    expected = here.product(x)
+    assert change.reshape(-1) == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+def test_a_force_is_answered_by_the_disturbance_that_bears_it(problem):
+    v, active = state(problem)
+    here = problem.linearised(v, active)
+    matrix = np.array([here.tangent(e) for e in np.eye(problem.size)]).T
+    f = np.random.default_rng(3).normal(size=here.size)
+    if not hasattr(problem, "contact") or not problem.contact.uniform:
+        x = here.inverse(lambda b: np.linalg.solve(matrix, b), f)
+        assert here.product(x) == pytest.approx(-f, abs=1e-8 * np.abs(f).max())
+    assert here.seen(f).shape == (problem.size,)
+
+
+def test_more_unknowns_hold_the_same_state(problem):
+    v, active = state(problem)
+    if not hasattr(problem, "contact") or problem.contact.size == problem.contact.nodes:
+        return
+    wide, w, more = problem.grown(v, active, S, hidden=True)
+    assert wide.size > problem.size and more.sum() >= active.sum()
+    assert np.abs(wide.surface(w)).max() >= np.abs(problem.surface(v)).max()
+    assert wide.direction.size == wide.size == w.size
+
+
+def test_a_state_moved_on_by_a_period_is_one(problem):
+    if not problem.direction.any():
+        return
+    period = getattr(problem, "period", None) or (
+        problem.contact.scene.spacing if hasattr(problem, "contact") else None
+    )
+    if period is None:
+        return
+    v, active = state(problem)
+    moved = residual(problem, v + period * problem.direction, active, S + period)
+    assert moved == pytest.approx(residual(problem, v, active), abs=1e-10)
+
+
+def test_evaluations_are_counted(problem):
+    v, active = state(problem)
+    before = problem.evaluations
+    residual(problem, v, active)
+    here = problem.linearised(v, active)
+    here.tangent(v)
+    problem.motion().force(problem.motion().start(v, active, S), active, S)
+    assert problem.evaluations - before == 3

@@ -1,0 +1,176 @@
+"""The judge of rest, against known answers: two unknowns, dense eigenvalues, closed forms."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from solver import Scene, SceneError
+from solver.continuation.rest import Judge, rate
+from solver.continuation.state import State
+from solver.run.loadpath import Checkpoint, Run, load_path
+from solver.verification import spectrum
+
+SOFT = Scene(E=10.0, delta_bar=0.6, phi_ratio=0.3, u_x_max=22.4)
+FLUTTER = 22.2718524  # nm, its first slip; the fold of the branch lies at 22.4396
+
+
+class Spinner:
+    """x'' = M x - gamma x' with M = -k + s (0 1; -1 0), k the least stiffness: flutter at s^2 = gamma^2 k."""
+
+    size, unit, critical = 2, 1.0, 2.0  # k = 1
+
+    def __init__(self, turn, k=1.0):
+        self.matrix = np.array([[-k, turn], [-turn, -k]])
+
+    def motion(self):
+        return self
+
+    def linearised(self, v, active):
+        return SimpleNamespace(size=2, product=lambda x: self.matrix @ x, seen=np.copy, waves=lambda: None)
+
+
+def judged(problem, damping):
+    return Judge(damping).rightmost(problem, np.zeros(2), np.ones(1, bool))
+
+
+@pytest.mark.parametrize("damping", [0.5, 1.0, 3.0])
+def test_two_unknowns_flutter_where_they_should(damping):
+    onset = 2.0 * damping
+    below, above = judged(Spinner(0.999 * onset), damping), judged(Spinner(1.001 * onset), damping)
+    assert below.rests and not above.rests
+    assert above.kind == "flutter"
+    assert judged(Spinner(onset), damping).growth == pytest.approx(0.0, abs=1e-12)
+
+
+def test_two_unknowns_never_flutter_overdamped_but_fold():
+    assert judged(Spinner(100.0), np.inf).growth == pytest.approx(-1.0)
+    fold = judged(Spinner(0.0, -0.1), np.inf)
+    assert fold.growth == pytest.approx(0.1) and fold.kind == "bifurcation"
+
+
+def states(scene, every, start=0):
+    """(frame, problem, state) of every so many increments from `start` on."""
+    run, checkpoint, k = Run(scene), Checkpoint(), 0
+    while not checkpoint.done:
+        frame, checkpoint = run.next_frame(checkpoint)
+        k += 1
+        problem, state = run._stepper.problem, checkpoint.state
+        if k >= start and k % every == 0 and state.v.size == problem.size and state.active.any():
+            yield frame, problem, state
+
+
+SMALL = {"nodes": 192, "width": 468.75, "u_x_max": 12.0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"radius": 10.0, "E": 20.0},
+        {"radius": 10.0, "delta_bar": 0.3, "E": 10.0, "phi_ratio": 0.3},
+        {"radius": 10.0, "hold": "load", "delta_bar": 0.2},
+        {"surface": "rough", "delta_bar": 0.3},
+        {"delta_bar": 1.0, "damping": 0.5},
+    ],
+)
+def test_growth_near_zero_is_that_of_dense_eigenvalues(values):
+    scene = Scene(**SMALL, **values)
+    seen = 0
+    for frame, problem, state in states(scene, 40):
+        held = scene.hold == "load" and frame.stage != "approach"
+        true = spectrum.critical(scene, frame, held, exact=True).growth
+        found = Judge(scene.damping).rightmost(problem, state.v, state.active).growth
+        gamma = spectrum.friction(scene)
+        assert (found > 1e-6) == (true > 1e-6) or abs(true) < 1e-5 * gamma
+        if abs(true) < 0.05 * gamma:
+            assert found == pytest.approx(true, abs=1e-6 * gamma)
+        seen += 1
+    assert seen >= 5
+
+
+CELL = Scene(
+    nodes=128, width=312.5, radius=10.0, u_x_max=12.0, delta_bar=1.0
+)  # all mu are computed where waves may flutter
+
+
+@pytest.mark.slow
+def test_in_a_small_cell_waves_that_weak_damping_lets_grow_are_found():
+    scene, found = CELL.changed(damping=0.2), []
+    gamma = spectrum.friction(scene)
+    for frame, problem, state in states(CELL, 12):  # of a run at critical damping: they rest there
+        true = spectrum.critical(scene, frame, exact=True).growth
+        mode = Judge(0.2).rightmost(problem, state.v, state.active)
+        assert mode.growth == pytest.approx(true, abs=1e-4 * gamma) or max(mode.growth, true) < -0.2 * gamma
+        found.append(mode.growth)
+    assert len(found) >= 5 and max(found) > 0.0
+
+
+@pytest.mark.slow
+def test_a_frame_that_may_flutter_says_so_and_none_flutters_that_does_not():
+    """By dense spectra of the same states under other damping; the larger cell is not searched for waves."""
+    flutters = 0
+    for frame, _, _ in states(Scene(nodes=300, width=732.4, radius=8.0, u_x_max=9.0, delta_bar=0.5), 25):
+        for damping in (0.2, 0.3, 0.5, 0.8):
+            grows = spectrum.critical(frame.scene.changed(damping=damping), frame, exact=True).growth > 1e-6
+            assert not grows or damping < frame.safe_damping
+            flutters += grows
+    assert flutters > 0
+
+
+def test_damping_that_lets_nearly_everything_flutter_is_refused_with_the_reason():
+    with pytest.raises(SceneError, match=r"damping = 0\.1: allowed: 0\.2 \.\. 4 or inf .*flutter.*; give a number"):
+        Scene(damping=0.1)
+
+
+@pytest.mark.slow
+def test_the_mode_is_one_of_the_whole_surface():
+    _, problem, state = list(states(SOFT.changed(u_x_max=22.2), 20, 300))[-1]
+    stability = Judge(1.0).rightmost(problem, state.v, state.active)
+    assert stability.kind == "flutter" and stability.rests
+    assert stability.x.shape == state.v.shape
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("du_x", [0.1, 0.2])
+def test_a_soft_layer_slips_where_it_flutters_whatever_the_increment(du_x):
+    events = [e for f in load_path(SOFT.changed(du_x=du_x, u_x_max=22.4)) for e in f.slips if f.stage == "shear"]
+    assert events[0].kind == "flutter" and events[0].located
+    assert events[0].load == pytest.approx(FLUTTER, abs=1e-6)
+
+
+def test_waves_cannot_flutter_on_the_default():
+    for frame in load_path(Scene(u_x_max=10.0)):
+        assert frame.safe_damping < 0.5 and not frame.may_flutter
+
+
+def test_a_look_goes_on_from_the_one_before_and_is_left_out_where_little_has_changed():
+    *_, (_, problem, state) = states(Scene(u_x_max=9.0), 10)
+    judge = Judge(1.0)
+    known = State.at_rest(state.load, state.v, state.active)
+    known.mode = judge.rightmost(problem, state.v, state.active)
+    before = problem.evaluations
+    looked = judge.accept(problem, (state.load + 0.1, state.v + 0.1, state.active), known)
+    assert looked.rests and 0 < problem.evaluations - before < 30
+    before = problem.evaluations
+    known.mode = looked
+    again = judge.accept(problem, (state.load + 0.2, state.v + 0.1, state.active), known)
+    assert again.rests and problem.evaluations == before
+
+
+def test_a_flat_surface_is_judged_by_the_blocks_of_all_waves():
+    """With one node for all as with all of them; one node tells, of waves that grow, that there are some."""
+    scene = Scene(surface="flat", u_x_max=6.0, nodes=64, width=156.25)
+    for frame, problem, state in states(scene, 30):
+        mode = Judge(1.0).rightmost(problem, state.v, state.active)
+        wide, v, active = problem.grown(state.v, state.active, state.load, hidden=True)
+        whole = Judge(1.0).rightmost(wide, v, active)
+        assert whole.growth == pytest.approx(spectrum.growth(scene, frame), abs=1e-12)
+        assert mode.hidden == (whole.growth > 1e-6 >= mode.growth)
+        assert mode.growth <= whole.growth + 1e-12
+
+
+def test_rates_of_the_quadratic():
+    assert rate(-1.0, 2.0) == pytest.approx(-1.0)
+    assert rate(0.0, 2.0) == 0.0
+    assert rate(3.0 + 1j, np.inf) == 3.0
