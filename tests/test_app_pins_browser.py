@@ -109,7 +109,7 @@ TWIN = """() => {
     if (!twin || punch.drawn < punch.run.sheared) return null
     const U_x = punch.run.curves.U_x[punch.drawn], { U_x: passed } = pinned.curves
     const k = passed.findIndex((U, i) => i >= pinned.sheared && Math.abs(U - U_x) < 0.01)
-    const { x, gap, T_n } = pinned.frame(k), states = Array.from(x, (_, i) => pinned.state(T_n[i], gap[i]))
+    const { x, gap, state } = pinned.frame(k), states = Array.from(x, (_, i) => state(i))
     const drawn = (state) => parts.twin[state].data_source.data.x.length
     const asMany = (state) => drawn(state) === states.filter((one) => one === state).length
     const range = (figure) => [figure.x_range, figure.y_range].flatMap(({ start, end }) => [start, end]).join()
