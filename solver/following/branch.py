@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..continuation.interpolation import lagrange
+
 STENCIL = 6  # states through which what lies between them is interpolated
 INTERVALS = 12  # between states of a branch: with 6 of a stencil, F to 1e-5 of its largest
 
@@ -90,3 +92,11 @@ def even_weights(t, intervals):
     out = np.zeros((t.size, intervals + 1))
     np.put_along_axis(out, low[:, None] + np.arange(count), weights, axis=1)
     return out
+
+
+def weights_near(places, at):
+    """(slice of STENCIL ascending places about `at`, their Lagrange weights in the value there)."""
+    low = int(np.searchsorted(places, at)) - STENCIL // 2
+    low = max(0, min(low, len(places) - STENCIL))
+    near = slice(low, low + STENCIL)
+    return near, lagrange(places[near], at)

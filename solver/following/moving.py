@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..continuation.interpolation import combine, lagrange
-from .branch import Branch, Fold, NotFollowed
+from .branch import Branch, Fold, NotFollowed, weights_near
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,8 @@ class Limits:
     sharpness: float = 3e-6  # units, error of the load of a fold as predicted from the points before
     farthest: float = 0.5  # units from the fold's predicted place on its arc
     points: int = 8  # about a fold, at most
-    near: int = 4  # known changes, from which that of a state is interpolated
+    near: int = 3  # changes of states before, from which that of a state is extrapolated
+    rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
     surprise: float = 0.25  # units from there, beyond which a state lies on another branch
 
 
@@ -72,36 +73,51 @@ def followed_branch(solving, old, start, end, change, what):
     end: where it ends if not in a fold, else None.
     """
     n = old.intervals
-    v, active = solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")
-    known = {0: (v, active)}
-    fold = None
+    found = [solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")]
     if old.fold:
-        fold = followed_fold(solving, old.fold, v - old.v[0], f"the end of {what}")
-        end, known[n] = fold.load, (fold.v, fold.active)
+        end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
     if not end > start:
         raise NotFollowed(f"{what} has no states left")
-    loads = Branch(start, end, old.v, old.active, fold).loads
-    for i in _by_halves(n):
-        if i in known:
-            continue
-        guess = old.v[i] + _change(old, known, i)
-        known[i] = v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
-        if len(known) > LIMITS.near and np.abs(v - guess).max() > LIMITS.surprise * solving.problem.unit:
+    loads = Branch(start, end, old.v, old.active, old.fold).loads
+    changes = [found[0][0] - old.v[0]]
+    for i in range(1, n if old.fold else n + 1):
+        guess = old.v[i] + _extrapolated(changes, i)
+        v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
+        if i >= LIMITS.near and np.abs(v - guess).max() > LIMITS.surprise * solving.problem.unit:
             raise NotFollowed(f"a state of {what} lies on another branch")
-    v, active = (np.array([known[i][part] for i in range(n + 1)]) for part in (0, 1))
-    return Branch(start, end, v, active, fold)
+        found.append((v, active))
+        changes.append(v - old.v[i])
+    if not old.fold:
+        return Branch(start, end, *_stacked(found))
+    fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}")
+    if not fold.load > loads[n - 1]:
+        raise NotFollowed(f"{what} ends earlier than its states")
+    found.append((fold.v, fold.active))
+    v, active = _stacked(found)
+    return _evenly(start, fold, np.append(loads[:n], fold.load), v, active)
 
 
-def _change(old, known, i):
-    """Of state i, interpolated from those known nearest."""
-    near = sorted(known, key=lambda j: abs(j - i))[: LIMITS.near]
-    return combine(lagrange(near, i), [known[j][0] - old.v[j] for j in near])
+def _nearly(solving, fold, change, what):
+    """A load close to, but below, that of the fold that `fold` becomes."""
+    v = fold.v + change
+    with solving.roughly(LIMITS.rough * solving.problem.unit):
+        return solving.on_arc(v, fold.active, fold.load, fold.index, v[fold.index], what)[0]
 
 
-def _by_halves(n):
-    """0 .. n, so that most lie between others."""
-    order, step = [0, n], n
-    while step > 1:
-        step = (step + 1) // 2
-        order += [i for i in range(step, n, step) if i not in order]
-    return order + [i for i in range(n) if i not in order]
+def _extrapolated(changes, i):
+    """The change of state i from those of the states before it."""
+    near = range(max(0, len(changes) - LIMITS.near), len(changes))
+    return combine(lagrange(near, i), [changes[j] for j in near])
+
+
+def _stacked(found):
+    return tuple(np.array([one[part] for one in found]) for part in (0, 1))
+
+
+def _evenly(start, fold, loads, v, active):
+    """The Branch to a fold from states at loads (n + 1,) that are not quite those of even t."""
+    branch = Branch(start, fold.load, v, active, fold)
+    t = branch.t_at(loads)
+    even = [weights_near(t, at) for at in np.linspace(0.0, 1.0, t.size)[1:-1]]
+    between = [combine(weights, v[near]) for near, weights in even]
+    return Branch(start, fold.load, np.array([v[0], *between, v[-1]]), active, fold)

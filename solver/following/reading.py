@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..continuation.interpolation import combine, lagrange
+from ..continuation.interpolation import combine
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
-from .branch import INTERVALS, STENCIL, Branch, Fold, NotFollowed
+from .branch import INTERVALS, Branch, Fold, NotFollowed, weights_near
 from .skeleton import Skeleton
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
@@ -64,10 +64,8 @@ class _Line:
 
     def weights(self, t):
         """(frames, their weights) in the state at t."""
-        low = np.searchsorted(self.t, t) - STENCIL // 2
-        low = max(0, min(low, len(self.t) - STENCIL))
-        near = slice(low, low + STENCIL)
-        return self.frames[near], lagrange(self.t[near], t)
+        near, weights = weights_near(self.t, t)
+        return self.frames[near], weights
 
 
 def _lines(scene, frames, coordinate=lambda f: f.U_x):

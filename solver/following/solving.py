@@ -1,5 +1,7 @@
 """Solves one problem for state after state, with secant pairs kept from each to the next; failures are NotFollowed."""
 
+from contextlib import contextmanager
+
 import numpy as np
 
 from ..continuation.corrector import Corrector
@@ -41,6 +43,17 @@ class Solving:
                 break
             active = again
         return load, *self._checked(v, active, load, what)
+
+    @contextmanager
+    def roughly(self, tolerance):
+        """Solve within to that tolerance (nm) only; the inverse of a tangent met on the way is dropped afterwards."""
+        problem, fine = self.problem, self.problem.tolerance
+        problem.tolerance = tolerance
+        try:
+            yield
+        finally:
+            problem.tolerance = fine
+            self.begun = False
 
     def _begin(self, guess, active, load):
         v = guess.copy()
