@@ -1,10 +1,7 @@
-"""The states that carry a branch, dense towards its fold, and what lies between them.
+"""The states that carry a branch, dense towards its ends, and what lies between them.
 
-A branch that ends in a fold goes there with the root of the distance in load. So states stand evenly in t from 0 to 1,
-
-    load = start + (end - start) (1 - (1 - t)^2) before a fold,  start + (end - start) t where none ends the branch,
-
-and are smooth in t at the fold as well.
+A branch goes to a fold with the root of the distance in load, and where the one before it has left, it may come from
+near another. So states stand evenly in t from 0 to 1, load = start + (end - start) sin^2(pi t/2), and are smooth in t.
 """
 
 from dataclasses import dataclass
@@ -66,16 +63,21 @@ class Branch:
         return self.load_at(np.linspace(0.0, 1.0, self.intervals + 1))
 
     def load_at(self, t):
-        return self.start + (self.end - self.start) * (t * (2.0 - t) if self.fold else t)
+        return self.start + (self.end - self.start) * np.sin(0.5 * np.pi * t) ** 2
 
     def t_at(self, load):
         """t (array) of loads; beyond the ends of the branch it is that of its ends."""
-        part = np.clip((np.asarray(load, float) - self.start) / (self.end - self.start), 0.0, 1.0)
-        return 1.0 - np.sqrt(1.0 - part) if self.fold else part
+        return place(self.start, self.end, load)
 
     def weights(self, load):
         """Of the states in those at loads (k,), (k, n + 1)."""
         return even_weights(self.t_at(load), self.intervals)
+
+
+def place(start, end, load):
+    """t (array) of loads on a branch."""
+    part = np.clip((np.asarray(load, float) - start) / (end - start), 0.0, 1.0)
+    return np.arcsin(np.sqrt(part)) * (2.0 / np.pi)
 
 
 def even_weights(t, intervals):

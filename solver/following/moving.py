@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyfit, polyval
 
 from ..continuation.interpolation import combine, lagrange
 from .branch import Branch, Fold, NotFollowed, weights_near
@@ -13,7 +14,7 @@ class Limits:
     """Of following; a "unit" is the problem's `unit`."""
 
     arc: float = 0.05  # units between the first two points about a fold
-    sharpness: float = 3e-6  # units, error of the load of a fold as predicted from the points before
+    sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
     farthest: float = 0.5  # units from the fold's predicted place on its arc
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
@@ -24,47 +25,55 @@ class Limits:
 LIMITS = Limits()
 
 
-def followed_fold(solving, old, change, what):
-    """The Fold of the problem that `old` (Fold) becomes; change (size,): a guess of how it moves."""
-    unit, index, bend = solving.problem.unit, old.index, old.bend
+def followed_fold(solving, old, change, what, before=()):
+    """The Fold of the problem that `old` (Fold) becomes.
+
+    change (size,): a guess of how it moves; before: states (load, v) on the way to it, if known.
+    """
+    unit, index, chord = solving.problem.unit, old.index, np.zeros(old.v.size)
+    chord[index] = 1.0
     v, active, load = old.v + change, old.active, old.load
-    begin = arc = v[index]
-    points = []  # (arc, load, v)
-    predicted = np.inf
+    begin, points = v[index], [(v[index], load, v) for load, v in before]  # arc, load, v
     for _ in range(LIMITS.points):
-        load, v, active = solving.on_arc(v, active, load, index, arc, what)
-        points.append((arc, load, v))
-        if abs(load - predicted) < LIMITS.sharpness * unit:
-            break
+        load, v, active = solving.on_arc(v, active, load, chord, what)
+        points.append((v[index], load, v))
         if len(points) == 1:
-            arc, v = arc + LIMITS.arc * unit, v + LIMITS.arc * unit * old.along
+            v = v + LIMITS.arc * unit * old.along
             continue
-        bend, arc, predicted = _vertex(points, bend)
+        arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far")
-        near = sorted(points, key=lambda p: abs(p[0] - arc))[:3]
+        near = _nearest(points, arc)
         weights = lagrange([p[0] for p in near], arc)
-        v, load = combine(weights, [p[2] for p in near]), predicted
-    else:
-        raise NotFollowed(f"{what} is not found in {LIMITS.points} points")
-    far = max(points, key=lambda p: abs(p[0] - arc))
-    bend = 2.0 * (far[1] - load) / (far[0] - arc) ** 2
-    return Fold.of(load, v, active, (far[2] - v) / (far[0] - arc), bend)
+        v = combine(weights, [p[2] for p in near])
+        if abs(load - top) < LIMITS.sharpness * unit:
+            far = max(near, key=lambda p: abs(p[0] - arc))
+            along = (far[2] - v) / (far[0] - arc)
+            return Fold.of(top, v, active, along, bend)
+        load = top
+    raise NotFollowed(f"{what} is not found in {LIMITS.points} points")
 
 
-def _vertex(points, bend):
-    """(bend, arc, load) at the top of the parabola through the last points (arc, load, v), with that bend if only two."""
-    (a, fa, _), (b, fb, _) = points[0], points[1]
-    slope = (fb - fa) / (b - a)
-    if len(points) > 2:
-        c, fc, _ = points[-1]
-        if min(abs(c - a), abs(c - b)) > 0.1 * abs(b - a):
-            bend = 2.0 * ((fc - fb) / (c - b) - slope) / (c - a)
-        a, fa, slope = c, fc, (fc - fa) / (c - a) if abs(c - a) > abs(c - b) else (fc - fb) / (c - b)
-        b = points[0][0] if abs(c - points[0][0]) > abs(c - points[1][0]) else points[1][0]
-    here = slope - 0.5 * bend * (b - a)  # at a
-    top = a - here / bend
-    return bend, top, fa - 0.5 * here**2 / bend
+def _nearest(points, arc):
+    return sorted(points, key=lambda p: abs(p[0] - arc))[:4]
+
+
+def _top(points, bend):
+    """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v).
+
+    bend: that derivative as it was, used where there are but two points.
+    """
+    arc = points[-1][0]
+    near = _nearest(points, arc)
+    x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
+    if len(near) == 2:
+        slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
+        return arc - slope / bend, points[-1][1] - 0.5 * slope**2 / bend, bend
+    c = polyfit(x, y, len(near) - 1)
+    top = -0.5 * c[1] / c[2]
+    for _ in range(3):
+        top -= polyval(top, polyder(c)) / polyval(top, polyder(c, 2))
+    return arc + top, points[-1][1] + polyval(top, c), polyval(top, polyder(c, 2))
 
 
 def followed_branch(solving, old, start, end, change, what):
@@ -89,7 +98,8 @@ def followed_branch(solving, old, start, end, change, what):
         changes.append(v - old.v[i])
     if not old.fold:
         return Branch(start, end, *_stacked(found))
-    fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}")
+    before = [(load, v) for load, (v, _) in zip(loads[n - 3 : n], found[n - 3 :], strict=True)]
+    fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}", before)
     if not fold.load > loads[n - 1]:
         raise NotFollowed(f"{what} ends earlier than its states")
     found.append((fold.v, fold.active))
@@ -99,9 +109,9 @@ def followed_branch(solving, old, start, end, change, what):
 
 def _nearly(solving, fold, change, what):
     """A load close to, but below, that of the fold that `fold` becomes."""
-    v = fold.v + change
+    chord = fold.along / (fold.along @ fold.along)
     with solving.roughly(LIMITS.rough * solving.problem.unit):
-        return solving.on_arc(v, fold.active, fold.load, fold.index, v[fold.index], what)[0]
+        return solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)[0]
 
 
 def _extrapolated(changes, i):

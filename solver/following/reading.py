@@ -7,7 +7,7 @@ import numpy as np
 from ..continuation.interpolation import combine
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
-from .branch import INTERVALS, Branch, Fold, NotFollowed, weights_near
+from .branch import INTERVALS, Branch, Fold, NotFollowed, place, weights_near
 from .skeleton import Skeleton
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
@@ -53,14 +53,17 @@ def skeleton_from(scene, frames):
 class _Line:
     """The frames of one branch, from load `start` to `end`, where it slips if `slips`."""
 
-    def __init__(self, start, end, slips, frames, coordinate):
+    def __init__(self, start, end, slips, frames, loads):
         self.start, self.end, self.slips = start, end, slips
-        self.frames = frames
-        self.t = [self.t_of(coordinate(f)) for f in frames]
+        self.frames, self.t = frames, [self.t_of(load) for load in loads]
 
     def t_of(self, load):
-        part = (load - self.start) / (self.end - self.start)
-        return 1.0 - np.sqrt(max(0.0, 1.0 - part)) if self.slips else part
+        return float(place(self.start, self.end, load))
+
+    def cut(self, end):
+        """Let it end at a smaller load."""
+        loads = [f.U_x for f in self.frames if f.U_x <= end]
+        self.__init__(self.start, end, False, self.frames[: len(loads)], loads)
 
     def weights(self, t):
         """(frames, their weights) in the state at t."""
@@ -77,11 +80,11 @@ def _lines(scene, frames, coordinate=lambda f: f.U_x):
                 raise NotFollowed(f"a branch ends by {event.kind} at {event.load:g} nm: that is computed")
             if len(begun) < FEWEST:
                 raise NotFollowed(f"a branch that ends at {event.load:g} nm has but {len(begun)} frames")
-            lines.append(_Line(start, event.load, True, begun, coordinate))
+            lines.append(_Line(start, event.load, True, begun, list(map(coordinate, begun))))
             begun, start = [], event.load
         begun.append(frame)
     if len(begun) >= 2:
-        lines.append(_Line(start, coordinate(begun[-1]), False, begun, coordinate))
+        lines.append(_Line(start, coordinate(begun[-1]), False, begun, list(map(coordinate, begun))))
     return lines
 
 
@@ -91,7 +94,7 @@ def _period(reader, lines):
     if len(lines) == 1 and not lines[0].slips:
         line = lines[0]
         if line.start + a <= line.end and reader.same(line, line.start, line.frames[0], line.start + a, line, a):
-            line.end, line.t = line.start + a, [(f.U_x - line.start) / a for f in line.frames]
+            line.cut(line.start + a)
             return 0, 1, 1
         return 0, 0, 1
     for j, (line, after) in enumerate(pairwise(lines)):
@@ -171,8 +174,9 @@ class _Reader:
         """The Fold at the end of a line, extrapolated."""
         u, _, delta = self.at(line, 1.0)
         before, after = (self.at(line, 1.0 + step) for step in (-STEP, STEP))
+        bend = -0.5 * np.pi**2 * (line.end - line.start)  # of the load, by t
         way = self.unknowns(after[0] - before[0], after[2] - before[2], held) / (2.0 * STEP)
-        return Fold.of(line.end, self.unknowns(u, delta, held), self.active(u), way, -2.0 * (line.end - line.start))
+        return Fold.of(line.end, self.unknowns(u, delta, held), self.active(u), way, bend)
 
     def jumps(self, frames):
         """The Folds of the approach."""

@@ -4,6 +4,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from ..continuation.anderson import dot
 from ..continuation.corrector import Corrector
 from ..continuation.state import State
 from .branch import NotFollowed
@@ -29,11 +30,10 @@ class Solving:
             raise NotFollowed(f"{what} is not found")
         return self._checked(v, active, load, what)
 
-    def on_arc(self, guess, active, load, index, arc, what):
-        """(load, v, active) of the state with v[index] = arc next to a guess."""
+    def on_arc(self, guess, active, load, chord, what):
+        """(load, v, active) of the state with the same <chord, v> as a guess nearby."""
         v, active = self._begin(guess, active, load)
-        chord = np.zeros(v.size)
-        chord[index] = 1.0
+        arc = dot(chord, v)
         for _ in range(COME_AND_GO):
             load = self.corrector.solve_on_arc(v, active, load, self.secants, STEPS, chord, arc)
             if load is None:
