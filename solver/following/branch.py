@@ -52,6 +52,7 @@ class Branch:
     v: np.ndarray
     active: np.ndarray
     fold: Fold | None = None
+    periodic: bool = False  # smooth sliding: one period, states stand evenly in the load, v less the load is periodic
 
     @property
     def intervals(self):
@@ -63,15 +64,13 @@ class Branch:
         return self.load_at(np.linspace(0.0, 1.0, self.intervals + 1))
 
     def load_at(self, t):
-        return self.start + (self.end - self.start) * np.sin(0.5 * np.pi * t) ** 2
-
-    def t_at(self, load):
-        """t (array) of loads; beyond the ends of the branch it is that of its ends."""
-        return place(self.start, self.end, load)
+        return self.start + (self.end - self.start) * (t if self.periodic else np.sin(0.5 * np.pi * t) ** 2)
 
     def weights(self, load):
-        """Of the states in those at loads (k,), (k, n + 1)."""
-        return even_weights(self.t_at(load), self.intervals)
+        """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch in those at its ends."""
+        if self.periodic:
+            return periodic_weights((load - self.start) / (self.end - self.start), self.intervals)
+        return even_weights(place(self.start, self.end, load), self.intervals)
 
 
 def place(start, end, load):
@@ -94,6 +93,16 @@ def even_weights(t, intervals):
     out = np.zeros((t.size, intervals + 1))
     np.put_along_axis(out, low[:, None] + np.arange(count), weights, axis=1)
     return out
+
+
+def periodic_weights(t, intervals):
+    """Weights (k, n + 1) of the values at n + 1 even places of a period [0, 1] in the Fourier series at t (k,)."""
+    off = np.asarray(t, float)[:, None] - np.arange(intervals) / intervals
+    q = 2.0 * np.pi * np.arange(1, (intervals + 1) // 2)
+    weights = (1.0 + 2.0 * np.cos(off[:, :, None] * q).sum(axis=2)) / intervals
+    if intervals % 2 == 0:
+        weights += np.cos(np.pi * intervals * off) / intervals
+    return np.append(weights, np.zeros((len(weights), 1)), axis=1)
 
 
 def weights_near(places, at):

@@ -1,12 +1,12 @@
 """A branch and its fold moved to a changed problem: each state from its old self plus the change of those beside it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyfit, polyval
 
 from ..continuation.interpolation import combine, lagrange
-from .branch import Branch, Fold, NotFollowed, weights_near
+from .branch import Branch, Fold, NotFollowed, place, weights_near
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,8 @@ class Limits:
     arc: float = 0.05  # units between the first two points about a fold
     sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
     farthest: float = 0.5  # units from the fold's predicted place on its arc
+    near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
+    alike: float = 2.0  # how far its bend may then differ, as a factor
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
@@ -33,10 +35,15 @@ def followed_fold(solving, old, change, what, before=()):
     unit, index, chord = solving.problem.unit, old.index, np.zeros(old.v.size)
     chord[index] = 1.0
     v, active, load = old.v + change, old.active, old.load
-    begin, points = v[index], [(v[index], load, v) for load, v in before]  # arc, load, v
+    begin, points = v[index], []  # (arc, load, v)
+    before = [(v[index], load, v) for load, v in before]
     for _ in range(LIMITS.points):
         load, v, active = solving.on_arc(v, active, load, chord, what)
         points.append((v[index], load, v))
+        if len(points) == 1 and before:
+            found = _top([*before, points[0]], old.bend)
+            if abs(found[0] - begin) < LIMITS.near_by * unit and 1.0 / LIMITS.alike < found[2] / old.bend < LIMITS.alike:
+                points = [*before, points[0]]
         if len(points) == 1:
             v = v + LIMITS.arc * unit * old.along
             continue
@@ -87,7 +94,7 @@ def followed_branch(solving, old, start, end, change, what):
         end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
     if not end > start:
         raise NotFollowed(f"{what} has no states left")
-    loads = Branch(start, end, old.v, old.active, old.fold).loads
+    loads = replace(old, start=start, end=end).loads
     changes = [found[0][0] - old.v[0]]
     for i in range(1, n if old.fold else n + 1):
         guess = old.v[i] + _extrapolated(changes, i)
@@ -97,7 +104,7 @@ def followed_branch(solving, old, start, end, change, what):
         found.append((v, active))
         changes.append(v - old.v[i])
     if not old.fold:
-        return Branch(start, end, *_stacked(found))
+        return Branch(start, end, *_stacked(found), None, old.periodic)
     before = [(load, v) for load, (v, _) in zip(loads[n - 3 : n], found[n - 3 :], strict=True)]
     fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}", before)
     if not fold.load > loads[n - 1]:
@@ -127,7 +134,7 @@ def _stacked(found):
 def _evenly(start, fold, loads, v, active):
     """The Branch to a fold from states at loads (n + 1,) that are not quite those of even t."""
     branch = Branch(start, fold.load, v, active, fold)
-    t = branch.t_at(loads)
+    t = place(start, fold.load, loads)
     even = [weights_near(t, at) for at in np.linspace(0.0, 1.0, t.size)[1:-1]]
     between = [combine(weights, v[near]) for near, weights in even]
     return Branch(start, fold.load, np.array([v[0], *between, v[-1]]), active, fold)

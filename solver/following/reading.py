@@ -1,5 +1,6 @@
 """The skeleton of a run from its frames, without solving anything."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -45,7 +46,7 @@ def skeleton_from(scene, frames):
         raise NotFollowed("the run has not come to where it repeats itself")
     if count > MOST:
         raise NotFollowed(f"{count} branches until the run repeats itself, at most {MOST} are followed")
-    read = [reader.branch(line) for line in lines[:count]]
+    read = [reader.branch(line, bool(sites) and not line.slips) for line in lines[:count]]
     branches, tractions = ([one[part] for one in read] for part in (0, 1))
     return Skeleton(scene, reader.first, tuple(branches), tuple(tractions), home, sites, reader.jumps(frames))
 
@@ -59,11 +60,6 @@ class _Line:
 
     def t_of(self, load):
         return float(place(self.start, self.end, load))
-
-    def cut(self, end):
-        """Let it end at a smaller load."""
-        loads = [f.U_x for f in self.frames if f.U_x <= end]
-        self.__init__(self.start, end, False, self.frames[: len(loads)], loads)
 
     def weights(self, t):
         """(frames, their weights) in the state at t."""
@@ -94,7 +90,9 @@ def _period(reader, lines):
     if len(lines) == 1 and not lines[0].slips:
         line = lines[0]
         if line.start + a <= line.end and reader.same(line, line.start, line.frames[0], line.start + a, line, a):
-            line.cut(line.start + a)
+            line.end = line.start + a
+            line.t = [line.t_of(f.U_x) for f in line.frames if f.U_x <= line.end]
+            line.frames = line.frames[: len(line.t)]
             return 0, 1, 1
         return 0, 0, 1
     for j, (line, after) in enumerate(pairwise(lines)):
@@ -153,15 +151,16 @@ class _Reader:
         off = there - u - np.array([[moved], [0.0]])
         return bool(np.abs(off).max() <= SAME * min(self.scene.delta_n, self.scene.delta_t))
 
-    def branch(self, line):
+    def branch(self, line, periodic):
         """(Branch, T (n + 1, 2, m)) of a line."""
-        long = 1.0 if line.slips else (line.end - line.start) / BRANCH
+        long = 1.0 if line.slips or periodic else (line.end - line.start) / BRANCH
         n = max(INTERVALS, round(INTERVALS * long))
-        states = [self.at(line, t) for t in np.linspace(0.0, 1.0, n + 1)]
+        blank = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
+        states = [self.at(line, line.t_of(load)) for load in blank.loads]
         v = np.array([self.unknowns(u, delta, self.held) for u, _, delta in states])
         active = np.array([self.active(u) for u, _, _ in states])
         fold = self.fold(line, self.held) if line.slips else None
-        return Branch(line.start, line.end, v, active, fold), np.array([T for _, T, _ in states])
+        return replace(blank, v=v, active=active, fold=fold), np.array([T for _, T, _ in states])
 
     def unknowns(self, u, delta, held):
         return np.append(u.ravel(), -delta if held else ())

@@ -75,7 +75,9 @@ class Skeleton:
         frames = [None] * np.size(U_x)
         for k, mine, weights, shift in self._places(U_x):
             loads = np.atleast_1d(U_x)[mine]
-            states, tractions = weights @ self.branches[k].v, self.tractions[k]
+            branch, tractions = self.branches[k], self.tractions[k]
+            states = weights @ (branch.v - branch.loads[:, None] * self._along)
+            states += (loads - shift)[:, None] * self._along
             fields = (weights @ tractions.reshape(len(tractions), -1)).reshape(-1, *tractions.shape[1:])
             for i, load, v, T, moved in zip(np.flatnonzero(mine), loads, states, fields, shift, strict=True):
                 frames[i] = self._frame(float(load), v, T, moved)
@@ -90,6 +92,13 @@ class Skeleton:
         index = round(U_x / (scene.du_x * scene.delta_t))
         first, numbers = 0 if self._uniform else self.first, (*forces(scene, T), contact_area(scene, T))
         return Frame("shear", index, U_x, delta, first, u, T, *numbers, residual=np.nan, evaluations=0)
+
+    @cached_property
+    def _along(self):
+        """How the unknowns move with the load where they slide steadily."""
+        along = np.zeros(self.branches[0].v.shape[1])
+        along[: self.nodes] = 1.0
+        return along
 
     @property
     def _uniform(self):
