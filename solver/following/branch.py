@@ -11,14 +11,21 @@ import numpy as np
 from ..continuation.interpolation import lagrange
 
 STENCIL = 6  # states through which what lies between them is interpolated
-INTERVALS = 12  # between states of a branch: with 6 of a stencil, F to 1e-5 of its largest
 
 
 class NotFollowed(Exception):
     """The run under other parameters is no longer that of the skeleton, or cannot be got from it; the message says why.
 
-    It has to be computed from its start.
+    It has to be computed from its start. nearer: whether states nearer to those wanted might have led there.
     """
+
+    def __init__(self, reason, nearer=False):
+        super().__init__(reason)
+        self.nearer = nearer
+
+
+class Crowded(NotFollowed):
+    """A node outside the patch may interact."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,12 @@ class Branch:
         if self.periodic:
             return periodic_weights((load - self.start) / (self.end - self.start), self.intervals)
         return even_weights(place(self.start, self.end, load), self.intervals)
+
+    def tractions(self, contact):
+        """T (n + 1, 2, m) of the states, GPa."""
+        m = contact.size
+        pairs = zip(self.v, self.active, strict=True)
+        return np.array([contact.traction(v[: 2 * m].reshape(2, m), active) for v, active in pairs])
 
 
 def place(start, end, load):

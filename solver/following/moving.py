@@ -21,7 +21,8 @@ class Limits:
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
-    surprise: float = 0.25  # units from there, beyond which a state lies on another branch
+    first: float = 1.5  # units from where it was, beyond which the first state of a branch lies on another one
+    surprise: float = 0.3  # the same of the others, from where they are expected
 
 
 LIMITS = Limits()
@@ -49,7 +50,7 @@ def followed_fold(solving, old, change, what, before=()):
             continue
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
-            raise NotFollowed(f"{what} is no longer a fold, or has moved too far")
+            raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
         near = _nearest(points, arc)
         weights = lagrange([p[0] for p in near], arc)
         v = combine(weights, [p[2] for p in near])
@@ -58,7 +59,7 @@ def followed_fold(solving, old, change, what, before=()):
             along = (far[2] - v) / (far[0] - arc)
             return Fold.of(top, v, active, along, bend)
         load = top
-    raise NotFollowed(f"{what} is not found in {LIMITS.points} points")
+    raise NotFollowed(f"{what} is not found in {LIMITS.points} points", nearer=True)
 
 
 def _nearest(points, arc):
@@ -90,17 +91,17 @@ def followed_branch(solving, old, start, end, change, what):
     """
     n = old.intervals
     found = [solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")]
+    _refuse_far(solving, found[0][0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
     if old.fold:
         end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
     if not end > start:
-        raise NotFollowed(f"{what} has no states left")
+        raise NotFollowed(f"{what} has no states left", nearer=True)
     loads = replace(old, start=start, end=end).loads
     changes = [found[0][0] - old.v[0]]
     for i in range(1, n if old.fold else n + 1):
         guess = old.v[i] + _extrapolated(changes, i)
         v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
-        if i >= LIMITS.near and np.abs(v - guess).max() > LIMITS.surprise * solving.problem.unit:
-            raise NotFollowed(f"a state of {what} lies on another branch")
+        _refuse_far(solving, v, guess, LIMITS.surprise, f"a state of {what}")
         found.append((v, active))
         changes.append(v - old.v[i])
     if not old.fold:
@@ -108,10 +109,15 @@ def followed_branch(solving, old, start, end, change, what):
     before = [(load, v) for load, (v, _) in zip(loads[n - 3 : n], found[n - 3 :], strict=True)]
     fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}", before)
     if not fold.load > loads[n - 1]:
-        raise NotFollowed(f"{what} ends earlier than its states")
+        raise NotFollowed(f"{what} ends earlier than its states", nearer=True)
     found.append((fold.v, fold.active))
     v, active = _stacked(found)
     return _evenly(start, fold, np.append(loads[:n], fold.load), v, active)
+
+
+def _refuse_far(solving, v, guess, most, what):
+    if np.abs(v - guess).max() > most * solving.problem.unit:
+        raise NotFollowed(f"{what} lies on another branch", nearer=True)
 
 
 def _nearly(solving, fold, change, what):

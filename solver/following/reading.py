@@ -8,7 +8,7 @@ import numpy as np
 from ..continuation.interpolation import combine
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
-from .branch import INTERVALS, Branch, Fold, NotFollowed, place, weights_near
+from .branch import Branch, Fold, NotFollowed, place, weights_near
 from .skeleton import Skeleton
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
@@ -16,7 +16,8 @@ LONGEST = 12  # sites, longest period that is looked for
 MOST = 12  # branches that are worth following
 FEWEST = 3  # frames of a branch, from which its states can be interpolated
 STEP = 1e-4  # of t, over which the way of a branch at its end is told
-BRANCH = 5.0  # nm; of a run that slides smoothly for longer, there are INTERVALS to each such length
+INTERVALS = (12, 18, 24, 36, 48, 72)  # between the states of a branch: as few as will do
+TOLD = 2e-4  # of the largest force
 
 
 def skeleton_of(scene):
@@ -117,6 +118,8 @@ class _Reader:
         self.first, self.m = (0, 1) if self.uniform else (last.first, last.u.shape[1])
         self.held = scene.hold == "load"
         self._kept = {}
+        sums = [self.fields(f)[1].sum(axis=1) for f in frames if f.stage == "shear"]
+        self.largest = np.abs(sums).max(axis=0)
 
     def fields(self, frame):
         """(u, T), each (2, m)."""
@@ -152,15 +155,23 @@ class _Reader:
         return bool(np.abs(off).max() <= SAME * min(self.scene.delta_n, self.scene.delta_t))
 
     def branch(self, line, periodic):
-        """(Branch, T (n + 1, 2, m)) of a line."""
-        long = 1.0 if line.slips or periodic else (line.end - line.start) / BRANCH
-        n = max(INTERVALS, round(INTERVALS * long))
-        blank = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
-        states = [self.at(line, line.t_of(load)) for load in blank.loads]
+        """(Branch, T (n + 1, 2, m)) of a line, with as many states as it takes to tell its frames."""
+        for n in INTERVALS:
+            blank = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
+            states = [self.at(line, line.t_of(load)) for load in blank.loads]
+            T = np.array([T for _, T, _ in states])
+            if self.told(line, blank, T):
+                break
         v = np.array([self.unknowns(u, delta, self.held) for u, _, delta in states])
         active = np.array([self.active(u) for u, _, _ in states])
         fold = self.fold(line, self.held) if line.slips else None
-        return replace(blank, v=v, active=active, fold=fold), np.array([T for _, T, _ in states])
+        return replace(blank, v=v, active=active, fold=fold), T
+
+    def told(self, line, branch, T):
+        """Whether the forces at all frames of a line are told by tractions T of the states of a Branch."""
+        sums = np.array([self.fields(f)[1].sum(axis=1) for f in line.frames])
+        off = np.abs(branch.weights(np.array([f.U_x for f in line.frames])) @ T.sum(axis=2) - sums)
+        return bool((off.max(axis=0) <= TOLD * self.largest).all())
 
     def unknowns(self, u, delta, held):
         return np.append(u.ravel(), -delta if held else ())
