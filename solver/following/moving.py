@@ -84,20 +84,23 @@ def _top(points, bend):
     return arc + top, points[-1][1] + polyval(top, c), polyval(top, polyder(c, 2))
 
 
-def followed_branch(solving, old, start, end, change, what):
+def followed_branch(solving, old, start, end, change, reach, what):
     """The Branch that `old` becomes from load `start` on; change (size,): of its first state, a guess.
 
-    end: where it ends if not in a fold, else None.
+    end: where it ends if not in a fold, else None. reach: of a branch to itself, the period of its slips, else 0: the
+    states in which they land belong to it, at loads below zero as well.
     """
     n = old.intervals
-    found = [solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")]
-    _refuse_far(solving, found[0][0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
+    first = solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")
+    _refuse_far(solving, first[0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
     if old.fold:
-        end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
+        end = _nearly(solving, old.fold, first[0] - old.v[0], f"the end of {what}")
+        if reach:
+            start, first = _begun(solving, old, start, min(0.0, end - reach), first, what)
     if not end > start:
         raise NotFollowed(f"{what} has no states left", nearer=True)
     loads = replace(old, start=start, end=end).loads
-    changes = [found[0][0] - old.v[0]]
+    found, changes = [first], [first[0] - old.v[0]]
     for i in range(1, n if old.fold else n + 1):
         guess = old.v[i] + _extrapolated(changes, i)
         v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
@@ -111,8 +114,15 @@ def followed_branch(solving, old, start, end, change, what):
     if not fold.load > loads[n - 1]:
         raise NotFollowed(f"{what} ends earlier than its states", nearer=True)
     found.append((fold.v, fold.active))
-    v, active = _stacked(found)
-    return _evenly(start, fold, np.append(loads[:n], fold.load), v, active)
+    return _evenly(start, fold, np.append(loads[:n], fold.load), *_stacked(found))
+
+
+def _begun(solving, old, start, wanted, first, what):
+    """(load, (v, active)) of the first state at load `wanted`, from that at `start`."""
+    if wanted == start:
+        return start, first
+    speed = (old.v[1] - old.v[0]) / (old.loads[1] - old.loads[0])
+    return wanted, solving.at(first[0] + (wanted - start) * speed, first[1], wanted, f"the beginning of {what}")
 
 
 def _refuse_far(solving, v, guess, most, what):
@@ -139,7 +149,6 @@ def _stacked(found):
 
 def _evenly(start, fold, loads, v, active):
     """The Branch to a fold from states at loads (n + 1,) that are not quite those of even t."""
-    branch = Branch(start, fold.load, v, active, fold)
     t = place(start, fold.load, loads)
     even = [weights_near(t, at) for at in np.linspace(0.0, 1.0, t.size)[1:-1]]
     between = [combine(weights, v[near]) for near, weights in even]

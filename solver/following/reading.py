@@ -1,5 +1,6 @@
 """The skeleton of a run from its frames, without solving anything."""
 
+from copy import copy
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,6 +14,7 @@ from .skeleton import Skeleton
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
 LONGEST = 12  # sites, longest period that is looked for
+ALIKE = 1e-4  # nm, between ends of branches that are the same
 MOST = 12  # branches that are worth following
 FEWEST = 3  # frames of a branch, from which its states can be interpolated
 STEP = 1e-4  # of t, over which the way of a branch at its end is told
@@ -47,7 +49,8 @@ def skeleton_from(scene, frames):
         raise NotFollowed("the run has not come to where it repeats itself")
     if count > MOST:
         raise NotFollowed(f"{count} branches until the run repeats itself, at most {MOST} are followed")
-    read = [reader.branch(line, bool(sites) and not line.slips) for line in lines[:count]]
+    lines, home = _longest(lines[:count], home, sites * scene.spacing)
+    read = [reader.branch(line, bool(sites) and not line.slips) for line in lines]
     branches, tractions = ([one[part] for one in read] for part in (0, 1))
     return Skeleton(scene, reader.first, tuple(branches), tuple(tractions), home, sites, reader.jumps(frames))
 
@@ -56,11 +59,17 @@ class _Line:
     """The frames of one branch, from load `start` to `end`, where it slips if `slips`."""
 
     def __init__(self, start, end, slips, frames, loads):
-        self.start, self.end, self.slips = start, end, slips
+        self.start, self.end, self.slips, self.moved = start, end, slips, 0.0
         self.frames, self.t = frames, [self.t_of(load) for load in loads]
 
     def t_of(self, load):
         return float(place(self.start, self.end, load))
+
+    def back(self, distance):
+        """The same moved back by a whole number of sites, nm."""
+        other = copy(self)
+        other.start, other.end, other.moved = self.start - distance, self.end - distance, self.moved + distance
+        return other
 
     def weights(self, t):
         """(frames, their weights) in the state at t."""
@@ -109,6 +118,16 @@ def _period(reader, lines):
     return 0, 0, len(lines)
 
 
+def _longest(lines, home, period):
+    """(lines, home), the branch before `home` left out where it is but a part of the last one, a period before."""
+    if not home:
+        return lines, home
+    part, last = lines[home - 1], lines[-1].back(period)
+    if last.start > part.start or abs(last.end - part.end) > ALIKE:
+        return lines, home
+    return [*lines[: home - 1], last, *lines[home:-1]], home - 1
+
+
 class _Reader:
     """Frames as unknowns on one patch, that of the last frame."""
 
@@ -145,7 +164,9 @@ class _Reader:
         near, weights = line.weights(t)
         fields = [self.fields(f) for f in near]
         delta = sum(weight * f.delta for weight, f in zip(weights, near, strict=True))
-        return *(combine(weights, [np.ascontiguousarray(f[part]) for f in fields]) for part in (0, 1)), delta
+        u, T = (combine(weights, [np.ascontiguousarray(f[part]) for f in fields]) for part in (0, 1))
+        u[0] -= line.moved
+        return u, T, delta
 
     def same(self, line, load, frame, other_load, other, moved):
         """Whether a frame, or the state of the line `other`, is the state of a line at `load` moved on."""
@@ -170,7 +191,10 @@ class _Reader:
     def told(self, line, branch, T):
         """Whether the forces at all frames of a line are told by tractions T of the states of a Branch."""
         sums = np.array([self.fields(f)[1].sum(axis=1) for f in line.frames])
-        off = np.abs(branch.weights(np.array([f.U_x for f in line.frames])) @ T.sum(axis=2) - sums)
+        loads = [f.U_x - line.moved for f in line.frames]
+        between = branch.load_at((np.arange(branch.intervals) + 0.5) / branch.intervals)
+        sums = np.concatenate([sums, [self.at(line, line.t_of(load))[1].sum(axis=1) for load in between]])
+        off = np.abs(branch.weights(np.append(loads, between)) @ T.sum(axis=2) - sums)
         return bool((off.max(axis=0) <= TOLD * self.largest).all())
 
     def unknowns(self, u, delta, held):

@@ -28,6 +28,7 @@ class Skeleton:
     sites: int = 0
     jumps: tuple = ()
     evaluations: int = 0  # force evaluations spent in getting it
+    lost: float = -np.inf  # delta_bar of a jump-in whose fold could not be followed on
     contact: "Skeleton | None" = None  # without contact: that in contact which comes back beyond the jump-in
 
     @property
