@@ -18,6 +18,7 @@ class Limits:
     farthest: float = 0.5  # units from the fold's predicted place on its arc
     near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
     alike: float = 2.0  # how far its bend may then differ, as a factor
+    before: float = 0.001  # units by which a branch to itself begins before the state that a slip lands in
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
@@ -51,10 +52,11 @@ def followed_fold(solving, old, change, what, before=()):
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
-        near = _nearest(points, arc)
+        near = _nearest(points, arc, 4)
         weights = lagrange([p[0] for p in near], arc)
         v = combine(weights, [p[2] for p in near])
-        if abs(load - top) < LIMITS.sharpness * unit:
+        sure = len(near) < 4 or abs(top - _top(near, old.bend, 3)[1]) < LIMITS.sharpness * unit
+        if sure and abs(load - top) < LIMITS.sharpness * unit:
             far = max(near, key=lambda p: abs(p[0] - arc))
             along = (far[2] - v) / (far[0] - arc)
             return Fold.of(top, v, active, along, bend)
@@ -62,17 +64,17 @@ def followed_fold(solving, old, change, what, before=()):
     raise NotFollowed(f"{what} is not found in {LIMITS.points} points", nearer=True)
 
 
-def _nearest(points, arc):
-    return sorted(points, key=lambda p: abs(p[0] - arc))[:4]
+def _nearest(points, arc, count):
+    return sorted(points, key=lambda p: abs(p[0] - arc))[:count]
 
 
-def _top(points, bend):
-    """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v).
+def _top(points, bend, count=4):
+    """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v), the last.
 
-    bend: that derivative as it was, used where there are but two points.
+    From the `count` points nearest. bend: that derivative as it was, used where there are but two points.
     """
     arc = points[-1][0]
-    near = _nearest(points, arc)
+    near = _nearest(points, arc, count)
     x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
@@ -94,9 +96,9 @@ def followed_branch(solving, old, start, end, change, reach, what):
     first = solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")
     _refuse_far(solving, first[0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
     if old.fold:
-        end = _nearly(solving, old.fold, first[0] - old.v[0], f"the end of {what}")
+        end = _nearly(solving, old.fold, first[0] - old.v[0], reach, f"the end of {what}")
         if reach:
-            start, first = _begun(solving, old, start, min(0.0, end - reach), first, what)
+            start, first = _begun(solving, old, start, min(0.0, end - reach - LIMITS.before * solving.problem.unit), first, what)
     if not end > start:
         raise NotFollowed(f"{what} has no states left", nearer=True)
     loads = replace(old, start=start, end=end).loads
@@ -130,11 +132,16 @@ def _refuse_far(solving, v, guess, most, what):
         raise NotFollowed(f"{what} lies on another branch", nearer=True)
 
 
-def _nearly(solving, fold, change, what):
-    """A load close to, but below, that of the fold that `fold` becomes."""
-    chord = fold.along / (fold.along @ fold.along)
-    with solving.roughly(LIMITS.rough * solving.problem.unit):
-        return solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)[0]
+def _nearly(solving, fold, change, well, what):
+    """A load close to that of the fold that `fold` becomes, but below it; well: to some 1e-4 nm, else to 1e-2."""
+    chord, unit = fold.along / (fold.along @ fold.along), solving.problem.unit
+    with solving.roughly(LIMITS.rough * unit):
+        load, v, active = solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)
+        if not well:
+            return load
+        points = [(chord @ v, load, v)]
+        load, v, active = solving.on_arc(v + LIMITS.arc * unit * fold.along, active, load, chord, what)
+        return _top([*points, (chord @ v, load, v)], fold.bend)[1]
 
 
 def _extrapolated(changes, i):
