@@ -9,8 +9,9 @@ from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, SceneError
 from .branch import Crowded, NotFollowed
-from .moving import followed_branch, followed_fold
+from .moving import followed_branch, followed_fold, refined
 from .solving import Solving
+from .telling import not_told
 from .wider import widened
 from .without import without_contact
 
@@ -18,6 +19,7 @@ SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not 
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved, where the states wanted were too far
 LEAST = 0.1  # delta_bar above a jump-in whose fold is lost, from which on it does not matter
+FINEST = 60  # intervals, from which on a branch is not divided any more
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
 WIDER = 3  # how often the patch grows in one move
 
@@ -82,8 +84,7 @@ def _followed(skeleton, scene, spent):
             return without_contact(contact, skeleton, jumps)
         if skeleton.contact is None:
             branches = _branches(contact, skeleton)
-            tractions = tuple(branch.tractions(contact) for branch in branches)
-            return replace(skeleton, scene=scene, branches=branches, tractions=tractions, jumps=jumps, lost=lost)
+            return replace(skeleton, scene=scene, branches=branches, jumps=jumps, lost=lost)
     finally:
         spent[0] += contact.evaluations
     return _in_parts(skeleton.contact, scene, HALVES, spent)
@@ -117,9 +118,12 @@ def _branches(contact, skeleton):
     period = skeleton.sites * scene.spacing
     for k, branch in enumerate(old, 1):
         end = None if branch.fold else (scene.spacing if branch.periodic else scene.u_x_max)
-        reach = period if len(old) == 1 else 0.0
-        branches.append(followed_branch(solving, branch, start, end, change, reach, f"branch {k}"))
-        change, start = branches[-1].v[0] - branch.v[0], branches[-1].end
+        reach, what = period if len(old) == 1 else None, f"branch {k}"
+        found = followed_branch(solving, branch, start, end, change, reach, what)
+        while not_told(scene, skeleton.first, found) and found.intervals < FINEST:
+            found = refined(solving, found, what)
+        branches.append(found)
+        change, start = found.v[0] - branch.v[0], found.end
     if branches[skeleton.home].start > branches[-1].end - period + NO_LATER:
         raise NotFollowed("the surface rests after a slip where it has not been before")
     return tuple(branches)
