@@ -19,7 +19,7 @@ SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not 
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved, where the states wanted were too far
 LEAST = 0.1  # delta_bar above a jump-in whose fold is lost, from which on it does not matter
-FINEST = 60  # intervals, from which on a branch is not divided any more
+FINEST = 100  # intervals, from which on a branch is not divided any more
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
 WIDER = 3  # how often the patch grows in one move
 

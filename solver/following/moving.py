@@ -21,7 +21,8 @@ class Limits:
     above: float = 0.02  # units above where it should, at which a branch to itself begins at first: below it may end
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
-    rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
+    fine: float = 1e-6  # units, of the residual where the load of a fold is told
+    rough: float = 1e-2  # units, of the residual where the load of a fold is but estimated
     first: float = 1.5  # units from where it was, beyond which the first state of a branch lies on another one
     surprise: float = 0.3  # the same of the others, from where they are expected
 
@@ -40,7 +41,8 @@ def followed_fold(solving, old, change, what, before=()):
     begin, points = v[index], []  # (arc, load, v)
     before = [(v[index], load, v) for load, v in before]
     for _ in range(LIMITS.points):
-        load, v, active = solving.on_arc(v, active, load, chord, what)
+        with solving.within(LIMITS.fine * unit):
+            load, v, active = solving.on_arc(v, active, load, chord, what)
         points.append((v[index], load, v))
         if len(points) == 1 and before:
             found = _top([*before, points[0]], old.bend)
@@ -160,7 +162,7 @@ def _refuse_far(solving, v, guess, most, what):
 def _nearly(solving, fold, change, what):
     """A load close to that of the fold that `fold` becomes, but below it."""
     chord = fold.along / (fold.along @ fold.along)
-    with solving.roughly(LIMITS.rough * solving.problem.unit):
+    with solving.apart(), solving.within(LIMITS.rough * solving.problem.unit):
         return solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)[0]
 
 

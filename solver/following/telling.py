@@ -6,7 +6,7 @@ from .branch import STENCIL
 from .skeleton import tractions
 
 TOLD = 2e-4  # of the largest force
-HALF = 32.0  # times larger errors with every second state only; in the limit 2 to the power of STENCIL
+HALF = 16.0  # times larger errors with every second state only; in the limit 2 to the power of STENCIL
 
 
 def sums(scene, first, v):
