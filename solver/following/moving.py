@@ -14,6 +14,7 @@ class Limits:
     """Of following; a "unit" is the problem's `unit`."""
 
     arc: float = 0.05  # units between the first two points about a fold
+    same: float = 1e-7  # nm of arc, within which two points about a fold are one
     sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
     farthest: float = 0.5  # units from the fold's predicted place on its arc
     near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
@@ -79,7 +80,8 @@ def _top(points, bend, count=4):
     From the `count` points nearest. bend: that derivative as it was, used where there are but two points.
     """
     arc = points[-1][0]
-    near = _nearest(points, arc, count)
+    others = [p for p in points[:-1] if abs(p[0] - arc) > LIMITS.same]
+    near = [points[-1], *_nearest(others, arc, count - 1)]
     x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest

@@ -7,9 +7,8 @@ import numpy as np
 from ..continuation.anderson import dot
 from ..continuation.corrector import Corrector
 from ..continuation.state import State
-from .branch import Crowded, NotFollowed
+from .branch import TOLERANCE, Crowded, NotFollowed
 
-TOLERANCE = 1e-5  # nm, of the residual: a followed run is looked at, not kept; forces are right to 1e-4
 STEPS = 60  # Anderson steps to a state, at most
 COME_AND_GO = 3  # changes of the set of active nodes on an arc, at most
 
