@@ -1,4 +1,4 @@
-"""What following a slider costs and whether it is right: 120 scenes of the slider box, three small moves each, one long.
+"""What following a slider costs and whether it is right: 120 scenes of its box, three small moves and a long one each.
 
     python tests/bench/follow.py [--json FILE] [--scenes N]
 
