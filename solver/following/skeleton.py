@@ -1,0 +1,116 @@
+"""What carries a run that slides: its branches until they repeat, and from them the run at any load."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..mechanics.cohesive_law import traction
+from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
+from ..scene import Scene
+from .branch import TOLERANCE, Branch
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """The shear of a scene. Branches in order; the last one leads on to branch `home`, moved on by so many sites.
+
+    sites: 0 where that is not known; the branches then reach to u_x_max. Unknowns are those of a patch whose first node
+    is `first`. jumps: Folds of the approach, loads delta (nm). Treat it as read-only.
+    """
+
+    scene: Scene
+    first: int
+    branches: tuple[Branch, ...]
+    home: int = 0
+    sites: int = 0
+    jumps: tuple = ()
+    evaluations: int = 0  # force evaluations spent in getting it
+    lost: float = -np.inf  # delta_bar of a jump-in whose fold could not be followed on
+    contact: "Skeleton | None" = None  # without contact: that in contact which comes back beyond the jump-in
+
+    @property
+    def period(self):
+        """After which everything repeats, nm, or None where that is not known."""
+        return self.sites * self.scene.spacing if self.sites else None
+
+    @property
+    def jumps_in(self):
+        """delta_bar at which the surfaces jump into contact on approach, or None."""
+        return self.jumps[0].load / self.scene.delta_0 if self.jumps else None
+
+    @property
+    def nodes(self):
+        """Of the patch."""
+        return self.branches[0].v.shape[1] // 2
+
+    @cached_property
+    def slips(self):
+        """The SlipEvents of the shear up to u_x_max."""
+        events = []
+        for k, branch in enumerate(self.branches):
+            if branch.fold is None:
+                continue
+            values = [float(numbers[0]) for numbers in _numbers(self.scene, self.tractions(branch.v[-1:]))]
+            load = float(branch.end)
+            while load <= self.scene.u_x_max:
+                events.append(SlipEvent(load, *values, "shear", "fold", True))
+                if not self.sites or k < self.home:
+                    break
+                load += self.period
+        return tuple(sorted(events, key=lambda event: event.load))
+
+    def curve(self, U_x):
+        """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
+        return _numbers(self.scene, self.tractions(self.unknowns(U_x)))
+
+    def frames(self, U_x):
+        """The Frames at loads U_x (k,) nm, with no slips in them and `residual` nan, as none was evaluated."""
+        v, m = self.unknowns(U_x), self.nodes
+        heights = v[:, -1] if self.scene.hold == "load" else np.full(len(v), -self.scene.delta)
+        rows = zip(np.atleast_1d(U_x), v, heights, self.tractions(v), strict=True)
+        return [self._frame(float(load), u[: 2 * m].reshape(2, m), float(U_z), T) for load, u, U_z, T in rows]
+
+    def _frame(self, U_x, u, U_z, T):
+        scene = self.scene
+        F_bar, L_bar, A_bar = (float(numbers[0]) for numbers in _numbers(scene, T[None]))
+        u, T = on_nodes(scene, u), on_nodes(scene, T)
+        first = 0 if u.shape[1] == scene.nodes else self.first
+        index = round(U_x / (scene.du_x * scene.delta_t))
+        return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, T, F_bar, L_bar, A_bar, np.nan, 0)
+
+    def unknowns(self, U_x):
+        """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
+        U_x = np.atleast_1d(np.asarray(U_x, float))
+        ends = np.array([branch.end for branch in self.branches])
+        shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.sites else 0.0 * U_x
+        place = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
+        v = np.empty((U_x.size, self.branches[0].v.shape[1]))
+        for k, branch in enumerate(self.branches):
+            mine = place == k
+            v[mine] = branch.states(U_x[mine] - shift[mine], self.nodes)
+        v[:, : self.nodes] += shift[:, None]
+        return v
+
+    def tractions(self, v):
+        """T (k, 2, m), GPa, of unknowns v (k, size)."""
+        return tractions(self.scene, self.first, v)
+
+
+def tractions(scene, first, v):
+    """T (k, 2, m), GPa, of unknowns v (k, size) of the patch whose first node is `first`."""
+    m = v.shape[1] // 2
+    profile = scene.profile[first : first + m]
+    gap = profile + v[:, m : 2 * m]
+    T = traction(scene, v[:, :m], gap)
+    T[:, gap > scene.window_n * scene.delta_n] = 0.0
+    return T.swapaxes(0, 1)
+
+
+def _numbers(scene, T):
+    """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
+    fields = [on_nodes(scene, np.ascontiguousarray(field)) for field in T]
+    F_bar, L_bar = np.array([forces(scene, field) for field in fields]).reshape(-1, 2).T
+    if T.shape[2] == 1:  # a flat without load is repelled by no more than an error makes
+        scene = replace(scene, tolerance=max(scene.tolerance, TOLERANCE))
+    return F_bar, L_bar, np.array([contact_area(scene, field) for field in fields])
