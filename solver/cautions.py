@@ -30,8 +30,8 @@ def cautions(scene, widest=0.0, safe_damping=0.0):
         )
     if scene.damping < safe_damping:
         found.append(
-            f"At damping {scene.damping:g} waves of the contact may flutter unseen: increments that count as at rest may"
-            f" not be. From {safe_damping:.2g} on none can."
+            f"At damping {scene.damping:g} waves of the contact may flutter unseen: increments said to rest may not"
+            f" do so. From {safe_damping:.2g} on none can."
         )
     softness = scene.phi_t / (scene.E * scene.delta_t)
     if softness > SOFT and scene.surface != "flat":

@@ -91,6 +91,12 @@ class Scene:
             object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
         if not isinstance(self.measured, Profile | None):
             raise SceneError("measured", self.measured, "allowed: a Profile or None", "use solver.read_profile")
+        self._check_geometry()
+        self._check_tolerance()
+        self._check_length()
+
+    def _check_geometry(self):
+        """Raises SceneError for a surface, path or lattice that cannot be."""
         if refused := SURFACES[self.surface].refused(self):
             raise SceneError(refused[0], getattr(self, refused[0]), *refused[1:])
         if self.path == "unload" and self.hold == "load":
@@ -103,6 +109,20 @@ class Scene:
                 f" {self.height * self.width:.3g} nm thick would be pressed through its bottom",
                 "lower it, or enlarge height or width",
             )
+        ratio = self.spacing / self.delta_t
+        if not SPACING[0] <= ratio <= SPACING[1]:
+            raise SceneError(
+                "nodes",
+                self.nodes,
+                f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
+                f" {SPACING[0] * self.delta_t:g} .. {SPACING[1] * self.delta_t:g} nm",
+                "give x and z of the profile in nm, or change nodes"
+                if self.surface == "measured"
+                else "change nodes, width or delta_t",
+            )
+
+    def _check_tolerance(self):
+        """Raises SceneError where round-off is larger than the tolerance."""
         if self.attainable > LIMITS["tolerance"].high:
             raise SceneError(
                 "E",
@@ -118,17 +138,9 @@ class Scene:
                 f"allowed: {self.attainable:.1g} .. {LIMITS['tolerance'][1]:g} for so compliant a layer, by round-off",
                 "enlarge it, or E",
             )
-        ratio = self.spacing / self.delta_t
-        if not SPACING[0] <= ratio <= SPACING[1]:
-            raise SceneError(
-                "nodes",
-                self.nodes,
-                f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
-                f" {SPACING[0] * self.delta_t:g} .. {SPACING[1] * self.delta_t:g} nm",
-                "give x and z of the profile in nm, or change nodes"
-                if self.surface == "measured"
-                else "change nodes, width or delta_t",
-            )
+
+    def _check_length(self):
+        """Raises SceneError where the run would take too many increments."""
         for name, steps in (("du_x", self.shear_increments), ("du_z", self.approach_increments)):
             if steps > LARGEST_RUN:
                 raise SceneError(

@@ -22,17 +22,16 @@ class Limits:
 
     order: int = 3  # of the polynomial that extrapolates in the load
     farthest: float = 0.5  # units from the last state; increments that lead farther are followed by arc length
-    surprise: float = 0.1  # units from the extrapolation; farther off likewise: a short slip may lie in between
-    short: float = 0.1  # units, first step along the arc
+    # units from the extrapolation; farther off likewise, as a short slip may lie in between; and the arc's first step
+    short: float = 0.1
     long: float = 0.3  # units, longest step
     shortest: float = 1e-4  # units, shortest step; where even that fails, the branch is lost
-    growth: float = 3.0  # times the step before, at most: extrapolation over more means nothing
-    astray: float = 3.0  # times the step; a point farther off lies on another branch
-    points: int = 400  # points of one increment on the arc, at most
+    growth: float = 3.0  # times the step before, at most: extrapolation over more means nothing; and times the step, a
+    # point farther off lies on another branch
+    points: int = 400  # of one increment on the arc, at most
     beyond: float = 0.1  # of the last step; a point so much farther on tells whether the load falls there
     sharpness: float = 1e-9  # units, error of the load at the end of a branch
-    approaches: int = 6  # attempts to leave the arc for the load asked for
-    passed: float = 0.01  # of the last step, by which the state there may lie beyond the newest point
+    passed: float = 0.01  # of the last step, by which a state at the load asked for may lie beyond the newest point
     start: float = 0.05  # units from the end of the branch, where the motion starts; from farther, soft layers
     # reach other rests
 
@@ -87,7 +86,7 @@ def _by_load(corrector, judge, state, target):
     active = corrector.settle(v, corrector.problem.active(v, target, state.active), target, state.secants)
     if active is None or np.abs(v - state.v).max() > farthest:
         return None
-    if len(past) > 1 and np.abs(v - guess).max() > LIMITS.surprise * corrector.problem.unit:
+    if len(past) > 1 and np.abs(v - guess).max() > LIMITS.short * corrector.problem.unit:
         return None
     mode = judge.accept(corrector.problem, (target, v, active), state, corrector.inverse)
     return on_branch(corrector, state, target, v, active, mode) if mode.rests else None
@@ -113,7 +112,7 @@ class _Arc:
             step = min(step, LIMITS.growth * length)
             ahead = here[0][0] + (here[0][0] - here[1][0]) * step / length
             found = self._point_at(chord, ahead, here)
-            if found is None or np.abs(found[1] - here[0][2]).max() > LIMITS.astray * step:
+            if found is None or np.abs(found[1] - here[0][2]).max() > LIMITS.growth * step:
                 step *= 0.5
                 if step < LIMITS.shortest * self.unit:
                     return self._lost()
@@ -161,7 +160,7 @@ class _Arc:
         (or just beyond), and is looked for.
         """
         state, target = self.state, self.target
-        for _ in range(LIMITS.approaches):
+        for _ in range(6):
             (load1, v1), (load0, v0) = points[:2]
             part = (target - load0) / (load1 - load0)
             if load1 == fold:  # there the load goes with the square of the distance

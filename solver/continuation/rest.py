@@ -7,8 +7,8 @@ flutter  on its way to zero that mu meets the mu of a long wave of the layer, |m
 
 Both have the mu nearest to zero. It is sought by Rayleigh-Ritz in a space of disturbances of the whole surface, which
 is extended by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). What is found
-is carried from state to state. Waves of the contact, with mu far from zero, may flutter where damping is weaker than the
-local criterion says to be safe; small problems and flats are judged by all their mu, others carry that damping along.
+is carried from state to state. Waves of the contact, with mu far from zero, may flutter where damping is weaker than
+the local criterion says to be safe; small problems and flats are judged by all their mu, others carry that damping.
 """
 
 from dataclasses import dataclass, replace
@@ -189,31 +189,58 @@ def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
         space.add(other)
     most = space.rows + LIMITS.most
     while True:
-        values, vectors, strange = _ritz_pairs(space, radius)
-        depth, rates = inside(values, friction), rate(values, friction)
-        residuals = space.residuals(vectors, values)
-        miss = np.sqrt((np.abs(residuals) ** 2).sum(axis=1))
-        i = int(np.argmax(rates - 1e-9 * np.abs(values)))
-        growth, error = float(rates[i]), _error(miss[i], values[i], friction)
-        doubt = miss / np.maximum(depth, 1e-300) * (LIMITS.sure if strange else 1.0)
-        worst = int(np.argmax(doubt))
-        told = doubt[worst] < 1.0 or growth > LIMITS.sure * error
-        clear = doubt[worst] < 1.0 and growth < -LIMITS.clear * scale
+        found = _Ritz(space, friction, radius, scale)
         rows = space.rows
-        if clear or error < LIMITS.fine * scale or (told and not fine):
+        if found.settled(fine):
             break
-        aims = {i} if doubt[worst] < 1.0 or depth[i] <= 0.0 else {worst, i} if fine else {worst}
-        for aim in aims:
-            for part in _parts(residuals[aim]):
+        for aim in found.aims(fine):
+            for part in _parts(found.residuals[aim]):
                 space.add(here.inverse(inverse.solve, part))
         if not rows < space.rows < most:
             break
-    if growth > 0.0 and error > LIMITS.coarse * scale:
-        growth -= 2.0 * error  # so that what is called unstable is
-    parts = [part for k in np.argsort(depth) for part in _parts(vectors[:, k])][: LIMITS.kept]
-    known = space.vectors[: len(vectors)]
-    basis = np.linalg.qr(np.array(parts).T)[0].T @ known
-    return growth, complex(values[i]), _largest_phase(vectors[:, i] @ known), basis
+    return found.growth_told, *found.carried()
+
+
+class _Ritz:
+    """The Ritz pairs of a Space next to zero: their rates, how far they are from growing, and how sure that is."""
+
+    def __init__(self, space, friction, radius, scale):
+        self.values, self.vectors, strange = _ritz_pairs(space, radius)
+        self.scale, self.known = scale, space.vectors
+        self.depth, rates = inside(self.values, friction), rate(self.values, friction)
+        self.residuals = space.residuals(self.vectors, self.values)
+        miss = np.sqrt((np.abs(self.residuals) ** 2).sum(axis=1))
+        self.fastest = int(np.argmax(rates - 1e-9 * np.abs(self.values)))
+        self.growth = float(rates[self.fastest])
+        self.error = _error(miss[self.fastest], self.values[self.fastest], friction)
+        doubt = miss / np.maximum(self.depth, 1e-300) * (LIMITS.sure if strange else 1.0)
+        self.worst = int(np.argmax(doubt))
+        self.sure = doubt[self.worst] < 1.0
+
+    def settled(self, fine):
+        """Whether the growth is known well enough."""
+        told = self.sure or self.growth > LIMITS.sure * self.error
+        clear = self.sure and self.growth < -LIMITS.clear * self.scale
+        return clear or self.error < LIMITS.fine * self.scale or (told and not fine)
+
+    def aims(self, fine):
+        """The pairs whose residuals extend the space."""
+        if self.sure or self.depth[self.fastest] <= 0.0:
+            return {self.fastest}
+        return {self.worst, self.fastest} if fine else {self.worst}
+
+    @property
+    def growth_told(self):
+        """The growth, less its error where that is large, so that what is called unstable is."""
+        doubtful = self.growth > 0.0 and self.error > LIMITS.coarse * self.scale
+        return self.growth - 2.0 * self.error if doubtful else self.growth
+
+    def carried(self):
+        """(mu and x of the fastest mode, an orthonormal basis (k, size) of the modes nearest to growing)."""
+        parts = [part for k in np.argsort(self.depth) for part in _parts(self.vectors[:, k])]
+        basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T @ self.known
+        x = _largest_phase(self.vectors[:, self.fastest] @ self.known)
+        return complex(self.values[self.fastest]), x, basis
 
 
 def _ritz_pairs(space, radius):
