@@ -232,7 +232,7 @@ STABLE = [
     {"nu": 0.499, "delta_bar": 0.2},
     {"damping": inf},
     {"damping": 0.3, "delta_bar": 0.2},
-    {"damping": 0.1, "delta_bar": 1.0},
+    {"damping": 0.2, "delta_bar": 1.0},
     {"hold": "load", "delta_bar": 0.2},
     {"hold": "load", "delta_bar": -0.05, "u_x_max": 2.0},
     {"surface": "flat", "delta_bar": -0.2, "nu": 0.499, "u_x_max": 0.0},  # pulled sideways, its waves drift for ever

@@ -10,7 +10,7 @@ from math import isfinite
 import numpy as np
 
 from .motion import Creep, ExplicitMotion
-from .state import Increment, NotConverged, Slip, State
+from .state import MOVED, Increment, NotConverged, Slip, State
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,6 @@ class Limits:
     check: int = 20  # steps between two looks at the residual
     budget: int = 1_000_000  # force evaluations
     diverged: float = 1e9  # units, of the residual
-    slipped: float = 0.5  # units, and twice the load's increment: a state that moved farther has slipped
 
 
 LIMITS = Limits()
@@ -43,7 +42,7 @@ class Gfmd:
             self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
         moved, unit = np.abs(v - state.v).max(), self.problem.unit
-        slipped = moved > LIMITS.slipped * unit + 2.0 * abs(target - state.load)
+        slipped = moved > MOVED * unit + 2.0 * abs(target - state.load)
         after = State.at_rest(target, v, active)
         slips = (Slip(state.load, state.v, state.active, "lost", False, after),) if slipped else ()
         return Increment(after, residual, slips)

@@ -1,6 +1,6 @@
 """The quasi-static stepper: a branch is followed to its end, and the damped motion leads on from there."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,18 +9,9 @@ from .branch import continue_branch
 from .corrector import Corrector
 from .rest import Judge
 from .slip import motion_to_rest
-from .state import Increment, LimitPoint, NotConverged, Slip, State
+from .state import MOVED, Increment, LimitPoint, NotConverged, Slip, State
 
-
-@dataclass(frozen=True)
-class Limits:
-    """Of an increment."""
-
-    slips: int = 100  # at most; soft layers drawn into contact make some ten
-    moved: float = 0.5  # units of the problem, and twice the load's rest: a lost state that moved less has not slipped
-
-
-LIMITS = Limits()
+SLIPS = 100  # of an increment, at most; soft layers drawn into contact make some ten
 
 
 class QuasiStatic:
@@ -37,7 +28,7 @@ class QuasiStatic:
     def increment(self, state, target):
         """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
         slips = []
-        while len(slips) <= LIMITS.slips:
+        while len(slips) <= SLIPS:
             if state.unsure:
                 state = self._released(state)
             state.secants = state.secants or self.corrector.secants()
@@ -60,7 +51,7 @@ class QuasiStatic:
             problem, self.problem, state = self.problem, *wide
             self.corrector = Corrector(self.problem)
             slips = [self._carried(problem, slip) for slip in slips]
-        raise NotConverged(f"more than {LIMITS.slips} slips in one increment, residual {self.corrector.worst:.2g} nm")
+        raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")
 
     def _released(self, state):
         """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
@@ -95,4 +86,4 @@ class QuasiStatic:
         if end.located or after.v.size != before.v.size:
             return True
         moved = np.abs(after.v - before.v).max()
-        return bool(moved >= LIMITS.moved * self.problem.unit + 2.0 * abs(end.load - before.load))
+        return bool(moved >= MOVED * self.problem.unit + 2.0 * abs(end.load - before.load))

@@ -36,7 +36,7 @@ class Limits:
     # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no unknown has moved
     # farther since the last look, in units of the problem, and states move with the load at most so many times as fast:
     # towards a fold at a distance d in load they move as d^-1/2
-    far: float = 0.5
+    far: float = 0.2
     faster: float = 1.15
 
 

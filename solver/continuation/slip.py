@@ -26,15 +26,15 @@ class Limits:
     # that does not rest is tried again as well: a soft layer may swing for ever at one step and at no other. Not from a
     # flutter, where it often swings until the load has gone on
     finer: tuple = (1, 2, 4, 16)
-    crawl: float = 0.08  # units between two looks; in the overdamped limit steps are halved where a state moves more,
-    # doubled where it moves a quarter of that, up to
-    crawl_longest: float = 256.0  # times as long as usual
+    # units between two looks: in the overdamped limit steps are halved where a state moves more, doubled where it moves
+    # less than a quarter of that, up to so many times as long as usual
+    crawl: float = 0.08
+    crawl_longest: float = 256.0
     # units of residual and swing below which Anderson steps look for the rest, 0.3 times as much each time they fail;
     landing: float = 0.03  # from 0.1 on they reach other rests than the motion
     short: float = 1e-5  # units, the same while the motion is starting
     shortest: float = 0.08  # units; a rest closer to the end of the branch than that does not count as one
     drawn: float = 0.3  # units, farthest that Anderson steps may lead
-    come_and_go: int = 10  # changes of a node at the edge of the window, after which it stays as it is
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
     # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
@@ -134,8 +134,7 @@ class _Passage:
 
     def _of(self, problem):
         """Room for what is known of each unknown."""
-        self.problem, self.ahead = problem, np.zeros(problem.size)
-        self._changes, self._r = np.zeros(self.active.size, int), np.empty(problem.size)
+        self.problem, self.ahead, self._r = problem, np.zeros(problem.size), np.empty(problem.size)
 
     def step(self):
         """Some steps of the motion, adapted to the interaction here, and about where the state will be then."""
@@ -166,10 +165,8 @@ class _Passage:
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
         now = self.problem.active(self.v, self.load)
-        changed = now != self.active
-        if changed.any():
-            self._changes += changed
-            self.active = np.where(self._changes > LIMITS.come_and_go, self.active, now)
+        if (now != self.active).any():
+            self.active = now
             self._grow()
         self.worst = self.problem.residual(self.v, self.active, self.load, self._r)
         self.starting = self.end.located and np.abs(self.v - self.end_v).max() < LIMITS.left * self.unit

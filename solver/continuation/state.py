@@ -7,6 +7,8 @@ import numpy as np
 from .anderson import Secants
 from .rest import Mode
 
+MOVED = 0.5  # units of the problem, and twice the load's increment: a state that moved farther has slipped
+
 
 class NotConverged(RuntimeError):
     """An increment ended without an equilibrium; the message names the place, the residual and a remedy."""

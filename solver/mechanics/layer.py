@@ -153,13 +153,14 @@ class Convolution:
             modes = _cut(modes, nodes, size, length)
         self._multipliers = np.ascontiguousarray(modes / length)
         self._before, self._after, self._spectrum, self._forward, self._backward = transforms(length, normal_only)
-        self.field, self.product = self._before[:, :size], self._after[:, :size]
-        self.multiply = _multiply_normal if normal_only else multiply
+        self.field, self.product, self._idle = self._before[:, :size], self._after[:, :size], normal_only
 
     def apply(self):
         """product = modes * field."""
+        if self._idle:  # the transform back has overwritten it
+            self._spectrum[0] = 0.0
         self._forward()
-        self.multiply(self._spectrum, self._multipliers)
+        multiply(self._spectrum, self._multipliers)
         self._backward()
 
 
@@ -216,11 +217,3 @@ def multiply(spectrum, c):
         x, z = spectrum[0, k], spectrum[1, k]
         spectrum[0, k] = complex(c[0, k] * x.real - c[2, k] * z.imag, c[0, k] * x.imag + c[2, k] * z.real)
         spectrum[1, k] = complex(c[1, k] * z.real + c[2, k] * x.imag, c[1, k] * z.imag - c[2, k] * x.real)
-
-
-@njit(cache=True, nogil=True)
-def _multiply_normal(spectrum, c):
-    for k in range(spectrum.shape[1]):
-        z = spectrum[1, k]
-        spectrum[0, k] = complex(-c[2, k] * z.imag, c[2, k] * z.real)
-        spectrum[1, k] = c[1, k] * z
