@@ -22,9 +22,9 @@ class Limits:
     steps: int = 8  # of the motion between two looks
     left: float = 0.2  # units from the end of the branch, within which the motion counts as starting
     slow: float = 3.0  # times longer steps while it is starting, as it grows slowly then
-    # divisors of the steps, each tried where the one before diverged, as when surfaces clash. A motion in whole steps
-    # that does not rest is tried again as well: a soft layer may swing for ever at one step and at no other. Not from a
-    # flutter, where it often swings until the load has gone on
+    # divisors of the steps, each tried where the one before diverged, as when surfaces clash. A motion that does not rest
+    # is tried twice again as well: a soft layer may swing for ever at one step and at no other. Not from a flutter, where
+    # it often swings until the load has gone on
     finer: tuple = (1, 2, 4, 16)
     # units between two looks: in the overdamped limit steps are halved where a state moves more, doubled where it moves
     # less than a quarter of that, up to so many times as long as usual
@@ -35,6 +35,9 @@ class Limits:
     short: float = 1e-5  # units, the same while the motion is starting
     shortest: float = 0.08  # units; a rest closer to the end of the branch than that does not count as one
     drawn: float = 0.3  # units, farthest that Anderson steps may lead
+    come_and_go: int = (
+        10  # changes of a node at the edge of the window, after which it stays as it is, lest it swing on
+    )
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
     # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
@@ -135,6 +138,7 @@ class _Passage:
     def _of(self, problem):
         """Room for what is known of each unknown."""
         self.problem, self.ahead, self._r = problem, np.zeros(problem.size), np.empty(problem.size)
+        self._changes = np.zeros(self.active.size, int)
 
     def step(self):
         """Some steps of the motion, adapted to the interaction here, and about where the state will be then."""
@@ -165,8 +169,10 @@ class _Passage:
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
         now = self.problem.active(self.v, self.load)
-        if (now != self.active).any():
-            self.active = now
+        changed = now != self.active
+        if changed.any():
+            self._changes += changed
+            self.active = np.where(self._changes > LIMITS.come_and_go, self.active, now)
             self._grow()
         self.worst = self.problem.residual(self.v, self.active, self.load, self._r)
         self.starting = self.end.located and np.abs(self.v - self.end_v).max() < LIMITS.left * self.unit
@@ -223,7 +229,7 @@ class _Passage:
         returned = self.starting and self.worst <= self.problem.tolerance
         if not returned and not self._restless():
             return
-        if not returned and self.pace.finer == 1 and self.end.kind != "flutter":
+        if not returned and self.pace.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
         share = LIMITS.raised * (self.load - self.end.load)
         self.load += min(max(LIMITS.raised_least * self.unit, share), LIMITS.raised_most * self.unit)
