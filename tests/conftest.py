@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+from collections import Counter
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads that wait for each other eat both cores
 
@@ -13,6 +14,24 @@ from served import PATIENCE, TROUBLE, Server
 from solver import Scene, load_path
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+def pytest_xdist_auto_num_workers(config):
+    """Two processes for the suite; none beside its own for files or tests that are named, where one wants to look."""
+    named = [argument for argument in config.args if not os.path.isdir(argument)]
+    return 0 if named else int(os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS", 2))
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` chooses
+def pytest_collection_modifyitems(items):
+    """Of a test marked `once` all parameters but the first are thorough."""
+    seen = Counter()
+    for item in items:
+        if once := item.get_closest_marker("once"):
+            test = item.parent.nodeid, item.originalname
+            seen[test] += 1
+            if seen[test] > (once.args or (1,))[0]:
+                item.add_marker(pytest.mark.thorough)
 
 
 @pytest.fixture(scope="session")

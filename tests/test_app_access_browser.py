@@ -94,6 +94,7 @@ def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit
     page.wait_for_function("document.getElementById('told').textContent.startsWith('Slip at')")
 
 
+@pytest.mark.thorough
 def test_a_menu_keeps_the_focus_and_space_plays_after_a_choice(visit):
     page = visit()
     finished(page)
@@ -139,6 +140,7 @@ WHOLE = {  # page: what is there when it has drawn everything
 }
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("name", WHOLE)
 def test_every_plot_of_a_page_has_its_numbers_as_a_table(visit, name):
     page = visit(f"?page={name}")
@@ -202,6 +204,7 @@ def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
     assert page.evaluate("document.activeElement.id") == "speed"
 
 
+@pytest.mark.thorough
 def test_everything_is_done_with_the_keyboard_alone(visit):
     page = visit()
     finished(page)
@@ -249,6 +252,7 @@ def test_everything_is_done_with_the_keyboard_alone(visit):
     page.wait_for_function("document.activeElement.id === 'tour'")
 
 
+@pytest.mark.thorough
 def test_the_menu_says_when_the_scene_is_no_longer_its_preset_and_brings_it_back(visit):
     page = visit("?preset=fig7-case2")
     finished(page)
@@ -263,6 +267,7 @@ def test_the_menu_says_when_the_scene_is_no_longer_its_preset_and_brings_it_back
     assert page.evaluate("punch.status.values.E") == 70
 
 
+@pytest.mark.thorough
 def test_figures_of_the_solver_are_behind_one_button(visit):
     page = visit()
     finished(page)

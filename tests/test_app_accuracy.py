@@ -143,6 +143,7 @@ def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
     assert page.evaluate("punch.status.run") == 1
 
 
+@pytest.mark.thorough
 @pytest.mark.browser
 def test_a_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
     page = visit()

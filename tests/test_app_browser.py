@@ -55,6 +55,7 @@ def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
     assert page.inner_text("[data-name=delta_bar] .unit") == "= 0.1 nm"
 
 
+@pytest.mark.thorough
 def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
     page = visit()
     finished(page)
@@ -116,6 +117,7 @@ def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(vi
     help_.wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_the_speed_chosen_is_that_of_the_top(visit):
     page = visit()
     finished(page)
@@ -128,6 +130,7 @@ def test_the_speed_chosen_is_that_of_the_top(visit):
     assert frames < 0 or frames * 0.1 == pytest.approx(20 * passed)
 
 
+@pytest.mark.thorough
 def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
     page = visit("?E=10&delta_bar=1")
     page.wait_for_function(
@@ -179,6 +182,7 @@ def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
 
 
+@pytest.mark.thorough
 def test_the_theme_follows_the_browser_and_switches_without_losing_the_run(visit):
     page = visit(color_scheme="dark")
     finished(page)

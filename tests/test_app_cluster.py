@@ -53,6 +53,7 @@ def test_frames_are_the_same_to_the_last_bit(workers):
     assert again.result(PATIENCE) > 0 and again.seat is near.seat  # it still has the plans
 
 
+@pytest.mark.thorough
 def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
     asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
     until(lambda: all(task.running() or task.done() for task in asked))
@@ -76,6 +77,7 @@ def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, ca
     until(lambda: workers.ready == 2)  # a nanny has started another
 
 
+@pytest.mark.thorough
 def test_the_scheduler_may_go_and_come_back(local, workers, monkeypatch):
     monkeypatch.setattr("app.service.pool.HOPE", 0.5)
     local.stop()

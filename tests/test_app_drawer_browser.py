@@ -6,6 +6,7 @@ from served import FAULTS, PATIENCE, finished, laid_out
 pytestmark = pytest.mark.browser
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
 def test_the_views_make_room_for_the_drawer(visit, size):
     page = visit()

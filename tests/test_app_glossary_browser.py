@@ -23,6 +23,7 @@ def test_a_term_is_explained_on_hover_and_nothing_is_loaded_before(visit):
     tip.wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_out(visit):
     page = visit("?theme=dark")
     finished(page)
@@ -41,6 +42,7 @@ def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_
     assert page.evaluate("document.activeElement.className") == "term"
 
 
+@pytest.mark.thorough
 def test_a_touch_keeps_it_until_the_next_elsewhere_and_it_stays_on_the_screen(visit):
     page = visit(has_touch=True)
     page.set_viewport_size({"width": 390, "height": 844})
@@ -56,6 +58,7 @@ def test_a_touch_keeps_it_until_the_next_elsewhere_and_it_stays_on_the_screen(vi
     tip.wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_every_term_is_listed_with_the_theory(visit):
     page = visit()
     finished(page)

@@ -56,6 +56,7 @@ def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(v
     page.wait_for_url("**preset=fig7-case2**")
 
 
+@pytest.mark.thorough
 def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):
     page = visit()
     finished(page)
@@ -86,6 +87,7 @@ def test_the_address_names_the_increment_at_rest_and_brings_it_back(visit):
     page.wait_for_function("!new URLSearchParams(location.search).has('k')")
 
 
+@pytest.mark.thorough
 def test_an_increment_beyond_the_run_or_that_is_none_does_no_harm(visit):
     page = visit("?k=99999")
     finished(page)

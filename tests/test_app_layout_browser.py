@@ -41,6 +41,7 @@ def faults_at_every_size(page, whole=False):
     return found
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("query", ["", "?view=projector"])
 def test_the_experiment_fits_every_screen(visit, query):
     page = visit(query)
@@ -67,6 +68,7 @@ def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(
     page.wait_for_function("document.getElementById('find').getBoundingClientRect().bottom < innerHeight - 150")
 
 
+@pytest.mark.thorough
 def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
     page = visit()
     finished(page)
@@ -78,6 +80,7 @@ def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
     assert page.evaluate(widths) == before
 
 
+@pytest.mark.thorough
 def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(visit):
     page = visit()
     finished(page)
@@ -93,6 +96,7 @@ def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_
         assert page.locator("div.view[data-view=traction]").bounding_box()["y"] >= lowest
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])
 def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     page = visit()
@@ -104,6 +108,7 @@ def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     assert not faults_at_every_size(page)
 
 
+@pytest.mark.thorough
 def test_on_a_phone_held_sideways_punch_and_sliders_are_side_by_side(visit):
     page = visit()
     page.set_viewport_size({"width": 844, "height": 390})

@@ -24,6 +24,7 @@ def test_a_friction_loop_is_drawn_and_its_dissipation_told(visit):
     assert page.evaluate("punch.run.dissipated") == pytest.approx(area, rel=0.02)  # slips lie between increments
 
 
+@pytest.mark.thorough
 def test_unloading_is_drawn_along_the_indentation(visit):
     page = visit("?preset=unload")
     finished(page)

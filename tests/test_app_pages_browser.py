@@ -51,6 +51,7 @@ def test_a_page_is_drawn_on_a_desktop_and_on_a_phone(visit, title, size, theme):
     assert painted_pixels(page, title) > 8
 
 
+@pytest.mark.thorough
 def test_a_closed_page_takes_its_figures_along_and_another_comes_in_its_place(visit):
     page = visit()
     finished(page)
@@ -67,6 +68,7 @@ def test_a_closed_page_takes_its_figures_along_and_another_comes_in_its_place(vi
     assert "page=" not in page.url
 
 
+@pytest.mark.thorough
 def test_the_page_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
     finished(page)
@@ -96,6 +98,7 @@ def test_nodes_ride_on_the_law(visit):
     assert distance < 5e-3  # displacement and traction came as int16
 
 
+@pytest.mark.thorough
 def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
     page = visit("?page=stickslip")
     finished(page)
@@ -150,6 +153,7 @@ def test_the_drawer_changes_any_parameter_and_refuses_with_a_reason(visit):
     assert page.get_by_role("dialog", name="Parameters").is_hidden()
 
 
+@pytest.mark.thorough
 def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
     page = visit()
     finished(page)
@@ -171,6 +175,7 @@ def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
     assert painted_pixels(page, "Interface law") > 8
 
 
+@pytest.mark.thorough
 def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_while_paused(visit):
     page = visit("?page=solid&theme=light")
     finished(page)
@@ -190,6 +195,7 @@ def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_wh
     assert page.evaluate(ends) == page.evaluate(style) != light
 
 
+@pytest.mark.thorough
 def test_the_law_s_maps_have_a_scale_and_their_nodes_a_key_of_other_colours(visit):
     page = visit("?page=law")
     finished(page)

@@ -94,6 +94,7 @@ def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit)
     assert not page.locator("#numbers").is_visible()
 
 
+@pytest.mark.thorough
 def test_pins_travel_in_the_address(visit):
     page = visit("?E=100&pin=Soft*E*20&pin=*preset*fig7-case2")
     finished(page)

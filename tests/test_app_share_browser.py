@@ -44,6 +44,7 @@ def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, 
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
 
 
+@pytest.mark.thorough
 def test_link_and_lines_are_copied_by_keyboard(sheet):
     sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
     for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
@@ -95,6 +96,7 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
         assert len(list(root.iter())) > 20  # axes and curves
 
 
+@pytest.mark.thorough
 def test_lines_of_a_measured_surface_read_its_profile_from_the_json(visit, tmp_path):
     page = visit()
     finished(page)

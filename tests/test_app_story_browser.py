@@ -38,12 +38,14 @@ def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(pa
     page.locator("#slip").wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_where_the_contact_had_gone_a_slip_says_that_it_is_back(paused):
     page = paused("?preset=fig7-case1")
     at_first_slip(page)
     assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), contact again"
 
 
+@pytest.mark.thorough
 def test_a_flat_slips_without_an_area_and_has_no_lens(paused):
     page = paused("?preset=fig4a-blue")
     at_first_slip(page)
@@ -67,6 +69,7 @@ def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(paused):
     lens.wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_held(paused):
     page = paused("?preset=wave")
     page.evaluate("document.activeElement.blur()")
@@ -131,6 +134,7 @@ def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_t
     assert page.locator("#slow").inner_text() == "Slow motion"
 
 
+@pytest.mark.thorough
 def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_ends_it(paused):
     page = paused("?preset=loop")
     at_first_slip(page)
@@ -146,6 +150,7 @@ def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_end
     page.wait_for_function(f"() => punch.drawn === {k + 1}")
 
 
+@pytest.mark.thorough
 def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(paused):
     page = paused("?preset=fig6&u_x_max=14")
     page.evaluate("document.activeElement.blur()")
@@ -203,6 +208,7 @@ OVER_EACH_OTHER = """() => {
 PICTURES = ["?preset=fig6", "?preset=fig6&view=projector", "?preset=fig7-case1", "?preset=fig7-case2", "?preset=rough"]
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("query", PICTURES)
 def test_nothing_that_is_said_over_the_punch_lies_over_anything_else_said_there(paused, query):
     page = paused(query)

@@ -117,6 +117,7 @@ WATCHED = """() => {
 }"""
 
 
+@pytest.mark.thorough
 def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(server, browser):
     """No clock: between what was seen and what was done lie the page's own attempts, 2 s apart at most."""
     mortal = Server()

@@ -47,6 +47,7 @@ def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visi
     assert "force" not in page.url
 
 
+@pytest.mark.thorough
 def test_an_area_axis_that_does_not_begin_at_zero_says_so_and_stacked_plots_line_up(visit):
     page = visit()
     finished(page)

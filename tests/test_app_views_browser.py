@@ -32,6 +32,7 @@ def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(visit
         assert max(map(abs, apart)) <= tolerance
 
 
+@pytest.mark.thorough
 def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(visit):
     page = visit("?E=3000&delta_bar=1")
     finished(page)
@@ -58,6 +59,7 @@ def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_
     assert "5 %" in page.get_attribute("figure .key span[title]", "title")
 
 
+@pytest.mark.thorough
 def test_each_view_says_which_x_it_has(visit):
     page = visit()
     finished(page)
@@ -92,6 +94,7 @@ def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
     assert not page.locator("figure[aria-label^='Contact area'] .said").is_visible()
 
 
+@pytest.mark.thorough
 def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
     page = visit("?theme=dark")
     finished(page)
@@ -103,6 +106,7 @@ def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
     assert page.evaluate("getComputedStyle(document.querySelector('.bk-Tooltip')).backgroundColor") == card
 
 
+@pytest.mark.thorough
 def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
     page = visit("?preset=unload")
     page.set_viewport_size({"width": 800, "height": 4000})  # narrow and high: more than a hundredfold
@@ -114,6 +118,7 @@ def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
     assert "F = 0.000 N/m" in page.inner_text("#readout")
 
 
+@pytest.mark.thorough
 def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
     page = visit("?preset=unload")
     finished(page)
@@ -126,6 +131,7 @@ def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
     assert "jump" not in page.inner_text("main")
 
 
+@pytest.mark.thorough
 def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
     page = visit("?preset=loop")
     finished(page)
@@ -140,6 +146,7 @@ def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
     assert "against +x" in page.inner_text("figure[aria-label^='Traction']")
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("query", ["?", "?page=law", "?page=solid"])
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
 def test_no_caption_is_cut(visit, query, size):

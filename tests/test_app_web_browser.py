@@ -9,6 +9,7 @@ from served import PATIENCE, Server, finished
 pytestmark = pytest.mark.browser
 
 
+@pytest.mark.thorough
 def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit):
     page = visit()
     finished(page)
@@ -19,6 +20,7 @@ def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit)
     assert page.evaluate("window.same && punch.status.values.E") == 80
 
 
+@pytest.mark.thorough
 def test_a_full_class_lets_in_who_waits(browser, monkeypatch):
     monkeypatch.setenv("APP_VISITORS", "1")
     full = Server()
@@ -66,6 +68,7 @@ def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhe
     page.close()
 
 
+@pytest.mark.thorough
 def test_a_site_that_was_named_may_frame_what_is_to_be_embedded(browser, elsewhere, monkeypatch, server):
     monkeypatch.setenv("APP_FRAME_ANCESTORS", elsewhere.rstrip("/"))
     other = Server()

@@ -42,6 +42,7 @@ def test_end_of_the_branch_does_not_depend_on_the_increment(du_x):
     assert event.kind == "fold" and event.located
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "values",
@@ -87,6 +88,7 @@ def against_gfmd(scene, fraction=0.5):
     return moved(scene, start, ours), moved(scene, start, there.u), float(np.abs(ours - there.u).max())
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.2, 0.25, 0.28, 0.35, 0.6, 1.0, 4.0, inf])
 def test_a_slip_rests_where_the_paper_s_gfmd_rests(damping):
