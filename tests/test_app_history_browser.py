@@ -14,7 +14,7 @@ def enter(page, name, text):
 
 
 def test_ctrl_z_takes_settled_changes_back_one_by_one_and_ctrl_y_brings_them_again(visit):
-    page = visit()
+    page = visit("?du_x=0.5&u_x_max=10")
     finished(page)
     assert page.get_by_role("button", name="Undo").is_disabled()
     page.focus("#delta_bar")

@@ -43,10 +43,8 @@ def faults_at_every_size(page, whole=False):
 
 @pytest.mark.once
 @pytest.mark.parametrize("query", ["", "?view=projector"])
-def test_the_experiment_fits_every_screen(visit, query):
-    page = visit(query)
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+def test_the_experiment_fits_every_screen(look, query):
+    page = look(query)
     page.keyboard.press("End")  # the longest readout
     assert not faults_at_every_size(page, whole=True)
 
@@ -81,10 +79,8 @@ def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
 
 
 @pytest.mark.thorough
-def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(visit):
-    page = visit()
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(look):
+    page = look()
     for width, height in ((900, 600), (960, 640), (1024, 600), (1024, 700), (1180, 600), (1280, 640), (1366, 657)):
         page.set_viewport_size({"width": width, "height": height})
         laid_out(page)
@@ -109,10 +105,10 @@ def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
 
 
 @pytest.mark.thorough
-def test_on_a_phone_held_sideways_punch_and_sliders_are_side_by_side(visit):
-    page = visit()
+def test_on_a_phone_held_sideways_punch_and_sliders_are_side_by_side(look):
+    page = look()
     page.set_viewport_size({"width": 844, "height": 390})
-    finished(page)
+    laid_out(page)
     punch, slider, play = (page.locator(what).bounding_box() for what in ("figure >> nth=0", "#delta_bar", "#play"))
     assert punch["x"] + punch["width"] <= slider["x"]
     assert punch["height"] > 200

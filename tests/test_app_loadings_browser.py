@@ -55,7 +55,7 @@ def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
 
 
 def test_a_profile_is_uploaded_and_a_bad_one_leaves_the_run(visit, tmp_path):
-    page = visit()
+    page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")

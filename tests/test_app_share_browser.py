@@ -17,14 +17,14 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture
-def sheet(visit):
+def sheet(look):
     """The sheet of a run at rest, opened by keyboard."""
-    page = visit("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
-    finished(page)
-    page.wait_for_function("punch.drawn === 209 && !punch.playing")
+    page = look("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
+    page.wait_for_function("punch.drawn === 209")
     page.get_by_role("button", name="Share").press("Enter")
     page.wait_for_function("document.getElementById('share-python').value")
-    return page
+    yield page
+    page.keyboard.press("Escape")
 
 
 def saved(page, button):
