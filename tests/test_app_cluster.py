@@ -41,14 +41,14 @@ def workers(local, monkeypatch):
 
 
 def test_frames_are_the_same_to_the_last_bit(workers):
-    call = (worker.compute, Scene(u_x_max=20.0), None, 600.0)
+    call = (worker.compute, Scene(u_x_max=12.0), None, 600.0)  # through its first slip
     near = workers.submit(*call, seconds=600.0)
     far = near.result(PATIENCE)
     one = Caller()
     one.call(worker.start, workers.wisdom)
     here = one.call(*call)
     one.end()
-    assert far.done and far.frames == here.frames > 200 and far.blocks == here.blocks
+    assert far.done and far.frames == here.frames > 120 and far.blocks == here.blocks
     again = workers.submit(os.getpid, near=near)
     assert again.result(PATIENCE) > 0 and again.seat is near.seat  # it still has the plans
 

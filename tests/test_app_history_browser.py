@@ -58,7 +58,7 @@ def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(v
 
 @pytest.mark.thorough
 def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):
-    page = visit()
+    page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))

@@ -20,6 +20,7 @@ def test_closing_the_tab_frees_what_it_held(server, browser):
     assert "now 0, slices in flight 0" in server.wait_for("visitor left, now 0", since=seen)
 
 
+@pytest.mark.thorough
 def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
     behind = Server("/lab/contact")
     behind.wait_for("workers are warm")

@@ -154,6 +154,7 @@ def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(serv
     assert any(grey for _, grey, *_ in before) and after[-1] == [False, False, 310, 310]
 
 
+@pytest.mark.thorough
 def test_a_long_run_says_how_long_and_can_be_skipped_with_what_it_has(visit):
     # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
     page = visit(

@@ -332,6 +332,7 @@ def test_a_motion_that_swings_at_one_step_for_ever_is_made_again_with_another():
     assert ends[0].L_bar == pytest.approx(ends[1].L_bar, rel=1e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_where_waves_drift_for_ever_that_is_said_soon_and_with_a_remedy_that_helps():
     scene = Scene(surface="flat", delta_bar=-0.2, nu=0.499, E=17.5, nodes=256, width=625.0, u_x_max=0.2)

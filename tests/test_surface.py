@@ -294,6 +294,7 @@ def test_johnson_s_wave_runs_into_jkr_and_into_full_contact():
     assert repulsive(0.0) == pytest.approx(PSI / (0.5 * np.pi))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_range_of_the_law_matters_less_on_a_higher_wave():
     """Towards Westergaard: the error of area over load falls with delta_n over the amplitude."""

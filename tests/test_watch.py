@@ -64,6 +64,7 @@ def states(scene, every, start=0):
 SMALL = {"nodes": 192, "width": 468.75, "u_x_max": 12.0}
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "values",
@@ -120,6 +121,7 @@ def test_near_a_shift_the_disturbances_under_a_force_are_those_of_the_product():
     assert maps.product(x.real) + 1j * maps.product(x.imag) - mu * x == pytest.approx(f, abs=1e-9 * np.abs(f).max())
 
 
+@pytest.mark.once
 @pytest.mark.slow
 def test_waves_of_a_patch_within_a_larger_cell_are_those_of_dense_eigenvalues():
     scene, found = MIDDLE.changed(damping=0.05), []
