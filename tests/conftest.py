@@ -128,6 +128,7 @@ def look(kept):
         page = known[query]
         page.set_viewport_size(DESKTOP)
         page.mouse.move(1, 1)
+        page.evaluate("document.querySelectorAll('dialog[open]').forEach((sheet) => sheet.close())")
         page.evaluate("document.activeElement.blur()")
         if page.evaluate("punch.playing"):
             page.keyboard.press("Space")

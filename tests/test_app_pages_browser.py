@@ -80,10 +80,8 @@ def test_the_page_in_the_address_is_open_from_the_start(visit):
     assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
 
 
-def test_nodes_ride_on_the_law(visit):
-    page = visit("?page=law")
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+def test_nodes_ride_on_the_law(look):
+    page = look("?page=law")
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
     distance = page.evaluate(
         f"""() => {{
@@ -181,9 +179,8 @@ def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_wh
 
 
 @pytest.mark.thorough
-def test_the_law_s_maps_have_a_scale_and_their_nodes_a_key_of_other_colours(visit):
-    page = visit("?page=law")
-    finished(page)
+def test_the_law_s_maps_have_a_scale_and_their_nodes_a_key_of_other_colours(look):
+    page = look("?page=law")
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
     for name in ("shear", "normal"):
         mapper = f"{MODEL.format(f'law_{name}_map.map')}.glyph.color_mapper"
@@ -192,8 +189,6 @@ def test_the_law_s_maps_have_a_scale_and_their_nodes_a_key_of_other_colours(visi
     assert "past the peak" in page.inner_text("#law")
     style = "getComputedStyle(document.querySelector('.key .{}')).backgroundColor"
     assert page.evaluate(style.format("stick")) != page.evaluate(style.format("repulsive"))
-    page.get_by_role("button", name="Pause").click()
-    page.wait_for_function("() => document.getElementById('status').textContent.includes('paused')")
     assert int(page.inner_text("#law-open")) == page.evaluate(
         f"{MODEL.format('punch.free')}.data_source.data.gap.length"
     )

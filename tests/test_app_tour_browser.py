@@ -1,7 +1,7 @@
 """The tour and the theory page, in a real Chromium."""
 
 import pytest
-from served import FAULTS, PATIENCE, finished, laid_out
+from served import FAULTS, PATIENCE, laid_out
 
 pytestmark = pytest.mark.browser
 
@@ -89,9 +89,8 @@ def test_on_a_phone_the_punch_is_above_the_question(visit):
     assert not page.evaluate(FAULTS)
 
 
-def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(visit):
-    page = visit()
-    finished(page)
+def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(look):
+    page = look()
     page.locator("#open-theory").click()
     page.locator("#theory math").first.wait_for()
     assert page.locator("#theory math").count() >= 11

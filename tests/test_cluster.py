@@ -59,7 +59,7 @@ def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_it
 def test_what_fails_hangs_or_ends_its_worker_costs_no_other_result(address):
     ((_, error),) = cluster.outcomes(int, ["x"], address, 60.0)
     assert error.kind == "error" and "ValueError" in error.reason
-    found = dict(cluster.outcomes(time.sleep, [0.0, PATIENCE], address, 5.0))
+    found = dict(cluster.outcomes(time.sleep, [0.0, PATIENCE], address, 10.0))
     assert found[0] is None and found[1].kind == "hang"
     ((_, lost),) = cluster.outcomes(os._exit, [1], address, 60.0)
     assert lost.kind == "crash"
