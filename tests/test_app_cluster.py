@@ -16,7 +16,7 @@ from solver.isolated import Caller
 
 pytestmark = pytest.mark.slow
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
-PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,14 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from served import PATIENCE, Server, finished
+from served import PATIENCE, Server, finished, patient
 
 pytestmark = pytest.mark.browser
 
 
 def test_closing_the_tab_frees_what_it_held(server, browser):
     seen = len(server.lines)
-    page = browser.new_page()
+    page = patient(browser.new_page())
     page.goto(server.address)
     finished(page)
     page.close()
@@ -27,7 +27,7 @@ def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
     context = browser.new_context()
     paid = []
     for _ in range(2):
-        page = context.new_page()
+        page = patient(context.new_page())
         page.goto(behind.address)
         finished(page)
         entries = "performance.getEntriesByType('resource').map(({ name, transferSize }) => [name, transferSize])"

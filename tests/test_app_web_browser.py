@@ -4,7 +4,7 @@ import http.server
 import threading
 
 import pytest
-from served import PATIENCE, Server, finished
+from served import PATIENCE, Server, finished, patient
 
 pytestmark = pytest.mark.browser
 
@@ -27,7 +27,7 @@ def test_a_full_class_lets_in_who_waits(browser, monkeypatch):
     full.wait_for("workers are warm")
     try:
         context = browser.new_context()
-        first, second = context.new_page(), context.new_page()
+        first, second = patient(context.new_page()), patient(context.new_page())
         first.goto(full.address)
         finished(first)
         second.goto(full.address)
@@ -60,7 +60,7 @@ def elsewhere(server):
 
 
 def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhere):
-    page = browser.new_page()
+    page = patient(browser.new_page())
     said = []
     page.on("console", lambda message: said.append(message.text))
     with page.expect_event("console", lambda message: "frame-ancestors" in message.text, timeout=PATIENCE):
@@ -74,7 +74,7 @@ def test_a_site_that_was_named_may_frame_what_is_to_be_embedded(browser, elsewhe
     other = Server()
     other.wait_for("workers are warm")
     try:
-        page = browser.new_page()
+        page = patient(browser.new_page())
         page.goto(f"{elsewhere}?embed=1")
         page.evaluate("address => { document.querySelector('iframe').src = address }", f"{other.address}?embed=1")
         frame = page.frame_locator("iframe")
