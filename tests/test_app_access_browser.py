@@ -145,7 +145,7 @@ WHOLE = {  # page: what is there when it has drawn everything
 }
 
 
-@pytest.mark.once
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", WHOLE)
 def test_every_plot_of_a_page_has_its_numbers_as_a_table(visit, name):
     page = visit(f"?page={name}&{QUICK}")

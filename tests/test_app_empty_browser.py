@@ -53,6 +53,7 @@ def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
     assert column(page, "forces.ways", "angle") == []
 
 
+@pytest.mark.thorough
 def test_increments_in_which_the_surface_never_rests_are_hatched_and_named(visit):
     page = visit("?du_x=0.5")
     finished(page)

@@ -54,6 +54,7 @@ def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
     assert page.evaluate("punch.drawn") == 300  # what was looked at stays on screen
 
 
+@pytest.mark.thorough
 def test_a_profile_is_uploaded_and_a_bad_one_leaves_the_run(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)

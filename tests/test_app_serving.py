@@ -42,6 +42,7 @@ def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
     assert paid[0] > 0 == paid[1]
 
 
+@pytest.mark.thorough
 def test_stopping_the_server_ends_its_workers(chromium):
     running = Server()
     running.wait_for("workers are warm")

@@ -31,6 +31,7 @@ def test_a_stiffer_punch_slides_against_more_force_on_screen_and_the_run_before_
     assert axis(page) == "F, L (N/m)"
 
 
+@pytest.mark.thorough
 def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visit):
     page = visit()
     finished(page)

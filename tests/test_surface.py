@@ -217,6 +217,7 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
         assert one.slip == other.slip
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "values", [{"surface": "rough", "rms_slope": 0.05, "cut_off": 0.1}, {"surface": "wave", "amplitude": 15.0}]
