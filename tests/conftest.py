@@ -139,7 +139,7 @@ def look(kept):
     tabs.check()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def pool():
     from app.service.pool import Pool  # here: tests of the solver need nothing of the app
 
