@@ -140,7 +140,7 @@ WHOLE = {  # page: what is there when it has drawn everything
     "law": "document.getElementById('law-stick').textContent",
     "stickslip": "document.getElementById('stickslip-said').textContent"
     " && document.querySelector('#stickslip progress').hidden",
-    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length === 10",
+    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length > 4",
     "solid": "document.getElementById('solid-name').textContent",
 }
 
