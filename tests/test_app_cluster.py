@@ -65,6 +65,7 @@ def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
     until(lambda: workers.ready == 2)
 
 
+@pytest.mark.thorough
 def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, caplog):
     error = workers.submit(int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason

@@ -52,6 +52,7 @@ def test_it_shows_what_applies_finds_and_restores(visit):
     assert page.evaluate("punch.status.values.nu") == 0.45
 
 
+@pytest.mark.thorough
 def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visit):
     page = visit()
     finished(page)
@@ -64,6 +65,7 @@ def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visi
     assert page.input_value("#profile").endswith("mine.csv")
 
 
+@pytest.mark.thorough
 def test_entries_take_what_people_type(visit):
     page = visit(f"?{QUICK}")
     finished(page)

@@ -123,6 +123,7 @@ def test_the_picture_inside_the_solid_follows_playback(visit):
     assert "displacements ×" in page.inner_text("#solid-said")
 
 
+@pytest.mark.thorough
 def test_a_preset_replaces_everything_and_says_what_to_look_for(visit):
     page = visit("?delta_bar=0.3&nu=0.3")
     finished(page)

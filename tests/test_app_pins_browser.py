@@ -16,6 +16,7 @@ def lines(page, view):
     return page.evaluate(f"{MODEL.format(f'{view}.pins')}.data_source.data.xs.length")
 
 
+@pytest.mark.thorough
 def test_a_run_is_pinned_shown_hidden_renamed_loaded_and_removed_by_keyboard(visit):
     page = visit()
     finished(page)

@@ -47,6 +47,7 @@ def test_a_held_slider_gets_coarse_curves_and_the_exact_one_when_it_rests(visit)
     assert page.evaluate("punch.run.shear('F_bar').length") == 401
 
 
+@pytest.mark.thorough
 def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_there(visit):
     page = visit("?E=20&delta_bar=0.3")
     finished(page)
