@@ -38,7 +38,8 @@ def painted_pixels(page, name):
 @pytest.mark.parametrize("title", DRAWN)
 @pytest.mark.parametrize(("size", "theme"), [((1280, 720), "light"), ((390, 844), "dark")])
 def test_a_page_is_drawn_on_a_desktop_and_on_a_phone(visit, title, size, theme):
-    page = visit(f"?theme={theme}&nodes=256&width=625&du_x=0.5&du_z=0.5")  # what Area laws computes is soon there
+    quick = "&nodes=256&width=625&du_x=0.5&du_z=0.5" if title == "Area laws" else ""  # what it computes is soon there
+    page = visit(f"?theme={theme}{quick}")
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
     if size[0] < 600:
