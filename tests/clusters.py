@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 
-PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 QUIET = ["--no-dashboard", "--host", "127.0.0.1"]
 
 

@@ -3,16 +3,36 @@
 import os
 import re
 import shutil
+from collections import Counter
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads that wait for each other eat both cores
 
 import numpy as np
 import pytest
-from served import PATIENCE, TROUBLE, Server
+from served import PATIENCE, TROUBLE, Server, finished
 
 from solver import Scene, load_path
 
+DESKTOP = {"width": 1280, "height": 720}
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+def pytest_xdist_auto_num_workers(config):
+    """Two processes for the suite; none beside its own for files or tests that are named, where one wants to look."""
+    named = [argument for argument in config.args if not os.path.isdir(argument)]
+    return 0 if named else int(os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS", 2))
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` chooses
+def pytest_collection_modifyitems(items):
+    """Of a test marked `once` all parameters but the first are thorough."""
+    seen = Counter()
+    for item in items:
+        if once := item.get_closest_marker("once"):
+            test = item.parent.nodeid, item.originalname
+            seen[test] += 1
+            if seen[test] > (once.args or (1,))[0]:
+                item.add_marker(pytest.mark.thorough)
 
 
 @pytest.fixture(scope="session")
@@ -48,31 +68,78 @@ def server(chromium):
     assert not trouble, "".join(running.lines)
 
 
-@pytest.fixture
-def visit(server, browser):
-    """Open the app in a tab of its own; at the end nothing may have gone wrong or been asked from elsewhere."""
-    contexts, problems, asked = [], [], []
+class Tabs:
+    """Tabs of the app, with the errors they report and the addresses they ask."""
 
-    def opened(query="", **options):
-        context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
-        contexts.append(context)
+    def __init__(self, server, browser):
+        self.server, self.browser = server, browser
+        self.contexts, self.problems, self.asked = [], [], []
+
+    def open(self, query="", **options):
+        context = self.browser.new_context(viewport=DESKTOP, **options)
+        self.contexts.append(context)
         context.set_default_timeout(PATIENCE)
         page = context.new_page()
-        page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda error: problems.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(server.address + query)
+        page.on("console", lambda message: self.problems.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: self.problems.append(str(error)))
+        page.on("request", lambda request: self.asked.append(request.url))
+        page.goto(self.server.address + query)
         return page
 
-    yield opened
-    for context in contexts:
-        context.close()
-    assert not problems
-    outside = [url for url in asked if not re.match(rf"(http|ws)://localhost:{server.port}/|data:|blob:", url)]
-    assert not outside
+    def close(self):
+        for context in self.contexts:
+            context.close()
+
+    def check(self):
+        """Nothing has gone wrong or been asked from elsewhere."""
+        assert not self.problems
+        own = re.compile(rf"(http|ws)://localhost:{self.server.port}/|data:|blob:")
+        assert not [url for url in self.asked if not own.match(url)]
+
+
+@pytest.fixture
+def visit(server, browser):
+    """Open the app in a tab of the test's own."""
+    tabs = Tabs(server, browser)
+    yield tabs.open
+    tabs.close()
+    tabs.check()
 
 
 @pytest.fixture(scope="module")
+def kept(server, browser):
+    tabs = Tabs(server, browser)
+    yield tabs, {}
+    tabs.close()
+
+
+@pytest.fixture
+def look(kept):
+    """Open the app in a tab, at rest after its run, that the file's other looks at the same address get as well.
+
+    For tests that leave scene and page as they found them: loading the page takes longer than most of these.
+    """
+    tabs, known = kept
+
+    def at_rest(query=""):
+        if query not in known:
+            known[query] = tabs.open(query)
+            finished(known[query])
+        page = known[query]
+        page.set_viewport_size(DESKTOP)
+        page.mouse.move(1, 1)
+        page.evaluate("document.querySelectorAll('dialog[open]').forEach((sheet) => sheet.close())")
+        page.evaluate("document.activeElement.blur()")
+        if page.evaluate("punch.playing"):
+            page.keyboard.press("Space")
+        page.wait_for_function("() => !punch.playing && !punch.fresh")
+        return page
+
+    yield at_rest
+    tabs.check()
+
+
+@pytest.fixture(scope="session")
 def pool():
     from app.service.pool import Pool  # here: tests of the solver need nothing of the app
 

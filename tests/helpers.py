@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
 
 def until(condition):

@@ -12,8 +12,8 @@ from pathlib import Path
 from playwright.sync_api import TimeoutError as TookTooLong
 
 ROOT = Path(__file__).parent.parent
-PATIENCE = 120_000  # ms; a limit against hanging, not a claim about speed
-SETTLE = 5_000  # ms for what is laid out anew; after that a fault is one
+PATIENCE = 300_000  # ms; a limit against hanging, not a claim about speed
+SETTLE = 30_000  # ms for what is laid out anew; after that a fault is one
 TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
 FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
@@ -105,6 +105,12 @@ class Server:
     def stop(self):
         self.process.send_signal(signal.SIGTERM)  # as process managers do; background jobs do not hear SIGINT
         self.process.wait(PATIENCE / 1000)
+
+
+def patient(page):
+    """A tab that waits longer than Playwright's half a minute."""
+    page.set_default_timeout(PATIENCE)
+    return page
 
 
 def finished(page, run=1):

@@ -54,6 +54,7 @@ def shear_frames(scene, series):
     return [f for f in frames(scene, series) if f.stage == "shear"]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_error_falls_in_step_with_the_tolerance(report):
     points = report.of("tolerance", "fast")
@@ -96,6 +97,7 @@ def test_the_judge_of_branches_is_gfmd_alone():
     assert judged.scene.tolerance == 1e-6 and len(judged.states) >= 4
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_slips_where_gfmd_changes_its_mind_are_not_counted(report):
     changed = replace(report.judgement, finer=True, changed=(("shear", 8.5),))
@@ -123,6 +125,7 @@ def underdamped():
     return scene, known, replace(run, series="underdamped"), finish(perform(run, known, 60.0))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped):
     scene, _, _, astray = underdamped
@@ -134,6 +137,7 @@ def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped)
     assert any("The reference is on another branch than gfmd" in line for line in notes(wrong))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_wrong_branch_is_counted_and_named(report, underdamped):
     scene, known, run, curves = underdamped
@@ -152,6 +156,7 @@ def test_a_wrong_branch_is_counted_and_named(report, underdamped):
     )
 
 
+@pytest.mark.thorough
 def test_a_tighter_tolerance_that_is_worse_is_named(report):
     last = report.of("tolerance", "fast")[-1]
     points = [p if p is not last else replace(p, F=0.01) for p in report.points]
@@ -174,6 +179,7 @@ def test_steps_of_the_reference_divide_those_compared_with_it():
     assert refined(SMALL.changed(du_x=0.002)).du_x == 0.001  # a tenth would be below what is allowed
 
 
+@pytest.mark.thorough
 def test_measuring_can_be_watched_and_stopped(measured):
     done = [progress for progress, _ in measured]
     assert done[0] == 0.0 and done[-1] == pytest.approx(1.0)
@@ -182,6 +188,7 @@ def test_measuring_can_be_watched_and_stopped(measured):
     assert len(list(islice(measure(SMALL, quick=True), 3))) == 3
 
 
+@pytest.mark.thorough
 def test_the_report_in_plain_data_has_every_number(report):
     plain = json.loads(json.dumps(data(report), allow_nan=False))
     keys = {
@@ -250,6 +257,7 @@ def test_nothing_to_draw_with_is_imported_before_it_is_needed():
     assert ran.stdout == "[]\n"
 
 
+@pytest.mark.thorough
 @pytest.mark.browser
 def test_the_page_opens_offline(report, browser, tmp_path):
     write_page(tmp_path / "a.html", report)

@@ -168,6 +168,7 @@ def test_an_unusable_entry_leaves_the_run_on_screen(page):
     assert page.status()["errors"] == {} and page.session.run.number == 2
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeypatch):
     monkeypatch.setattr(pool, "patience", 600.0)

@@ -123,7 +123,7 @@ def test_points_of_an_empty_report_are_none():
 
 @pytest.mark.browser
 def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
-    page = visit("?nodes=128&width=320&u_x_max=8")
+    page = visit("?nodes=64&width=160&radius=1&u_x_max=8&du_x=0.2&du_z=0.5")
     finished(page)
     assert page.evaluate("document.querySelectorAll('.point').length") == 0
     page.get_by_role("button", name="Accuracy").click()
@@ -143,6 +143,7 @@ def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
     assert page.evaluate("punch.status.run") == 1
 
 
+@pytest.mark.thorough
 @pytest.mark.browser
 def test_a_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
     page = visit()

@@ -55,6 +55,7 @@ def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
     assert page.inner_text("[data-name=delta_bar] .unit") == "= 0.1 nm"
 
 
+@pytest.mark.thorough
 def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
     page = visit()
     finished(page)
@@ -98,9 +99,8 @@ def test_play_pause_step_and_reset(visit):
     assert drawn(page, "forces", "ghost_F") == 0
 
 
-def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(visit):
-    page = visit()
-    finished(page)
+def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(look):
+    page = look()
     help_ = page.get_by_role("dialog", name="Keys")
     page.get_by_role("button", name="Keys and other help").click()
     for key in ("Space", "Shift", "Home", "End", "R", "←", "→"):
@@ -116,6 +116,7 @@ def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(vi
     help_.wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_the_speed_chosen_is_that_of_the_top(visit):
     page = visit()
     finished(page)
@@ -128,6 +129,7 @@ def test_the_speed_chosen_is_that_of_the_top(visit):
     assert frames < 0 or frames * 0.1 == pytest.approx(20 * passed)
 
 
+@pytest.mark.thorough
 def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
     page = visit("?E=10&delta_bar=1")
     page.wait_for_function(
@@ -141,10 +143,8 @@ def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
     assert 0 < page.evaluate("punch.ghost.shear('F_bar').length") < 401  # what was there of the slow one
 
 
-def test_hovering_and_clicking_a_curve_moves_every_view(visit):
-    page = visit()
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+def test_hovering_and_clicking_a_curve_moves_every_view(look):
+    page = look()
     at = page.evaluate("punch.drawn")
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
     page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
@@ -179,6 +179,7 @@ def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
 
 
+@pytest.mark.thorough
 def test_the_theme_follows_the_browser_and_switches_without_losing_the_run(visit):
     page = visit(color_scheme="dark")
     finished(page)
@@ -186,14 +187,3 @@ def test_the_theme_follows_the_browser_and_switches_without_losing_the_run(visit
     page.get_by_role("button", name="Switch between light and dark").click()
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert page.evaluate("punch.run.number") == 1
-
-
-@pytest.mark.parametrize("size", [(1440, 900), (1280, 720), (390, 844)])
-def test_nothing_is_cut_off_sideways_and_what_matters_is_above_the_fold(visit, size):
-    page = visit()
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    finished(page)
-    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
-    for part in ("#status", "#delta_bar", "#phi_ratio", "#E", "#play", "figure >> nth=0"):
-        box = page.locator(part).bounding_box()
-        assert box["y"] >= 0 and box["y"] + min(box["height"], 100) <= size[1], part

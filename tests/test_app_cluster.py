@@ -16,7 +16,7 @@ from solver.isolated import Caller
 
 pytestmark = pytest.mark.slow
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
-PATIENCE = 120  # s; a limit against hanging, not a claim about speed
+PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
 
 @pytest.fixture(scope="module")
@@ -41,18 +41,19 @@ def workers(local, monkeypatch):
 
 
 def test_frames_are_the_same_to_the_last_bit(workers):
-    call = (worker.compute, Scene(u_x_max=20.0), None, 600.0)
+    call = (worker.compute, Scene(u_x_max=12.0), None, 600.0)  # through its first slip
     near = workers.submit(*call, seconds=600.0)
     far = near.result(PATIENCE)
     one = Caller()
     one.call(worker.start, workers.wisdom)
     here = one.call(*call)
     one.end()
-    assert far.done and far.frames == here.frames > 200 and far.blocks == here.blocks
+    assert far.done and far.frames == here.frames > 120 and far.blocks == here.blocks
     again = workers.submit(os.getpid, near=near)
     assert again.result(PATIENCE) > 0 and again.seat is near.seat  # it still has the plans
 
 
+@pytest.mark.thorough
 def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
     asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
     until(lambda: all(task.running() or task.done() for task in asked))
@@ -64,6 +65,7 @@ def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
     until(lambda: workers.ready == 2)
 
 
+@pytest.mark.thorough
 def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, caplog):
     error = workers.submit(int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason
@@ -76,6 +78,7 @@ def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, ca
     until(lambda: workers.ready == 2)  # a nanny has started another
 
 
+@pytest.mark.thorough
 def test_the_scheduler_may_go_and_come_back(local, workers, monkeypatch):
     monkeypatch.setattr("app.service.pool.HOPE", 0.5)
     local.stop()

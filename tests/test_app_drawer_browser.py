@@ -4,8 +4,10 @@ import pytest
 from served import FAULTS, PATIENCE, finished, laid_out
 
 pytestmark = pytest.mark.browser
+QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
 def test_the_views_make_room_for_the_drawer(visit, size):
     page = visit()
@@ -29,7 +31,7 @@ def test_the_views_make_room_for_the_drawer(visit, size):
 
 
 def test_it_shows_what_applies_finds_and_restores(visit):
-    page = visit("?surface=rough")
+    page = visit(f"?surface=rough&{QUICK}")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     shown = lambda name: page.locator(f"#{name}-entry").is_visible()  # noqa: E731
@@ -50,6 +52,7 @@ def test_it_shows_what_applies_finds_and_restores(visit):
     assert page.evaluate("punch.status.values.nu") == 0.45
 
 
+@pytest.mark.thorough
 def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visit):
     page = visit()
     finished(page)
@@ -62,8 +65,9 @@ def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visi
     assert page.input_value("#profile").endswith("mine.csv")
 
 
+@pytest.mark.thorough
 def test_entries_take_what_people_type(visit):
-    page = visit()
+    page = visit(f"?{QUICK}")
     finished(page)
     for run, (name, text, value) in enumerate(
         (("E", "80 GPa", 80), ("delta_bar", "−0,25", -0.25), ("phi_ratio", "0.5", 0.5)), start=2

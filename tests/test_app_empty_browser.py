@@ -30,6 +30,7 @@ def test_the_approach_is_drawn_along_the_indentation_with_its_jump_into_contact(
     assert len(column(page, "forces.L", "U_x")) == 81
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("query", ["?u_x_max=0", "?path=unload&delta_bar=-1", "?delta_bar=-1&du_x=1"])
 def test_a_run_without_shear_or_without_contact_has_axes_and_says_why(visit, query):
     page = visit(query)
@@ -41,6 +42,7 @@ def test_a_run_without_shear_or_without_contact_has_axes_and_says_why(visit, que
     assert apart == ("delta_bar=-1" in query)
 
 
+@pytest.mark.thorough
 def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
     page = visit("?path=loop&u_x_max=10&du_x=0.5")
     finished(page)
@@ -51,6 +53,7 @@ def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
     assert column(page, "forces.ways", "angle") == []
 
 
+@pytest.mark.thorough
 def test_increments_in_which_the_surface_never_rests_are_hatched_and_named(visit):
     page = visit("?du_x=0.5")
     finished(page)

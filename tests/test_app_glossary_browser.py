@@ -9,10 +9,8 @@ pytestmark = pytest.mark.browser
 FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('glossary.html')).length"
 
 
-def test_a_term_is_explained_on_hover_and_nothing_is_loaded_before(visit):
-    page = visit()
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+def test_a_term_is_explained_on_hover_and_nothing_is_loaded_before(look):
+    page = look()
     assert page.evaluate(FETCHED) == 0
     page.locator(".term", has_text="Traction").hover()
     tip = page.get_by_role("tooltip").filter(has_text="Force per area")
@@ -23,10 +21,9 @@ def test_a_term_is_explained_on_hover_and_nothing_is_loaded_before(visit):
     tip.wait_for(state="hidden")
 
 
-def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_out(visit):
-    page = visit("?theme=dark")
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+@pytest.mark.thorough
+def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_out(look):
+    page = look()
     term = page.locator("#look .term").first
     term.focus()
     tip = page.locator("#term")
@@ -41,6 +38,7 @@ def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_
     assert page.evaluate("document.activeElement.className") == "term"
 
 
+@pytest.mark.thorough
 def test_a_touch_keeps_it_until_the_next_elsewhere_and_it_stays_on_the_screen(visit):
     page = visit(has_touch=True)
     page.set_viewport_size({"width": 390, "height": 844})
@@ -56,9 +54,9 @@ def test_a_touch_keeps_it_until_the_next_elsewhere_and_it_stays_on_the_screen(vi
     tip.wait_for(state="hidden")
 
 
-def test_every_term_is_listed_with_the_theory(visit):
-    page = visit()
-    finished(page)
+@pytest.mark.thorough
+def test_every_term_is_listed_with_the_theory(look):
+    page = look()
     page.locator("#open-theory").click()
     page.locator("#theory .glossary").wait_for()
     listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")

@@ -14,7 +14,7 @@ def enter(page, name, text):
 
 
 def test_ctrl_z_takes_settled_changes_back_one_by_one_and_ctrl_y_brings_them_again(visit):
-    page = visit()
+    page = visit("?du_x=0.5&u_x_max=10")
     finished(page)
     assert page.get_by_role("button", name="Undo").is_disabled()
     page.focus("#delta_bar")
@@ -56,8 +56,9 @@ def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(v
     page.wait_for_url("**preset=fig7-case2**")
 
 
+@pytest.mark.thorough
 def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):
-    page = visit()
+    page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
@@ -86,6 +87,7 @@ def test_the_address_names_the_increment_at_rest_and_brings_it_back(visit):
     page.wait_for_function("!new URLSearchParams(location.search).has('k')")
 
 
+@pytest.mark.thorough
 def test_an_increment_beyond_the_run_or_that_is_none_does_no_harm(visit):
     page = visit("?k=99999")
     finished(page)

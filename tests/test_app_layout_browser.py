@@ -41,11 +41,10 @@ def faults_at_every_size(page, whole=False):
     return found
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("query", ["", "?view=projector"])
-def test_the_experiment_fits_every_screen(visit, query):
-    page = visit(query)
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+def test_the_experiment_fits_every_screen(look, query):
+    page = look(query)
     page.keyboard.press("End")  # the longest readout
     assert not faults_at_every_size(page, whole=True)
 
@@ -67,6 +66,7 @@ def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(
     page.wait_for_function("document.getElementById('find').getBoundingClientRect().bottom < innerHeight - 150")
 
 
+@pytest.mark.thorough
 def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
     page = visit()
     finished(page)
@@ -78,10 +78,9 @@ def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
     assert page.evaluate(widths) == before
 
 
-def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(visit):
-    page = visit()
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
+@pytest.mark.thorough
+def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(look):
+    page = look()
     for width, height in ((900, 600), (960, 640), (1024, 600), (1024, 700), (1180, 600), (1280, 640), (1366, 657)):
         page.set_viewport_size({"width": width, "height": height})
         laid_out(page)
@@ -93,6 +92,7 @@ def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_
         assert page.locator("div.view[data-view=traction]").bounding_box()["y"] >= lowest
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])
 def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     page = visit()
@@ -104,10 +104,11 @@ def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     assert not faults_at_every_size(page)
 
 
-def test_on_a_phone_held_sideways_punch_and_sliders_are_side_by_side(visit):
-    page = visit()
+@pytest.mark.thorough
+def test_on_a_phone_held_sideways_punch_and_sliders_are_side_by_side(look):
+    page = look()
     page.set_viewport_size({"width": 844, "height": 390})
-    finished(page)
+    laid_out(page)
     punch, slider, play = (page.locator(what).bounding_box() for what in ("figure >> nth=0", "#delta_bar", "#play"))
     assert punch["x"] + punch["width"] <= slider["x"]
     assert punch["height"] > 200

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from visitor import Page, order
+from visitor import PATIENCE, Page, order
 
 from app.service import packing, tasks, worker
 from app.session.controls import values_of
@@ -130,7 +130,7 @@ WAVY = "\n".join(["x, z"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.6f}" for x
 def upload(page, text):
     page.order("profile", text=text)
     while page.session.scene.surface != "measured" and "profile" not in page.status()["errors"]:
-        page.calls.get(timeout=60)()
+        page.calls.get(timeout=PATIENCE)()
 
 
 def test_an_uploaded_profile_is_shown_with_what_was_done_to_it(page):

@@ -28,6 +28,7 @@ def test_a_friction_loop_is_drawn_and_its_dissipation_told(visit):
     assert page.evaluate("punch.run.dissipated") == pytest.approx(area, rel=0.02)  # slips lie between increments
 
 
+@pytest.mark.thorough
 def test_unloading_is_drawn_along_the_indentation(visit):
     page = visit("?preset=unload")
     finished(page)
@@ -134,8 +135,9 @@ def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increm
     assert pytest.approx(F, rel=1e-5, abs=1e-3) == page.evaluate("[...punch.run.shear('F')]")
 
 
+@pytest.mark.thorough
 def test_a_profile_is_uploaded_and_a_bad_one_leaves_the_run(visit, tmp_path):
-    page = visit()
+    page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")

@@ -12,6 +12,7 @@ def marks(page):
     return {name: {said: value for value, said in found} for name, found in page.evaluate("punch.status.marks").items()}
 
 
+@pytest.mark.thorough
 def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scene_on_screen(visit):
     page = visit("?du_x=0.5")
     finished(page)

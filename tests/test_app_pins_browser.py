@@ -16,6 +16,7 @@ def lines(page, view):
     return page.evaluate(f"{MODEL.format(f'{view}.pins')}.data_source.data.xs.length")
 
 
+@pytest.mark.thorough
 def test_a_run_is_pinned_shown_hidden_renamed_loaded_and_removed_by_keyboard(visit):
     page = visit()
     finished(page)
@@ -94,6 +95,7 @@ def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit)
     assert not page.locator("#numbers").is_visible()
 
 
+@pytest.mark.thorough
 def test_pins_travel_in_the_address(visit):
     page = visit("?E=100&pin=Soft*E*20&pin=*preset*fig7-case2")
     finished(page)

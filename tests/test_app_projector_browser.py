@@ -26,6 +26,7 @@ def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
     assert page.locator("main figure:visible").count() == 5
 
 
+@pytest.mark.thorough
 def test_the_address_opens_it_with_large_values_and_no_words_of_the_solver(visit):
     page = visit("?view=projector&delta_bar=0.2")
     finished(page)

@@ -6,27 +6,28 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from served import PATIENCE, Server, finished
+from served import PATIENCE, Server, finished, patient
 
 pytestmark = pytest.mark.browser
 
 
 def test_closing_the_tab_frees_what_it_held(server, browser):
     seen = len(server.lines)
-    page = browser.new_page()
+    page = patient(browser.new_page())
     page.goto(server.address)
     finished(page)
     page.close()
     assert "now 0, slices in flight 0" in server.wait_for("visitor left, now 0", since=seen)
 
 
+@pytest.mark.thorough
 def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
     behind = Server("/lab/contact")
     behind.wait_for("workers are warm")
     context = browser.new_context()
     paid = []
     for _ in range(2):
-        page = context.new_page()
+        page = patient(context.new_page())
         page.goto(behind.address)
         finished(page)
         entries = "performance.getEntriesByType('resource').map(({ name, transferSize }) => [name, transferSize])"
@@ -41,6 +42,7 @@ def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
     assert paid[0] > 0 == paid[1]
 
 
+@pytest.mark.thorough
 def test_stopping_the_server_ends_its_workers(chromium):
     running = Server()
     running.wait_for("workers are warm")

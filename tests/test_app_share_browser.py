@@ -17,14 +17,14 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture
-def sheet(visit):
+def sheet(look):
     """The sheet of a run at rest, opened by keyboard."""
-    page = visit("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
-    finished(page)
-    page.wait_for_function("punch.drawn === 209 && !punch.playing")
+    page = look("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
+    page.wait_for_function("punch.drawn === 209")
     page.get_by_role("button", name="Share").press("Enter")
     page.wait_for_function("document.getElementById('share-python').value")
-    return page
+    yield page
+    page.keyboard.press("Escape")
 
 
 def saved(page, button):
@@ -44,6 +44,7 @@ def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, 
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
 
 
+@pytest.mark.thorough
 def test_link_and_lines_are_copied_by_keyboard(sheet):
     sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
     for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
@@ -95,8 +96,9 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
         assert len(list(root.iter())) > 20  # axes and curves
 
 
+@pytest.mark.thorough
 def test_lines_of_a_measured_surface_read_its_profile_from_the_json(visit, tmp_path):
-    page = visit()
+    page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
     page.get_by_role("button", name="Parameters").click()

@@ -1,21 +1,12 @@
 """The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
 
 import pytest
-from served import finished, laid_out
+from served import laid_out
 
 pytestmark = pytest.mark.browser
 
 
-@pytest.fixture
-def paused(visit):
-    def open_page(query):
-        page = visit(query)
-        finished(page)
-        page.locator("#play").click()
-        page.wait_for_function("() => !punch.playing")
-        return page
-
-    return open_page
+OWN = "?preset=fig6&theme=light"  # of the two tests that leave the page changed
 
 
 def at_first_slip(page):
@@ -25,8 +16,8 @@ def at_first_slip(page):
     page.wait_for_function("() => punch.run.curves.slip[punch.drawn] && punch.drawn > punch.run.sheared")
 
 
-def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(paused):
-    page = paused("?preset=fig6")
+def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(look):
+    page = look("?preset=fig6")
     at_first_slip(page)
     assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), A +7.8 %"
     first = page.evaluate("punch.drawn")
@@ -38,22 +29,24 @@ def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(pa
     page.locator("#slip").wait_for(state="hidden")
 
 
-def test_where_the_contact_had_gone_a_slip_says_that_it_is_back(paused):
-    page = paused("?preset=fig7-case1")
+@pytest.mark.thorough
+def test_where_the_contact_had_gone_a_slip_says_that_it_is_back(look):
+    page = look("?preset=fig7-case1")
     at_first_slip(page)
     assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), contact again"
 
 
-def test_a_flat_slips_without_an_area_and_has_no_lens(paused):
-    page = paused("?preset=fig4a-blue")
+@pytest.mark.thorough
+def test_a_flat_slips_without_an_area_and_has_no_lens(look):
+    page = look("?preset=fig4a-blue")
     at_first_slip(page)
     assert page.locator("#slip").inner_text().startswith("slip: one site (2.4 nm)")
     assert "A" not in page.locator("#slip").inner_text()
     assert page.locator("#lens").is_hidden()
 
 
-def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(paused):
-    page = paused("?preset=fig6")
+def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(look):
+    page = look(OWN)
     lens = page.locator("#lens")
     place = "Number(document.getElementById('lens').getAttribute('aria-valuenow'))"
     assert page.evaluate(place) < -50  # of a contact of some 180 nm
@@ -67,8 +60,9 @@ def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(paused):
     lens.wait_for(state="hidden")
 
 
-def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_held(paused):
-    page = paused("?preset=wave")
+@pytest.mark.thorough
+def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_held(look):
+    page = look("?preset=wave")
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Home")
     k = page.evaluate("punch.run.curves.slip.findIndex((slip, i) => slip && i > 0)")  # a crest jumps in
@@ -81,8 +75,8 @@ def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_h
     assert page.inner_text("#readout").endswith("JUMP")
 
 
-def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_another_indentation(paused):
-    page = paused("?preset=fig6")
+def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_another_indentation(look):
+    page = look(OWN)
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Home")
     page.evaluate("punch.at = punch.run.sheared")
@@ -105,8 +99,8 @@ def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_anot
     page.wait_for_function("() => location.search.includes('delta_bar=')")
 
 
-def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_the_increment_it_led_to(paused):
-    page = paused("?preset=fig6")
+def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_the_increment_it_led_to(look):
+    page = look("?preset=fig6")
     assert page.locator("#slow").is_hidden()
     at_first_slip(page)
     assert page.evaluate("performance.getEntriesByType('resource').every(({ name }) => !name.includes('film.js'))")
@@ -131,8 +125,9 @@ def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_t
     assert page.locator("#slow").inner_text() == "Slow motion"
 
 
-def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_ends_it(paused):
-    page = paused("?preset=loop")
+@pytest.mark.thorough
+def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_ends_it(look):
+    page = look("?preset=loop")
     at_first_slip(page)
     k = page.evaluate("punch.drawn")
     for _ in range(20):
@@ -146,8 +141,9 @@ def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_end
     page.wait_for_function(f"() => punch.drawn === {k + 1}")
 
 
-def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(paused):
-    page = paused("?preset=fig6&u_x_max=14")
+@pytest.mark.thorough
+def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(look):
+    page = look("?preset=fig6&u_x_max=14")
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Home")
     page.keyboard.press("m")
@@ -203,9 +199,10 @@ OVER_EACH_OTHER = """() => {
 PICTURES = ["?preset=fig6", "?preset=fig6&view=projector", "?preset=fig7-case1", "?preset=fig7-case2", "?preset=rough"]
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("query", PICTURES)
-def test_nothing_that_is_said_over_the_punch_lies_over_anything_else_said_there(paused, query):
-    page = paused(query)
+def test_nothing_that_is_said_over_the_punch_lies_over_anything_else_said_there(look, query):
+    page = look(query)
     page.evaluate(RECORD)
     at_first_slip(page)
     found = {}

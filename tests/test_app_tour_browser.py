@@ -1,7 +1,7 @@
 """The tour and the theory page, in a real Chromium."""
 
 import pytest
-from served import FAULTS, PATIENCE, finished, laid_out
+from served import FAULTS, PATIENCE, laid_out
 
 pytestmark = pytest.mark.browser
 
@@ -32,6 +32,7 @@ def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     assert "tour=3" in page.url
 
 
+@pytest.mark.thorough
 def test_a_curve_can_be_sketched_before_the_run_draws_itself(visit):
     page = visit("?tour=3")
     asked(page)
@@ -58,6 +59,7 @@ COVERED = """() => {
 }"""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("query", ["", "&view=projector"])
 def test_the_card_leaves_punch_forces_and_area_in_sight(visit, query):
     page = visit(f"?tour=3{query}")
@@ -75,6 +77,7 @@ def test_the_card_leaves_punch_forces_and_area_in_sight(visit, query):
             page.get_by_role("button", name="Your turn").click()
 
 
+@pytest.mark.thorough
 def test_on_a_phone_the_punch_is_above_the_question(visit):
     page = visit("?tour=1")
     page.set_viewport_size({"width": 390, "height": 844})
@@ -86,9 +89,8 @@ def test_on_a_phone_the_punch_is_above_the_question(visit):
     assert not page.evaluate(FAULTS)
 
 
-def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(visit):
-    page = visit()
-    finished(page)
+def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(look):
+    page = look()
     page.locator("#open-theory").click()
     page.locator("#theory math").first.wait_for()
     assert page.locator("#theory math").count() >= 11

@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from served import PATIENCE, Server, finished
+from served import PATIENCE, Server, finished, patient
 
 pytestmark = pytest.mark.browser
 GREY = "document.querySelector('.page').dataset.stale === 'true'"
@@ -47,6 +47,7 @@ def test_a_held_slider_gets_coarse_curves_and_the_exact_one_when_it_rests(visit)
     assert page.evaluate("punch.run.shear('F_bar').length") == 401
 
 
+@pytest.mark.thorough
 def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_there(visit):
     page = visit("?E=20&delta_bar=0.3")
     finished(page)
@@ -70,7 +71,7 @@ def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_th
 def test_a_lost_server_is_told_waited_for_and_the_scene_restored_with_the_last_change(server, browser):
     mortal = Server()
     mortal.wait_for("workers are warm")
-    page = browser.new_page()
+    page = patient(browser.new_page())
     problems = []
     page.on("pageerror", lambda error: problems.append(str(error)))
     page.goto(f"{mortal.address}?delta_bar=0.2&E=300")
@@ -117,11 +118,12 @@ WATCHED = """() => {
 }"""
 
 
+@pytest.mark.thorough
 def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(server, browser):
     """No clock: between what was seen and what was done lie the page's own attempts, 2 s apart at most."""
     mortal = Server()
     mortal.wait_for("workers are warm")
-    page = browser.new_page()
+    page = patient(browser.new_page())
     page.add_init_script(f"addEventListener('DOMContentLoaded', {WATCHED})")
     page.goto(f"{mortal.address}?E=300")
     finished(page)
@@ -153,6 +155,7 @@ def test_nothing_wrong_is_shown_between_the_loss_of_a_server_and_its_return(serv
     assert any(grey for _, grey, *_ in before) and after[-1] == [False, False, 310, 310]
 
 
+@pytest.mark.thorough
 def test_a_long_run_says_how_long_and_can_be_skipped_with_what_it_has(visit):
     # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
     page = visit(

@@ -31,6 +31,7 @@ def test_a_stiffer_punch_slides_against_more_force_on_screen_and_the_run_before_
     assert axis(page) == "F, L (N/m)"
 
 
+@pytest.mark.thorough
 def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visit):
     page = visit()
     finished(page)
@@ -47,9 +48,9 @@ def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visi
     assert "force" not in page.url
 
 
-def test_an_area_axis_that_does_not_begin_at_zero_says_so_and_stacked_plots_line_up(visit):
-    page = visit()
-    finished(page)
+@pytest.mark.thorough
+def test_an_area_axis_that_does_not_begin_at_zero_says_so_and_stacked_plots_line_up(look):
+    page = look()
     start = page.evaluate(f"{MODELS}.find((model) => model.name === 'area').y_range.start")
     assert start > 0
     assert re.search(r"axis begins at \d+ nm", page.inner_text("#area-from"))

@@ -1,7 +1,7 @@
 """What the views of the experiment show, read from their models and their words, in a real Chromium."""
 
 import pytest
-from served import MODEL, finished
+from served import MODEL, finished, laid_out
 
 pytestmark = pytest.mark.browser
 FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
@@ -13,9 +13,8 @@ def paused_at(page, frame):
     page.wait_for_function(f"() => punch.drawn === {frame}")
 
 
-def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(visit):
-    page = visit("?E=3000&delta_bar=1&theme=light")  # repels 80 times as strongly as it attracts
-    finished(page)
+def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(look):
+    page = look("?E=3000&delta_bar=1&theme=light")  # repels 80 times as strongly as it attracts
     mapper = MODEL.format("map.map") + ".glyph.color_mapper"
     page.wait_for_function(f"() => {mapper}.high > 30")
     low, high, palette = page.evaluate(f"(({{ low, high, palette }}) => [low, high, palette])({mapper})")
@@ -32,9 +31,9 @@ def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(visit
         assert max(map(abs, apart)) <= tolerance
 
 
-def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(visit):
-    page = visit("?E=3000&delta_bar=1")
-    finished(page)
+@pytest.mark.thorough
+def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(look):
+    page = look("?E=3000&delta_bar=1&theme=light")
     start = f"{FIGURE.format('punch')}.y_range.start"
     lowest = page.evaluate("punch.run.lowest")
     low = page.evaluate(start)
@@ -45,9 +44,8 @@ def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(visit):
         assert page.evaluate(f"Math.min(...punch.run.frame({frame}).gap)") >= lowest
 
 
-def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_zero(visit):
-    page = visit()
-    finished(page)
+def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_zero(look):
+    page = look()
     paused_at(page, 110)
     states = ("free", "adhering", "repulsive", "contact")
     drawn = {s: page.evaluate(f"[...{MODEL.format(f'punch.{s}')}.data_source.data.gap]") for s in states}
@@ -58,9 +56,9 @@ def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_
     assert "5 %" in page.get_attribute("figure .key span[title]", "title")
 
 
-def test_each_view_says_which_x_it_has(visit):
-    page = visit()
-    finished(page)
+@pytest.mark.thorough
+def test_each_view_says_which_x_it_has(look):
+    page = look()
     short = f"{FIGURE.format('map')}.left[0].axis_label"
     assert page.evaluate(short) == "x (nm)"  # for a low view
     page.set_viewport_size({"width": 1440, "height": 900})
@@ -92,6 +90,7 @@ def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
     assert not page.locator("figure[aria-label^='Contact area'] .said").is_visible()
 
 
+@pytest.mark.thorough
 def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
     page = visit("?theme=dark")
     finished(page)
@@ -103,6 +102,7 @@ def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
     assert page.evaluate("getComputedStyle(document.querySelector('.bk-Tooltip')).backgroundColor") == card
 
 
+@pytest.mark.thorough
 def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
     page = visit("?preset=unload")
     page.set_viewport_size({"width": 800, "height": 4000})  # narrow and high: more than a hundredfold
@@ -114,6 +114,7 @@ def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
     assert "F = 0.000 N/m" in page.inner_text("#readout")
 
 
+@pytest.mark.thorough
 def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
     page = visit("?preset=unload")
     finished(page)
@@ -126,6 +127,7 @@ def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
     assert "jump" not in page.inner_text("main")
 
 
+@pytest.mark.thorough
 def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
     page = visit("?preset=loop")
     finished(page)
@@ -140,12 +142,13 @@ def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
     assert "against +x" in page.inner_text("figure[aria-label^='Traction']")
 
 
-@pytest.mark.parametrize("query", ["?", "?page=law", "?page=solid"])
+@pytest.mark.once
+@pytest.mark.parametrize("query", ["", "?page=law", "?page=solid"])
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
-def test_no_caption_is_cut(visit, query, size):
-    page = visit(query)
+def test_no_caption_is_cut(look, query, size):
+    page = look(query)
     page.set_viewport_size({"width": size[0], "height": size[1]})
-    finished(page)
+    laid_out(page)
     page.wait_for_function("() => !document.querySelector('[data-drawing]')")
     cut = page.evaluate(
         """() => [...document.querySelectorAll('figcaption, header, nav')]

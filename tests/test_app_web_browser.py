@@ -4,11 +4,12 @@ import http.server
 import threading
 
 import pytest
-from served import PATIENCE, Server, finished
+from served import PATIENCE, Server, finished, patient
 
 pytestmark = pytest.mark.browser
 
 
+@pytest.mark.thorough
 def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit):
     page = visit()
     finished(page)
@@ -19,13 +20,14 @@ def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit)
     assert page.evaluate("window.same && punch.status.values.E") == 80
 
 
+@pytest.mark.thorough
 def test_a_full_class_lets_in_who_waits(browser, monkeypatch):
     monkeypatch.setenv("APP_VISITORS", "1")
     full = Server()
     full.wait_for("workers are warm")
     try:
         context = browser.new_context()
-        first, second = context.new_page(), context.new_page()
+        first, second = patient(context.new_page()), patient(context.new_page())
         first.goto(full.address)
         finished(first)
         second.goto(full.address)
@@ -58,7 +60,7 @@ def elsewhere(server):
 
 
 def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhere):
-    page = browser.new_page()
+    page = patient(browser.new_page())
     said = []
     page.on("console", lambda message: said.append(message.text))
     with page.expect_event("console", lambda message: "frame-ancestors" in message.text, timeout=PATIENCE):
@@ -66,12 +68,13 @@ def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhe
     page.close()
 
 
+@pytest.mark.thorough
 def test_a_site_that_was_named_may_frame_what_is_to_be_embedded(browser, elsewhere, monkeypatch, server):
     monkeypatch.setenv("APP_FRAME_ANCESTORS", elsewhere.rstrip("/"))
     other = Server()
     other.wait_for("workers are warm")
     try:
-        page = browser.new_page()
+        page = patient(browser.new_page())
         page.goto(f"{elsewhere}?embed=1")
         page.evaluate("address => { document.querySelector('iframe').src = address }", f"{other.address}?embed=1")
         frame = page.frame_locator("iframe")

@@ -1,7 +1,6 @@
 """What app/static/js/bokeh.js takes for granted of BokehJS and its documentation does not promise, a test for each."""
 
 import pytest
-from served import finished
 
 pytestmark = pytest.mark.browser
 JS = "new URL('./app/static/js/{}.js', document.baseURI)"
@@ -12,12 +11,11 @@ PIXELS = """() => [...function* find(node) {
 
 
 @pytest.fixture
-def still(visit):
+def still(look):
     """The app, paused, with `bokeh` (the module) and `figures`, `parts` of figures.js as globals."""
-    page = visit()
-    finished(page)
-    page.get_by_role("button", name="Pause").click()
-    page.wait_for_function("() => !punch.fresh && punch.mapped && !punch.playing")
+    page = look()
+    page.evaluate("punch.fresh = true")  # drawn anew, whatever another test has filled in
+    page.wait_for_function("() => !punch.fresh && punch.mapped")
     page.evaluate(
         f"""async () => {{
             window.bokeh = await import({JS.format("bokeh")})
@@ -68,7 +66,7 @@ def test_changes_of_a_paused_view_are_painted_at_once_when_it_goes_on(still):
         """async () => {
             const before = pixels()
             await bokeh.paintedTogether([figures.forces], () => {
-                bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] })
+                bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [1, 0, 1] })
                 if (pixels() !== before) throw new Error("painted too early")
             })
             const at_once = pixels()

@@ -83,6 +83,7 @@ def sites(scene, method="fast"):
     return [round(float(m) / scene.spacing) for m in moved]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_inertia_carries_one_slip_over_two_sites():
     scene = Scene(u_x_max=16.5)
@@ -90,6 +91,7 @@ def test_inertia_carries_one_slip_over_two_sites():
     assert sites(scene.changed(damping=0.25)) == [2, 2]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_slip_with_inertia_is_one_slip():
     """Started too close to the end of the branch, the motion would fall back, and slip at the next increment."""
@@ -114,6 +116,7 @@ def test_below_critical_damping_branches_are_the_same_and_only_slips_differ():
         assert same(a, b, 1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_with_too_little_damping_the_message_says_so_or_every_frame_rests():
     """NP1 has no potential: with hardly any damping it may feed an oscillation for ever; then no frame is made up."""

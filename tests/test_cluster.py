@@ -14,7 +14,7 @@ from solver.cli import main
 
 pytestmark = pytest.mark.slow
 distributed = pytest.importorskip("distributed", reason="needs the extra `cluster`")
-SCENES = ["40", "800", "2300"]  # of the atlas
+SCENES = ["300", "800", "1500"]  # of the atlas: few nodes, and one that is refused
 SMALL = ["nodes=64", "width=160"]
 
 

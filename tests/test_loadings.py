@@ -111,6 +111,7 @@ def test_pull_off_follows_baney_and_hui_into_jkr_as_lambda_grows():
     assert off[0] > 2.0 * off[1] > 4.0 * off[2] and off[2] < 0.01
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_pull_off_runs_into_the_rigid_limit_as_lambda_falls():
     """A rigid cylinder's pull-off is the law integrated over the gap: in two dimensions it depends on the law (DMT).

@@ -19,6 +19,7 @@ def shear_frames(scene, method="fast"):
     return [f for f in load_path(scene, method) if f.stage == "shear"]
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"delta_bar": 0.4}, {"delta_bar": -0.15}])
 def test_both_methods_agree_before_at_and_after_the_first_slip(values):

@@ -54,6 +54,7 @@ def drops(name, **changed):
     return np.array([1e3 * (f.slips[0].F_bar - f.F_bar) for f in shear if f.slip])
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_inertia_doubles_the_drops_and_halves_their_number_as_its_preset_says():
     with_, without = drops("inertia"), drops("inertia", damping=1.0)

@@ -20,6 +20,7 @@ def small(scene):
     return scene.changed(u_x_max=min(scene.u_x_max, 20.0), **COARSE)
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_branches_of_every_preset_are_those_of_gfmd(name):

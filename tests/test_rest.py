@@ -63,6 +63,7 @@ def states(scene, every, start=0):
 SMALL = {"nodes": 192, "width": 468.75, "u_x_max": 12.0}
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "values",

@@ -192,6 +192,7 @@ def sample():
     return found
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_sample_of_the_atlas_finds_nothing_wrong_and_writes_its_report(tmp_path, capsys):
     page, numbers = tmp_path / "a.html", tmp_path / "a.json"

@@ -42,6 +42,7 @@ def test_end_of_the_branch_does_not_depend_on_the_increment(du_x):
     assert event.kind == "fold" and event.located
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "values",
@@ -87,6 +88,7 @@ def against_gfmd(scene, fraction=0.5):
     return moved(scene, start, ours), moved(scene, start, there.u), float(np.abs(ours - there.u).max())
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.2, 0.25, 0.28, 0.35, 0.6, 1.0, 4.0, inf])
 def test_a_slip_rests_where_the_paper_s_gfmd_rests(damping):
@@ -330,6 +332,7 @@ def test_a_motion_that_swings_at_one_step_for_ever_is_made_again_with_another():
     assert ends[0].L_bar == pytest.approx(ends[1].L_bar, rel=1e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_where_waves_drift_for_ever_that_is_said_soon_and_with_a_remedy_that_helps():
     scene = Scene(surface="flat", delta_bar=-0.2, nu=0.499, E=17.5, nodes=256, width=625.0, u_x_max=0.2)

@@ -125,6 +125,7 @@ def test_little_damping_lets_a_pressed_punch_flutter(pressed):
     assert growth(scene, frame, held=True) == pytest.approx(found.growth, rel=0.1)  # short waves: the top keeps still
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.1, 0.15, 1.0])
 def test_the_motion_finds_what_dense_eigenvalues_do(pressed, monkeypatch, damping):

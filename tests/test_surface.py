@@ -217,6 +217,7 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
         assert one.slip == other.slip
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "values", [{"surface": "rough", "rms_slope": 0.05, "cut_off": 0.1}, {"surface": "wave", "amplitude": 15.0}]
@@ -294,6 +295,7 @@ def test_johnson_s_wave_runs_into_jkr_and_into_full_contact():
     assert repulsive(0.0) == pytest.approx(PSI / (0.5 * np.pi))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_range_of_the_law_matters_less_on_a_higher_wave():
     """Towards Westergaard: the error of area over load falls with delta_n over the amplitude."""
