@@ -11,6 +11,7 @@ import numpy as np
 import pyfftw
 
 from app.service.approach import walked
+from app.service.following import remembered
 from app.service.packing import middle, pack, same_patch
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
@@ -47,6 +48,7 @@ class Slice:
     done: bool
     failure: str | None
     heavy: bool = False  # whether an increment takes, or took, longer than QUICK
+    skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
 
 
 def start(wisdom=None):
@@ -111,7 +113,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         if isinstance(error, OutOfTime) and limit < SLOW:
             return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
         return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
-    latest = begun + APPROACH * budget
+    latest, begins = begun + APPROACH * budget, checkpoint is None
     frames, checkpoint = walked(scene, latest, limit) if checkpoint is None else ([], checkpoint)
     if checkpoint is None or not (checkpoint.done or (frames and perf_counter() > begun + budget)):
         more, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
@@ -124,6 +126,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         checkpoint = in_time(checkpoint)
     widest = max((_width(scene, frame) for frame in frames), default=0.0)
     works, last = _works(scene, frames, last)
+    skeleton = None if history else remembered(scene, frames, begins, checkpoint.done and not checkpoint.failure)
     if scene.surface == "flat":
         frames = [middle(scene, frame) for frame in frames]
     blocks = list(same_patch(list(zip(frames, works, strict=True))))
@@ -139,6 +142,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
+        skeleton=skeleton,
     )
 
 

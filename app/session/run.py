@@ -72,6 +72,7 @@ class Run:
             "residual": self.residual,
             "tolerance": self.scene.tolerance,
             "why": self.why,
+            "coarse": self.coarse,
             "known": self.state == "finished" and self.seconds == 0.0,
         }
 

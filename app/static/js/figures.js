@@ -3,7 +3,9 @@
 import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, thicken, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
 import { by, minus, say } from "./dom.js"
+import { me } from "./state.js"
 import { explain } from "./terms.js"
+import { symbol as symbolOf } from "./truth.js"
 import { forceUnit, tellStart } from "./units.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
@@ -42,6 +44,7 @@ export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 // A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
 // too small, and shrinks only when far too large
 function fit(range, low, high, room = 0.08) {
+  if (me.dragging) return // what moves is seen against what stays
   const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
   const inside = low - least >= range.start && high + least <= range.end
   if (inside && size > 0.6 * (range.end - range.start)) return
@@ -72,6 +75,7 @@ export function drawCurves(run, ghost, approach) {
   if (unit.text !== drawnUnit) nameForces(unit)
   drawnGhost = ghost
   document.querySelector(".page").dataset.ghost = ghost !== null
+  nameGhost(run, ghost)
   drawnUnit = unit.text
   drawnApproach = approach
   for (const [view, label, name, factor] of [["forces", "slips_F", run.normal || approach ? L : F, unit.factor], ["area", "slips_A", "A", 1]]) {
@@ -90,6 +94,16 @@ export function drawCurves(run, ghost, approach) {
   overlays.drawn(run, part, unit, approach)
   fit(figures.area.y_range, from, most)
   tellStart(from && figures.area.y_range.start)
+}
+
+const NAMED = 2 // parameters at most
+
+// What the run before was computed with, where that is another scene
+function nameGhost({ scene }, ghost) {
+  const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
+  const values = names.map((name) => `${symbolOf(name)} = ${minus(ghost.scene[name])}`).join(", ")
+  const text = names.length && names.length <= NAMED ? `before: ${values}` : "before"
+  for (const key of document.querySelectorAll(".key .ghost span")) if (key.textContent !== text) key.textContent = text
 }
 
 // Which way each part of a loop is walked: heads of arrows at its thirds
@@ -179,7 +193,7 @@ export function drawFrame(run, k) {
   const punches = [["punch", run, k], ...overlays.punches(run, k)].map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
   const lowest = punches.map(({ frame }) => frame.gap.reduce((a, b) => Math.min(a, b)))
   const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
-  setPunches("y_range", { end: top })
+  if (!me.dragging) setPunches("y_range", { end: top })
   for (const punch of punches) drawPunch(punch, top)
   fill("traction", "T_n", { x, T: T_n })
   fill("traction", "T_t", { x, T: T_t })
@@ -227,6 +241,7 @@ const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spa
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
+  if (me.dragging || run.followed) return
   const { flat } = run.head, half = reach(run)
   document.querySelector(".page").dataset.flat = flat
   set(figures.map.y_range, { start: -half, end: half })

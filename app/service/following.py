@@ -1,0 +1,168 @@
+"""Runs that follow a hand on a slider: small pictures of them, made in a worker from the run on screen.
+
+A picture is what `pack` makes of two frames, that where sliding begins and the one on screen, with curves and a map of
+the whole run in front. It takes some 40 kB, a run 1.3 MB.
+"""
+
+import json
+import pickle
+import re
+import struct
+from dataclasses import dataclass
+from math import ceil, e
+
+import numpy as np
+
+from app.service.packing import FREE, middle, pack
+from solver import NotFollowed, follow, skeleton_from
+from solver.run.load_steps import load_steps_of
+
+CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
+MOST = 500  # loads of a curve; beside these, those right before and after every slip
+CELLS = 30_000  # of a map, a byte each
+SHADES = 127  # of either sign in a map
+NOTHING = -128  # where nothing acts
+SHOWN = ("delta_bar", "phi_ratio", "E")  # parameters that a hand changes
+AGREE_U, AGREE_F = 1e-4, 1e-3  # nm; of the largest: what was followed and the exact run are the same
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A picture as `picture` makes it, and the pickled Skeleton from which the next move goes on."""
+
+    picture: bytes
+    skeleton: bytes
+
+
+def followed(skeleton, scene, at):
+    """Followed of a scene, from a pickled Skeleton nearby, with the frame at U_x = `at` nm; or why there is none."""
+    try:
+        there = follow(pickle.loads(skeleton), scene)
+        if there.jumps_in is not None and scene.delta_bar < there.jumps_in:
+            return "the surfaces do not jump into contact"
+        return Followed(picture(there, at), pickle.dumps(there))
+    except NotFollowed as why:
+        return re.sub(r"\d[\d.e+-]*", "n", str(why))  # a word for many
+
+
+def compared(skeleton, U_x, F_bar, slips):
+    """(nm by which slips of a pickled Skeleton are off at most, part of the largest |F_bar| by which F_bar is).
+
+    U_x, F_bar (k,) and slips, the loads of slips (nm), are those of the exact run.
+    """
+    there = pickle.loads(skeleton)
+    loads = [slip.load for slip in there.slips if slip.load <= U_x[-1]]
+    if len(loads) != len(slips):
+        return float("inf"), float("inf")
+    clear = np.ones(len(U_x), bool)
+    for load in slips:  # right at a slip, the load that is off a little is on the other side of it
+        clear &= np.abs(U_x - load) > AGREE_U
+    off = np.abs(there.curve(U_x)[0] - F_bar)[clear].max(initial=0.0)
+    return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), 1e-12))
+
+
+def picture(skeleton, at):
+    """Bytes: uint32 length of a JSON header, header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
+    scene = skeleton.scene
+    loads = _loads(scene, [slip.load for slip in skeleton.slips])
+    curves = np.zeros((len(CURVES), loads.size), "<f4")
+    curves[0], curves[1:4] = loads, skeleton.curve(loads)
+    curves[5:] = curves[[0, 1, 3]]
+    for slip in reversed(skeleton.slips):  # the first of several stays
+        k = np.searchsorted(loads, slip.load)
+        if k < loads.size:
+            curves[4, k] += 1
+            curves[5:, k] = slip.load, slip.F_bar, slip.A_bar
+    shown = int(np.abs(loads - at).argmin())
+    frames = skeleton.frames(loads[[0, shown]])
+    if scene.surface == "flat":
+        frames, cells, place = [middle(scene, frame) for frame in frames], np.zeros((0, 0), np.int8), {}
+    else:
+        cells, place = _map(skeleton)
+    header = {
+        "frames": loads.size,
+        "columns": CURVES,
+        "shown": shown,
+        "values": {name: getattr(scene, name) for name in SHOWN},
+        "map": {"rows": cells.shape[0], "columns": cells.shape[1], **place},
+    }
+    body = np.ascontiguousarray(curves).tobytes() + cells.tobytes()
+    block = struct.pack("<I", 0) + pack(scene, [(frame, 0.0) for frame in frames], True)
+    return _headed(header) + body + b"\0" * (-len(body) % 4) + block
+
+
+def _headed(header):
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<I", len(text)) + text
+
+
+def _loads(scene, slips):
+    """U_x (k,) nm: those of the increments of the scene, of long runs every few and those on either side of slips."""
+    step = scene.du_x * scene.delta_t
+    every = np.arange(scene.shear_increments + 1)
+    few = every[:: ceil(every.size / MOST)]
+    beside = [np.floor(np.divide(slips, step)), np.ceil(np.divide(slips, step)), [every[-1]]]
+    return scene.shear_at(np.unique(np.concatenate([few, *beside]).astype(int)).clip(0, every[-1]))
+
+
+def _map(skeleton):
+    """(int8 (rows, columns) of T_z over nodes and evenly spaced loads, its place): as far as anything acts."""
+    scene, step = skeleton.scene, skeleton.scene.du_x * skeleton.scene.delta_t
+    every = max(1, ceil(scene.shear_increments * _acting_width(skeleton) / CELLS))
+    frames = skeleton.frames(scene.shear_at(np.arange(0, scene.shear_increments + 1, every)))
+    T = np.array([frame.T[1] for frame in frames])
+    first, nodes = frames[0].first, T.shape[1]
+    gap = scene.profile[np.arange(first, first + nodes) % scene.nodes] + np.array([frame.u[1] for frame in frames])
+    acts = (gap <= scene.delta_n) | (T / scene.phi_n <= -FREE / (e * scene.delta_n))
+    within = np.flatnonzero(acts.any(axis=0))
+    part = slice(within[0], within[-1] + 1) if within.size else slice(0, 1)
+    T, acts = T[:, part], acts[:, part]
+    high, low = max(T.max(), 1e-12), max(-T.min(), 1e-12)
+    cells = np.where(acts, np.rint(SHADES * np.where(T > 0.0, T / high, T / low)), NOTHING).astype(np.int8)
+    return cells.T, {"first": int(first + part.start), "step": every * step, "high": float(high), "low": float(low)}
+
+
+def _acting_width(skeleton):
+    """Nodes that act where sliding begins, and some more."""
+    (frame,) = skeleton.frames([0.0])
+    return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1
+
+
+_kept = (None, [])  # the scene of the run that this worker makes, and its frames from the first on, until they repeat
+
+
+def remembered(scene, frames, begins, done):
+    """The pickled Skeleton of a run that is done, if all of it went through this worker and it has one; else None.
+
+    frames: of a slice, the first one if it `begins`.
+    """
+    global _kept
+    known = [] if begins else _kept[1]
+    if (not begins and _kept[0] != scene) or scene.path != "shear":
+        _kept = (None, [])
+        return None
+    if frames and not (known and known[-1].repeated):
+        if _place(scene, frames[0]) != len(known):
+            _kept = (None, [])
+            return None
+        last = next((k for k, frame in enumerate(frames) if frame.repeated), len(frames) - 1)
+        known = known + frames[: last + 1]
+    _kept = (scene, known)
+    if not done:
+        return None
+    _kept = (None, [])
+    try:
+        return pickle.dumps(skeleton_from(scene, known))
+    except NotFollowed:
+        return None
+
+
+def _place(scene, frame):
+    """How many frames of the run come before a frame."""
+    before = 0
+    for step in load_steps_of(scene):
+        if step.stage == frame.stage:
+            return before + frame.index
+        before += step.increments + 1
+    return -1
