@@ -1,0 +1,133 @@
+"""A branch and its fold moved to a changed problem: each state from its old self plus the change of those beside it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.polynomial import polyder, polyfit, polyval
+
+from ..continuation.interpolation import combine, lagrange
+from .branch import Branch, Fold, NotFollowed, weights_near
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of following; a "unit" is the problem's `unit`."""
+
+    arc: float = 0.05  # units between the first two points about a fold
+    sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
+    farthest: float = 0.5  # units from the fold's predicted place on its arc
+    points: int = 8  # about a fold, at most
+    near: int = 3  # changes of states before, from which that of a state is extrapolated
+    rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
+    surprise: float = 0.25  # units from there, beyond which a state lies on another branch
+
+
+LIMITS = Limits()
+
+
+def followed_fold(solving, old, change, what, before=()):
+    """The Fold of the problem that `old` (Fold) becomes.
+
+    change (size,): a guess of how it moves; before: states (load, v) on the way to it, if known.
+    """
+    unit, index, chord = solving.problem.unit, old.index, np.zeros(old.v.size)
+    chord[index] = 1.0
+    v, active, load = old.v + change, old.active, old.load
+    begin, points = v[index], [(v[index], load, v) for load, v in before]  # arc, load, v
+    for _ in range(LIMITS.points):
+        load, v, active = solving.on_arc(v, active, load, chord, what)
+        points.append((v[index], load, v))
+        if len(points) == 1:
+            v = v + LIMITS.arc * unit * old.along
+            continue
+        arc, top, bend = _top(points, old.bend)
+        if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
+            raise NotFollowed(f"{what} is no longer a fold, or has moved too far")
+        near = _nearest(points, arc)
+        weights = lagrange([p[0] for p in near], arc)
+        v = combine(weights, [p[2] for p in near])
+        if abs(load - top) < LIMITS.sharpness * unit:
+            far = max(near, key=lambda p: abs(p[0] - arc))
+            along = (far[2] - v) / (far[0] - arc)
+            return Fold.of(top, v, active, along, bend)
+        load = top
+    raise NotFollowed(f"{what} is not found in {LIMITS.points} points")
+
+
+def _nearest(points, arc):
+    return sorted(points, key=lambda p: abs(p[0] - arc))[:4]
+
+
+def _top(points, bend):
+    """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v).
+
+    bend: that derivative as it was, used where there are but two points.
+    """
+    arc = points[-1][0]
+    near = _nearest(points, arc)
+    x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
+    if len(near) == 2:
+        slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
+        return arc - slope / bend, points[-1][1] - 0.5 * slope**2 / bend, bend
+    c = polyfit(x, y, len(near) - 1)
+    top = -0.5 * c[1] / c[2]
+    for _ in range(3):
+        top -= polyval(top, polyder(c)) / polyval(top, polyder(c, 2))
+    return arc + top, points[-1][1] + polyval(top, c), polyval(top, polyder(c, 2))
+
+
+def followed_branch(solving, old, start, end, change, what):
+    """The Branch that `old` becomes from load `start` on; change (size,): of its first state, a guess.
+
+    end: where it ends if not in a fold, else None.
+    """
+    n = old.intervals
+    found = [solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")]
+    if old.fold:
+        end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
+    if not end > start:
+        raise NotFollowed(f"{what} has no states left")
+    loads = Branch(start, end, old.v, old.active, old.fold).loads
+    changes = [found[0][0] - old.v[0]]
+    for i in range(1, n if old.fold else n + 1):
+        guess = old.v[i] + _extrapolated(changes, i)
+        v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
+        if i >= LIMITS.near and np.abs(v - guess).max() > LIMITS.surprise * solving.problem.unit:
+            raise NotFollowed(f"a state of {what} lies on another branch")
+        found.append((v, active))
+        changes.append(v - old.v[i])
+    if not old.fold:
+        return Branch(start, end, *_stacked(found))
+    before = [(load, v) for load, (v, _) in zip(loads[n - 3 : n], found[n - 3 :], strict=True)]
+    fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}", before)
+    if not fold.load > loads[n - 1]:
+        raise NotFollowed(f"{what} ends earlier than its states")
+    found.append((fold.v, fold.active))
+    v, active = _stacked(found)
+    return _evenly(start, fold, np.append(loads[:n], fold.load), v, active)
+
+
+def _nearly(solving, fold, change, what):
+    """A load close to, but below, that of the fold that `fold` becomes."""
+    chord = fold.along / (fold.along @ fold.along)
+    with solving.roughly(LIMITS.rough * solving.problem.unit):
+        return solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)[0]
+
+
+def _extrapolated(changes, i):
+    """The change of state i from those of the states before it."""
+    near = range(max(0, len(changes) - LIMITS.near), len(changes))
+    return combine(lagrange(near, i), [changes[j] for j in near])
+
+
+def _stacked(found):
+    return tuple(np.array([one[part] for one in found]) for part in (0, 1))
+
+
+def _evenly(start, fold, loads, v, active):
+    """The Branch to a fold from states at loads (n + 1,) that are not quite those of even t."""
+    branch = Branch(start, fold.load, v, active, fold)
+    t = branch.t_at(loads)
+    even = [weights_near(t, at) for at in np.linspace(0.0, 1.0, t.size)[1:-1]]
+    between = [combine(weights, v[near]) for near, weights in even]
+    return Branch(start, fold.load, np.array([v[0], *between, v[-1]]), active, fold)

@@ -1,0 +1,71 @@
+"""Solves one problem for state after state, with secant pairs kept from each to the next; failures are NotFollowed."""
+
+from contextlib import contextmanager
+
+import numpy as np
+
+from ..continuation.anderson import dot
+from ..continuation.corrector import Corrector
+from ..continuation.state import State
+from .branch import NotFollowed
+
+TOLERANCE = 1e-6  # nm, of the residual: a followed run is looked at, not kept
+STEPS = 60  # Anderson steps to a state, at most
+COME_AND_GO = 3  # changes of the set of active nodes on an arc, at most
+
+
+class Solving:
+    """Of a problem as of `continuation.problem`; `moved`: how far (units of the problem) a state may lie from its guess."""
+
+    def __init__(self, problem):
+        problem.tolerance = max(TOLERANCE, problem.tolerance)
+        self.problem, self.corrector = problem, Corrector(problem)
+        self.secants, self.begun = self.corrector.secants(), False
+
+    def at(self, guess, active, load, what):
+        """(v, active) of the state at fixed load next to a guess."""
+        v, active = self._begin(guess, active, load)
+        active = self.corrector.settle(v, active, load, self.secants, STEPS)
+        if active is None:
+            raise NotFollowed(f"{what} is not found")
+        return self._checked(v, active, load, what)
+
+    def on_arc(self, guess, active, load, chord, what):
+        """(load, v, active) of the state with the same <chord, v> as a guess nearby."""
+        v, active = self._begin(guess, active, load)
+        arc = dot(chord, v)
+        for _ in range(COME_AND_GO):
+            load = self.corrector.solve_on_arc(v, active, load, self.secants, STEPS, chord, arc)
+            if load is None:
+                raise NotFollowed(f"{what} is not found")
+            again = self.problem.admitted(v, active)
+            if again is active:
+                break
+            active = again
+        return load, *self._checked(v, active, load, what)
+
+    @contextmanager
+    def roughly(self, tolerance):
+        """Solve within to that tolerance (nm) only; the inverse of a tangent met on the way is dropped afterwards."""
+        problem, fine = self.problem, self.problem.tolerance
+        problem.tolerance = tolerance
+        try:
+            yield
+        finally:
+            problem.tolerance = fine
+            self.begun = False
+
+    def _begin(self, guess, active, load):
+        v = guess.copy()
+        active = self.problem.admitted(v, active)
+        if not self.begun:
+            self.corrector.begin(State.at_rest(load, guess, active))
+            self.begun = True
+        return v, active
+
+    def _checked(self, v, active, load, what):
+        if self.problem.crowded(v, active, load):
+            raise NotFollowed(f"{what} needs a wider patch")
+        if self.problem.hides(v, active):
+            raise NotFollowed(f"at {what} waves grow")
+        return v, active
