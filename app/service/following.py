@@ -14,7 +14,7 @@ from math import ceil, e
 import numpy as np
 
 from app.service.packing import FREE, middle, pack
-from solver import NotFollowed, follow, skeleton_from
+from solver.following import NotFollowed, follow, skeleton_from
 from solver.run.load_steps import load_steps_of
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load

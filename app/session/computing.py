@@ -115,8 +115,9 @@ class Computing:
             self._follow_up()
 
     def _follows(self, scene, after, held, at):
-        """Whether a picture of the scene is on its way, in place of a run."""
-        if not held or after or not self.following.want(scene, at):
+        """Whether a picture of the scene is on its way, in place of a run; a coarse one under way goes first."""
+        makes_coarse = self.flight is not None and self.run.coarse
+        if not held or after or makes_coarse or not self.following.want(scene, at):
             return False
         self.abandon()
         if self.run.state == "running":
@@ -163,7 +164,7 @@ class Computing:
 
     def _begin(self, wish, after=None, held=False, refines=False):
         self.abandon()
-        if not refines:
+        if not held and not refines:
             self.following.goes_on_from(None)
         number = self.run.number + 1 if self.run else 1
         state = "warming" if self.session.pool.status != "ready" else "running"
@@ -275,7 +276,8 @@ class Computing:
         """A hand that moves goes on from this run; if it has brought the pictures here, were they right?"""
         if self.run.state == "finished" and not self.run.coarse:
             self.following.judge(self.run.scene, whole.blocks)
-        self.following.goes_on_from(whole.skeleton)
+        if whole.skeleton or not self.run.coarse:
+            self.following.goes_on_from(whole.skeleton)
 
     def _show_known(self, known):
         run = self.run

@@ -67,7 +67,7 @@ class Following:
         if isinstance(made, str):
             metrics.count("not_followed", reason=made)
             scene, self.wanted = self.wanted[0] if self.wanted else scene, None
-            self.skeleton = self.shown = None
+            self.shown = None
             return self.start(scene)
         metrics.count("followed")
         self.skeleton, self.shown = made.skeleton, scene
