@@ -11,14 +11,21 @@ import numpy as np
 from ..continuation.interpolation import lagrange
 
 STENCIL = 6  # states through which what lies between them is interpolated
-INTERVALS = 12  # between states of a branch: with 6 of a stencil, F to 1e-5 of its largest
 
 
 class NotFollowed(Exception):
     """The run under other parameters is no longer that of the skeleton, or cannot be got from it; the message says why.
 
-    It has to be computed from its start.
+    It has to be computed from its start. nearer: whether states nearer to those wanted might have led there.
     """
+
+    def __init__(self, reason, nearer=False):
+        super().__init__(reason)
+        self.nearer = nearer
+
+
+class Crowded(NotFollowed):
+    """A node outside the patch may interact."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +59,7 @@ class Branch:
     v: np.ndarray
     active: np.ndarray
     fold: Fold | None = None
+    periodic: bool = False  # smooth sliding: one period, states stand evenly in the load, v less the load is periodic
 
     @property
     def intervals(self):
@@ -63,15 +71,19 @@ class Branch:
         return self.load_at(np.linspace(0.0, 1.0, self.intervals + 1))
 
     def load_at(self, t):
-        return self.start + (self.end - self.start) * np.sin(0.5 * np.pi * t) ** 2
-
-    def t_at(self, load):
-        """t (array) of loads; beyond the ends of the branch it is that of its ends."""
-        return place(self.start, self.end, load)
+        return self.start + (self.end - self.start) * (t if self.periodic else np.sin(0.5 * np.pi * t) ** 2)
 
     def weights(self, load):
-        """Of the states in those at loads (k,), (k, n + 1)."""
-        return even_weights(self.t_at(load), self.intervals)
+        """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch in those at its ends."""
+        if self.periodic:
+            return periodic_weights((load - self.start) / (self.end - self.start), self.intervals)
+        return even_weights(place(self.start, self.end, load), self.intervals)
+
+    def tractions(self, contact):
+        """T (n + 1, 2, m) of the states, GPa."""
+        m = contact.size
+        pairs = zip(self.v, self.active, strict=True)
+        return np.array([contact.traction(v[: 2 * m].reshape(2, m), active) for v, active in pairs])
 
 
 def place(start, end, load):
@@ -94,6 +106,16 @@ def even_weights(t, intervals):
     out = np.zeros((t.size, intervals + 1))
     np.put_along_axis(out, low[:, None] + np.arange(count), weights, axis=1)
     return out
+
+
+def periodic_weights(t, intervals):
+    """Weights (k, n + 1) of the values at n + 1 even places of a period [0, 1] in the Fourier series at t (k,)."""
+    off = np.asarray(t, float)[:, None] - np.arange(intervals) / intervals
+    q = 2.0 * np.pi * np.arange(1, (intervals + 1) // 2)
+    weights = (1.0 + 2.0 * np.cos(off[:, :, None] * q).sum(axis=2)) / intervals
+    if intervals % 2 == 0:
+        weights += np.cos(np.pi * intervals * off) / intervals
+    return np.append(weights, np.zeros((len(weights), 1)), axis=1)
 
 
 def weights_near(places, at):

@@ -1,19 +1,23 @@
 """A slider is a continuation parameter: the skeleton of a run followed to other parameters of its scene."""
 
-from dataclasses import fields
+from dataclasses import replace
 
 import numpy as np
 
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
-from ..scene import LIMITS, SURFACES
-from .branch import NotFollowed
+from ..scene import LIMITS, SceneError
+from .branch import Crowded, NotFollowed
 from .moving import followed_branch, followed_fold
-from .skeleton import Skeleton
 from .solving import Solving
+from .wider import widened
+from .without import without_contact
 
-DISCRETE = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")
+SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not continuous
+PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
+HALVES = 2  # how often a move is halved, where the states wanted were too far
+WIDER = 3  # how often the patch grows in one move
 
 
 def follow(skeleton, scene):
@@ -21,47 +25,89 @@ def follow(skeleton, scene):
 
     Raises NotFollowed where its run is another one than that of the skeleton, as far as that can be told from here.
     """
-    old = skeleton.scene
-    for name in DISCRETE:
+    _refuse(skeleton.scene, scene)
+    spent = [0]
+    found = _in_parts(skeleton, scene, HALVES, spent)
+    return replace(found, evaluations=spent[0])
+
+
+def _refuse(old, scene):
+    for name in SAME:
         if getattr(old, name) != getattr(scene, name):
-            raise NotFollowed(f"{name} is not a continuous parameter")
+            raise NotFollowed(f"{name} does not change continuously")
     if scene.path != "shear":
         raise NotFollowed(f"path {scene.path!r} is computed")
+
+
+def _in_parts(skeleton, scene, halves, spent):
+    """Followed in one go or, where that fails, by way of parameters in between; spent[0] takes the evaluations."""
+    try:
+        return _patched(skeleton, scene, spent)
+    except NotFollowed as failure:
+        if not (failure.nearer and halves):
+            raise
+        middle = _between(skeleton.scene, scene, failure)
+    return _in_parts(_in_parts(skeleton, middle, halves - 1, spent), scene, halves - 1, spent)
+
+
+def _between(old, new, failure):
+    """The Scene half-way; raises `failure` where there is none."""
+    changed = {name: (getattr(old, name), getattr(new, name)) for name in LIMITS if name not in SAME}
+    middle = {name: 0.5 * (a + b) for name, (a, b) in changed.items() if a != b}
+    try:
+        return new.changed(**middle)
+    except SceneError:
+        raise failure from None
+
+
+def _patched(skeleton, scene, spent):
+    """Followed on a patch wide enough."""
+    for _ in range(WIDER):
+        try:
+            return _followed(skeleton, scene, spent)
+        except Crowded as failure:
+            last, skeleton = failure, widened(skeleton)
+    raise last
+
+
+def _followed(skeleton, scene, spent):
     contact = Contact(scene, skeleton.first, skeleton.nodes, normal_only=scene.phi_ratio == 0.0)
-    jumps = tuple(_jumps(contact, skeleton))
-    branches = _branches(contact, skeleton)
-    tractions = tuple(_tractions(contact, branch) for branch in branches)
-    return Skeleton(
-        scene, skeleton.first, branches, tractions, skeleton.home, skeleton.sites, jumps, contact.evaluations
-    )
+    try:
+        jumps = _jumps(contact, skeleton)
+        if jumps and scene.delta < jumps[-1].load:
+            return without_contact(contact, skeleton, jumps)
+        if skeleton.contact is None:
+            branches = _branches(contact, skeleton)
+            tractions = tuple(branch.tractions(contact) for branch in branches)
+            return replace(skeleton, scene=scene, branches=branches, tractions=tractions, jumps=jumps)
+    finally:
+        spent[0] += contact.evaluations
+    return _in_parts(skeleton.contact, scene, HALVES, spent)
 
 
 def _jumps(contact, skeleton):
-    for fold in skeleton.jumps:
-        solving = Solving(Equilibrium(contact, vertical(1.0)))
-        yield followed_fold(solving, fold, np.zeros(fold.v.size), "the jump into contact")
+    """The Folds of the approach."""
+    scene, old = contact.scene, skeleton.scene
+    if all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in PATH):
+        return skeleton.jumps
+    return tuple(_jump(contact, fold) for fold in skeleton.jumps)
+
+
+def _jump(contact, fold):
+    solving = Solving(Equilibrium(contact, vertical(1.0)))
+    return followed_fold(solving, fold, np.zeros(fold.v.size), "the jump into contact")
 
 
 def _branches(contact, skeleton):
-    scene, old, held = contact.scene, skeleton.branches, None
-    loading = sideways(1.0, -scene.delta)
-    m = contact.size
+    scene, old, m = contact.scene, skeleton.branches, contact.size
+    problem, start = Equilibrium(contact, sideways(1.0, -scene.delta)), 0.0
     if scene.hold == "load":
-        problem = Equilibrium(contact, loading)
-        v, active = Solving(problem).at(old[0].v[0][: 2 * m], old[0].active[0], 0.0, "the state at U_x = 0")
-        held = contact.pressure(problem.traction(v, active))
-    solving = Solving(Equilibrium(contact, loading, held))
-    change = np.zeros(old[0].v[0].size)
-    branches, start = [], 0.0
-    for k, branch in enumerate(old):
-        end = None if branch.fold else (scene.spacing if skeleton.sites else scene.u_x_max)
-        found = followed_branch(solving, branch, start, end, change, f"branch {k + 1}")
-        branches.append(found)
-        change, start = found.v[0] - branch.v[0], found.end
+        v, active = Solving(problem).at(old[0].v[0][: 2 * m], old[0].active[0], start, "the state at U_x = 0")
+        pressure = contact.pressure(problem.traction(v, active))
+        problem = Equilibrium(contact, sideways(1.0, 0.0), pressure)
+    solving, branches, change = Solving(problem), [], np.zeros(old[0].v[0].size)
+    for k, branch in enumerate(old, 1):
+        end = None if branch.fold else (scene.spacing if branch.periodic else scene.u_x_max)
+        branches.append(followed_branch(solving, branch, start, end, change, f"branch {k}"))
+        change, start = branches[-1].v[0] - branch.v[0], branches[-1].end
     return tuple(branches)
-
-
-def _tractions(contact, branch):
-    m = contact.size
-    pairs = zip(branch.v, branch.active, strict=True)
-    return np.array([contact.traction(v[: 2 * m].reshape(2, m), active) for v, active in pairs])

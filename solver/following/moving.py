@@ -1,12 +1,12 @@
 """A branch and its fold moved to a changed problem: each state from its old self plus the change of those beside it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyfit, polyval
 
 from ..continuation.interpolation import combine, lagrange
-from .branch import Branch, Fold, NotFollowed, weights_near
+from .branch import Branch, Fold, NotFollowed, place, weights_near
 
 
 @dataclass(frozen=True)
@@ -16,10 +16,13 @@ class Limits:
     arc: float = 0.05  # units between the first two points about a fold
     sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
     farthest: float = 0.5  # units from the fold's predicted place on its arc
+    near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
+    alike: float = 2.0  # how far its bend may then differ, as a factor
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
-    surprise: float = 0.25  # units from there, beyond which a state lies on another branch
+    first: float = 1.5  # units from where it was, beyond which the first state of a branch lies on another one
+    surprise: float = 0.3  # the same of the others, from where they are expected
 
 
 LIMITS = Limits()
@@ -33,16 +36,21 @@ def followed_fold(solving, old, change, what, before=()):
     unit, index, chord = solving.problem.unit, old.index, np.zeros(old.v.size)
     chord[index] = 1.0
     v, active, load = old.v + change, old.active, old.load
-    begin, points = v[index], [(v[index], load, v) for load, v in before]  # arc, load, v
+    begin, points = v[index], []  # (arc, load, v)
+    before = [(v[index], load, v) for load, v in before]
     for _ in range(LIMITS.points):
         load, v, active = solving.on_arc(v, active, load, chord, what)
         points.append((v[index], load, v))
+        if len(points) == 1 and before:
+            found = _top([*before, points[0]], old.bend)
+            if abs(found[0] - begin) < LIMITS.near_by * unit and 1.0 / LIMITS.alike < found[2] / old.bend < LIMITS.alike:
+                points = [*before, points[0]]
         if len(points) == 1:
             v = v + LIMITS.arc * unit * old.along
             continue
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
-            raise NotFollowed(f"{what} is no longer a fold, or has moved too far")
+            raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
         near = _nearest(points, arc)
         weights = lagrange([p[0] for p in near], arc)
         v = combine(weights, [p[2] for p in near])
@@ -51,7 +59,7 @@ def followed_fold(solving, old, change, what, before=()):
             along = (far[2] - v) / (far[0] - arc)
             return Fold.of(top, v, active, along, bend)
         load = top
-    raise NotFollowed(f"{what} is not found in {LIMITS.points} points")
+    raise NotFollowed(f"{what} is not found in {LIMITS.points} points", nearer=True)
 
 
 def _nearest(points, arc):
@@ -83,28 +91,33 @@ def followed_branch(solving, old, start, end, change, what):
     """
     n = old.intervals
     found = [solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")]
+    _refuse_far(solving, found[0][0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
     if old.fold:
         end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
     if not end > start:
-        raise NotFollowed(f"{what} has no states left")
-    loads = Branch(start, end, old.v, old.active, old.fold).loads
+        raise NotFollowed(f"{what} has no states left", nearer=True)
+    loads = replace(old, start=start, end=end).loads
     changes = [found[0][0] - old.v[0]]
     for i in range(1, n if old.fold else n + 1):
         guess = old.v[i] + _extrapolated(changes, i)
         v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
-        if i >= LIMITS.near and np.abs(v - guess).max() > LIMITS.surprise * solving.problem.unit:
-            raise NotFollowed(f"a state of {what} lies on another branch")
+        _refuse_far(solving, v, guess, LIMITS.surprise, f"a state of {what}")
         found.append((v, active))
         changes.append(v - old.v[i])
     if not old.fold:
-        return Branch(start, end, *_stacked(found))
+        return Branch(start, end, *_stacked(found), None, old.periodic)
     before = [(load, v) for load, (v, _) in zip(loads[n - 3 : n], found[n - 3 :], strict=True)]
     fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}", before)
     if not fold.load > loads[n - 1]:
-        raise NotFollowed(f"{what} ends earlier than its states")
+        raise NotFollowed(f"{what} ends earlier than its states", nearer=True)
     found.append((fold.v, fold.active))
     v, active = _stacked(found)
     return _evenly(start, fold, np.append(loads[:n], fold.load), v, active)
+
+
+def _refuse_far(solving, v, guess, most, what):
+    if np.abs(v - guess).max() > most * solving.problem.unit:
+        raise NotFollowed(f"{what} lies on another branch", nearer=True)
 
 
 def _nearly(solving, fold, change, what):
@@ -127,7 +140,7 @@ def _stacked(found):
 def _evenly(start, fold, loads, v, active):
     """The Branch to a fold from states at loads (n + 1,) that are not quite those of even t."""
     branch = Branch(start, fold.load, v, active, fold)
-    t = branch.t_at(loads)
+    t = place(start, fold.load, loads)
     even = [weights_near(t, at) for at in np.linspace(0.0, 1.0, t.size)[1:-1]]
     between = [combine(weights, v[near]) for near, weights in even]
     return Branch(start, fold.load, np.array([v[0], *between, v[-1]]), active, fold)

@@ -1,5 +1,6 @@
 """The skeleton of a run from its frames, without solving anything."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from ..continuation.interpolation import combine
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
-from .branch import INTERVALS, Branch, Fold, NotFollowed, place, weights_near
+from .branch import Branch, Fold, NotFollowed, place, weights_near
 from .skeleton import Skeleton
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
@@ -15,7 +16,8 @@ LONGEST = 12  # sites, longest period that is looked for
 MOST = 12  # branches that are worth following
 FEWEST = 3  # frames of a branch, from which its states can be interpolated
 STEP = 1e-4  # of t, over which the way of a branch at its end is told
-BRANCH = 5.0  # nm; of a run that slides smoothly for longer, there are INTERVALS to each such length
+INTERVALS = (12, 18, 24, 36, 48, 72)  # between the states of a branch: as few as will do
+TOLD = 2e-4  # of the largest force
 
 
 def skeleton_of(scene):
@@ -45,7 +47,7 @@ def skeleton_from(scene, frames):
         raise NotFollowed("the run has not come to where it repeats itself")
     if count > MOST:
         raise NotFollowed(f"{count} branches until the run repeats itself, at most {MOST} are followed")
-    read = [reader.branch(line) for line in lines[:count]]
+    read = [reader.branch(line, bool(sites) and not line.slips) for line in lines[:count]]
     branches, tractions = ([one[part] for one in read] for part in (0, 1))
     return Skeleton(scene, reader.first, tuple(branches), tuple(tractions), home, sites, reader.jumps(frames))
 
@@ -59,11 +61,6 @@ class _Line:
 
     def t_of(self, load):
         return float(place(self.start, self.end, load))
-
-    def cut(self, end):
-        """Let it end at a smaller load."""
-        loads = [f.U_x for f in self.frames if f.U_x <= end]
-        self.__init__(self.start, end, False, self.frames[: len(loads)], loads)
 
     def weights(self, t):
         """(frames, their weights) in the state at t."""
@@ -94,7 +91,9 @@ def _period(reader, lines):
     if len(lines) == 1 and not lines[0].slips:
         line = lines[0]
         if line.start + a <= line.end and reader.same(line, line.start, line.frames[0], line.start + a, line, a):
-            line.cut(line.start + a)
+            line.end = line.start + a
+            line.t = [line.t_of(f.U_x) for f in line.frames if f.U_x <= line.end]
+            line.frames = line.frames[: len(line.t)]
             return 0, 1, 1
         return 0, 0, 1
     for j, (line, after) in enumerate(pairwise(lines)):
@@ -119,6 +118,8 @@ class _Reader:
         self.first, self.m = (0, 1) if self.uniform else (last.first, last.u.shape[1])
         self.held = scene.hold == "load"
         self._kept = {}
+        sums = [self.fields(f)[1].sum(axis=1) for f in frames if f.stage == "shear"]
+        self.largest = np.abs(sums).max(axis=0)
 
     def fields(self, frame):
         """(u, T), each (2, m)."""
@@ -153,15 +154,24 @@ class _Reader:
         off = there - u - np.array([[moved], [0.0]])
         return bool(np.abs(off).max() <= SAME * min(self.scene.delta_n, self.scene.delta_t))
 
-    def branch(self, line):
-        """(Branch, T (n + 1, 2, m)) of a line."""
-        long = 1.0 if line.slips else (line.end - line.start) / BRANCH
-        n = max(INTERVALS, round(INTERVALS * long))
-        states = [self.at(line, t) for t in np.linspace(0.0, 1.0, n + 1)]
+    def branch(self, line, periodic):
+        """(Branch, T (n + 1, 2, m)) of a line, with as many states as it takes to tell its frames."""
+        for n in INTERVALS:
+            blank = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
+            states = [self.at(line, line.t_of(load)) for load in blank.loads]
+            T = np.array([T for _, T, _ in states])
+            if self.told(line, blank, T):
+                break
         v = np.array([self.unknowns(u, delta, self.held) for u, _, delta in states])
         active = np.array([self.active(u) for u, _, _ in states])
         fold = self.fold(line, self.held) if line.slips else None
-        return Branch(line.start, line.end, v, active, fold), np.array([T for _, T, _ in states])
+        return replace(blank, v=v, active=active, fold=fold), T
+
+    def told(self, line, branch, T):
+        """Whether the forces at all frames of a line are told by tractions T of the states of a Branch."""
+        sums = np.array([self.fields(f)[1].sum(axis=1) for f in line.frames])
+        off = np.abs(branch.weights(np.array([f.U_x for f in line.frames])) @ T.sum(axis=2) - sums)
+        return bool((off.max(axis=0) <= TOLD * self.largest).all())
 
     def unknowns(self, u, delta, held):
         return np.append(u.ravel(), -delta if held else ())

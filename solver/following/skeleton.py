@@ -9,6 +9,8 @@ from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
 from ..scene import Scene
 from .branch import Branch
 
+EDGE = 1e-3  # phi_n/delta_n; twice what a node at the edge of the window bears
+
 
 @dataclass(frozen=True)
 class Skeleton:
@@ -26,6 +28,7 @@ class Skeleton:
     sites: int = 0
     jumps: tuple = ()
     evaluations: int = 0  # force evaluations spent in getting it
+    contact: "Skeleton | None" = None  # without contact: that in contact which comes back beyond the jump-in
 
     @property
     def period(self):
@@ -49,8 +52,8 @@ class Skeleton:
         for k, (branch, T) in enumerate(zip(self.branches, self.tractions, strict=True)):
             if branch.fold is None:
                 continue
-            values = *forces(self.scene, self._on_nodes(T[-1])), contact_area(self.scene, self._on_nodes(T[-1]))
-            load = branch.end
+            values = *map(float, forces(self.scene, self._on_nodes(T[-1]))), self._area(T[-1])
+            load = float(branch.end)
             while load <= last:
                 events.append(SlipEvent(load, *values, "shear", "fold", True))
                 if not self.sites or k < self.home:
@@ -67,7 +70,7 @@ class Skeleton:
             sums = T.sum(axis=2) * scale
             out[0, mine], out[1, mine] = -(weights @ sums[:, 0]), weights @ sums[:, 1]
             fields = (weights @ T.reshape(len(T), -1)).reshape(-1, *T.shape[1:])
-            out[2, mine] = [contact_area(self.scene, self._on_nodes(field)) for field in fields]
+            out[2, mine] = [self._area(field) for field in fields]
         return tuple(out)
 
     def frames(self, U_x):
@@ -75,7 +78,9 @@ class Skeleton:
         frames = [None] * np.size(U_x)
         for k, mine, weights, shift in self._places(U_x):
             loads = np.atleast_1d(U_x)[mine]
-            states, tractions = weights @ self.branches[k].v, self.tractions[k]
+            branch, tractions = self.branches[k], self.tractions[k]
+            states = weights @ (branch.v - branch.loads[:, None] * self._along)
+            states += (loads - shift)[:, None] * self._along
             fields = (weights @ tractions.reshape(len(tractions), -1)).reshape(-1, *tractions.shape[1:])
             for i, load, v, T, moved in zip(np.flatnonzero(mine), loads, states, fields, shift, strict=True):
                 frames[i] = self._frame(float(load), v, T, moved)
@@ -88,12 +93,25 @@ class Skeleton:
         u, T = self._on_nodes(u), self._on_nodes(T)
         delta = scene.delta if v.size == 2 * m else -float(v[-1])
         index = round(U_x / (scene.du_x * scene.delta_t))
-        first, numbers = 0 if self._uniform else self.first, (*forces(scene, T), contact_area(scene, T))
+        first, numbers = 0 if self._uniform else self.first, (*forces(scene, T), self._area(T[:, : self.nodes]))
         return Frame("shear", index, U_x, delta, first, u, T, *numbers, residual=np.nan, evaluations=0)
+
+    @cached_property
+    def _along(self):
+        """How the unknowns move with the load where they slide steadily."""
+        along = np.zeros(self.branches[0].v.shape[1])
+        along[: self.nodes] = 1.0
+        return along
 
     @property
     def _uniform(self):
         return self.nodes == 1
+
+    def _area(self, T):
+        """A_bar of interpolated tractions; where nodes come and go at the window's edge they are not quite zero."""
+        T = T.copy()
+        T[1, np.abs(T[1]) < EDGE * self.scene.phi_n / self.scene.delta_n] = 0.0
+        return contact_area(self.scene, self._on_nodes(T))
 
     def _on_nodes(self, field):
         return on_nodes(self.scene, field) if self._uniform else field

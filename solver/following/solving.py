@@ -2,12 +2,10 @@
 
 from contextlib import contextmanager
 
-import numpy as np
-
 from ..continuation.anderson import dot
 from ..continuation.corrector import Corrector
 from ..continuation.state import State
-from .branch import NotFollowed
+from .branch import Crowded, NotFollowed
 
 TOLERANCE = 1e-6  # nm, of the residual: a followed run is looked at, not kept
 STEPS = 60  # Anderson steps to a state, at most
@@ -15,7 +13,7 @@ COME_AND_GO = 3  # changes of the set of active nodes on an arc, at most
 
 
 class Solving:
-    """Of a problem as of `continuation.problem`; `moved`: how far (units of the problem) a state may lie from its guess."""
+    """Of a problem as of `continuation.problem`."""
 
     def __init__(self, problem):
         problem.tolerance = max(TOLERANCE, problem.tolerance)
@@ -27,7 +25,7 @@ class Solving:
         v, active = self._begin(guess, active, load)
         active = self.corrector.settle(v, active, load, self.secants, STEPS)
         if active is None:
-            raise NotFollowed(f"{what} is not found")
+            raise NotFollowed(f"{what} is not found", nearer=True)
         return self._checked(v, active, load, what)
 
     def on_arc(self, guess, active, load, chord, what):
@@ -37,7 +35,7 @@ class Solving:
         for _ in range(COME_AND_GO):
             load = self.corrector.solve_on_arc(v, active, load, self.secants, STEPS, chord, arc)
             if load is None:
-                raise NotFollowed(f"{what} is not found")
+                raise NotFollowed(f"{what} is not found", nearer=True)
             again = self.problem.admitted(v, active)
             if again is active:
                 break
@@ -65,7 +63,7 @@ class Solving:
 
     def _checked(self, v, active, load, what):
         if self.problem.crowded(v, active, load):
-            raise NotFollowed(f"{what} needs a wider patch")
+            raise Crowded(f"{what} needs a wider patch")
         if self.problem.hides(v, active):
             raise NotFollowed(f"at {what} waves grow")
         return v, active
