@@ -38,8 +38,6 @@ def followed(skeleton, scene, at):
     """Followed of a scene, from a pickled Skeleton nearby, with the frame at U_x = `at` nm; or why there is none."""
     try:
         there = follow(pickle.loads(skeleton), scene)
-        if there.jumps_in is not None and scene.delta_bar < there.jumps_in:
-            return "the surfaces do not jump into contact"
         return Followed(picture(there, at), pickle.dumps(there))
     except NotFollowed as why:
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # a word for many
