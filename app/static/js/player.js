@@ -2,7 +2,7 @@
 
 import { heard, order } from "./channel.js"
 import { by, fixed, minus } from "./dom.js"
-import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
+import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
 import { tellLarge } from "./large.js"
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
@@ -59,6 +59,7 @@ function begin(run) {
     me.place ??= me.run.place(Math.min(Math.floor(me.at), me.run.length - 1))
   }
   me.run = run
+  sketch(Boolean(run.followed))
   if (me.status.run === run.number) Object.assign(run, { scene: me.status.scene, coarse: me.status.coarse })
   checkTruth()
   me.bornAt = performance.now()
