@@ -4,7 +4,7 @@ A branch goes to a fold with the root of the distance in load, and where the one
 near another. So states stand evenly in t from 0 to 1, load = start + (end - start) sin^2(pi t/2), and are smooth in t.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -79,11 +79,15 @@ class Branch:
             return periodic_weights((load - self.start) / (self.end - self.start), self.intervals)
         return even_weights(place(self.start, self.end, load), self.intervals)
 
-    def tractions(self, contact):
-        """T (n + 1, 2, m) of the states, GPa."""
-        m = contact.size
-        pairs = zip(self.v, self.active, strict=True)
-        return np.array([contact.traction(v[: 2 * m].reshape(2, m), active) for v, active in pairs])
+    def thinned(self):
+        """The same with every second state."""
+        return replace(self, v=self.v[::2], active=self.active[::2])
+
+    def states(self, load, nodes):
+        """Unknowns (k, size) at loads (k,), the first `nodes` of which move on with the load."""
+        moving = np.zeros(self.v.shape[1])
+        moving[:nodes] = 1.0
+        return self.weights(load) @ (self.v - self.loads[:, None] * moving) + load[:, None] * moving
 
 
 def place(start, end, load):
@@ -93,7 +97,7 @@ def place(start, end, load):
 
 
 def even_weights(t, intervals):
-    """Lagrange weights (k, n + 1) of values at n + 1 even places of [0, 1] in that at t (k,), through STENCIL of them."""
+    """Weights (k, n + 1) of values at n + 1 even places of [0, 1] in that at t (k,): Lagrange's, of STENCIL of them."""
     t = np.atleast_1d(np.asarray(t, float)) * intervals
     count = min(STENCIL, intervals + 1)
     low = np.clip(np.floor(t).astype(int) - (count - 1) // 2, 0, intervals + 1 - count)

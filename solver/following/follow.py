@@ -9,14 +9,18 @@ from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, SceneError
 from .branch import Crowded, NotFollowed
-from .moving import followed_branch, followed_fold
+from .moving import followed_branch, followed_fold, refined
 from .solving import Solving
+from .telling import not_told
 from .wider import widened
 from .without import without_contact
 
 SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not continuous
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved, where the states wanted were too far
+LEAST = 0.1  # delta_bar above a jump-in whose fold is lost, from which on it does not matter
+FINEST = 60  # intervals, from which on a branch is not divided any more
+NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
 WIDER = 3  # how often the patch grows in one move
 
 
@@ -73,24 +77,28 @@ def _patched(skeleton, scene, spent):
 def _followed(skeleton, scene, spent):
     contact = Contact(scene, skeleton.first, skeleton.nodes, normal_only=scene.phi_ratio == 0.0)
     try:
-        jumps = _jumps(contact, skeleton)
+        jumps, lost = _jumps(contact, skeleton)
+        if scene.delta_bar < lost + LEAST:
+            raise NotFollowed("where the surfaces jump into contact is not known")
         if jumps and scene.delta < jumps[-1].load:
             return without_contact(contact, skeleton, jumps)
         if skeleton.contact is None:
             branches = _branches(contact, skeleton)
-            tractions = tuple(branch.tractions(contact) for branch in branches)
-            return replace(skeleton, scene=scene, branches=branches, tractions=tractions, jumps=jumps)
+            return replace(skeleton, scene=scene, branches=branches, jumps=jumps, lost=lost)
     finally:
         spent[0] += contact.evaluations
     return _in_parts(skeleton.contact, scene, HALVES, spent)
 
 
 def _jumps(contact, skeleton):
-    """The Folds of the approach."""
+    """The Folds of the approach; none where they are no longer found, far below the scene's indentation."""
     scene, old = contact.scene, skeleton.scene
     if all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in PATH):
-        return skeleton.jumps
-    return tuple(_jump(contact, fold) for fold in skeleton.jumps)
+        return skeleton.jumps, skeleton.lost
+    try:
+        return tuple(_jump(contact, fold) for fold in skeleton.jumps), skeleton.lost
+    except NotFollowed:
+        return (), skeleton.jumps[-1].load / old.delta_0
 
 
 def _jump(contact, fold):
@@ -100,14 +108,22 @@ def _jump(contact, fold):
 
 def _branches(contact, skeleton):
     scene, old, m = contact.scene, skeleton.branches, contact.size
-    problem, start = Equilibrium(contact, sideways(1.0, -scene.delta)), 0.0
+    problem = Equilibrium(contact, sideways(1.0, -scene.delta))
     if scene.hold == "load":
-        v, active = Solving(problem).at(old[0].v[0][: 2 * m], old[0].active[0], start, "the state at U_x = 0")
+        rest = (old[0].weights(np.zeros(1)) @ old[0].v)[0, : 2 * m]
+        v, active = Solving(problem).at(rest, old[0].active[0], 0.0, "the state at U_x = 0")
         pressure = contact.pressure(problem.traction(v, active))
         problem = Equilibrium(contact, sideways(1.0, 0.0), pressure)
-    solving, branches, change = Solving(problem), [], np.zeros(old[0].v[0].size)
+    solving, branches, change, start = Solving(problem), [], np.zeros(old[0].v[0].size), old[0].start
+    period = skeleton.sites * scene.spacing
     for k, branch in enumerate(old, 1):
         end = None if branch.fold else (scene.spacing if branch.periodic else scene.u_x_max)
-        branches.append(followed_branch(solving, branch, start, end, change, f"branch {k}"))
-        change, start = branches[-1].v[0] - branch.v[0], branches[-1].end
+        reach, what = period if len(old) == 1 else None, f"branch {k}"
+        found = followed_branch(solving, branch, start, end, change, reach, what)
+        while not_told(scene, skeleton.first, found) and found.intervals < FINEST:
+            found = refined(solving, found, what)
+        branches.append(found)
+        change, start = found.v[0] - branch.v[0], found.end
+    if branches[skeleton.home].start > branches[-1].end - period + NO_LATER:
+        raise NotFollowed("the surface rests after a slip where it has not been before")
     return tuple(branches)

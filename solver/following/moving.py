@@ -18,6 +18,7 @@ class Limits:
     farthest: float = 0.5  # units from the fold's predicted place on its arc
     near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
     alike: float = 2.0  # how far its bend may then differ, as a factor
+    above: float = 0.02  # units above where it should, at which a branch to itself begins at first: below it may end
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
@@ -43,7 +44,10 @@ def followed_fold(solving, old, change, what, before=()):
         points.append((v[index], load, v))
         if len(points) == 1 and before:
             found = _top([*before, points[0]], old.bend)
-            if abs(found[0] - begin) < LIMITS.near_by * unit and 1.0 / LIMITS.alike < found[2] / old.bend < LIMITS.alike:
+            if (
+                abs(found[0] - begin) < LIMITS.near_by * unit
+                and 1.0 / LIMITS.alike < found[2] / old.bend < LIMITS.alike
+            ):
                 points = [*before, points[0]]
         if len(points) == 1:
             v = v + LIMITS.arc * unit * old.along
@@ -51,10 +55,11 @@ def followed_fold(solving, old, change, what, before=()):
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
-        near = _nearest(points, arc)
+        near = _nearest(points, arc, 4)
         weights = lagrange([p[0] for p in near], arc)
         v = combine(weights, [p[2] for p in near])
-        if abs(load - top) < LIMITS.sharpness * unit:
+        sure = len(near) < 4 or abs(top - _top(near, old.bend, 3)[1]) < LIMITS.sharpness * unit
+        if sure and abs(load - top) < LIMITS.sharpness * unit:
             far = max(near, key=lambda p: abs(p[0] - arc))
             along = (far[2] - v) / (far[0] - arc)
             return Fold.of(top, v, active, along, bend)
@@ -62,17 +67,17 @@ def followed_fold(solving, old, change, what, before=()):
     raise NotFollowed(f"{what} is not found in {LIMITS.points} points", nearer=True)
 
 
-def _nearest(points, arc):
-    return sorted(points, key=lambda p: abs(p[0] - arc))[:4]
+def _nearest(points, arc, count):
+    return sorted(points, key=lambda p: abs(p[0] - arc))[:count]
 
 
-def _top(points, bend):
-    """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v).
+def _top(points, bend, count=4):
+    """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v), the last.
 
-    bend: that derivative as it was, used where there are but two points.
+    From the `count` points nearest. bend: that derivative as it was, used where there are but two points.
     """
     arc = points[-1][0]
-    near = _nearest(points, arc)
+    near = _nearest(points, arc, count)
     x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
@@ -84,20 +89,23 @@ def _top(points, bend):
     return arc + top, points[-1][1] + polyval(top, c), polyval(top, polyder(c, 2))
 
 
-def followed_branch(solving, old, start, end, change, what):
+def followed_branch(solving, old, start, end, change, reach, what):
     """The Branch that `old` becomes from load `start` on; change (size,): of its first state, a guess.
 
-    end: where it ends if not in a fold, else None.
+    end: where it ends if not in a fold, else None. reach: of a branch to itself, the period of its slips, else None:
+    the states in which they land belong to it, at loads below zero as well.
     """
-    n = old.intervals
-    found = [solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")]
-    _refuse_far(solving, found[0][0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
+    n, unit = old.intervals, solving.problem.unit
+    first = solving.at(old.v[0] + change, old.active[0], start, f"the beginning of {what}")
+    _refuse_far(solving, first[0], old.v[0] + change, LIMITS.first, f"the beginning of {what}")
     if old.fold:
-        end = _nearly(solving, old.fold, found[0][0] - old.v[0], f"the end of {what}")
+        end = _nearly(solving, old.fold, first[0] - old.v[0], f"the end of {what}")
+        if reach:
+            start, first = _begun(solving, old, start, min(0.0, end - reach + LIMITS.above * unit), first, what)
     if not end > start:
         raise NotFollowed(f"{what} has no states left", nearer=True)
     loads = replace(old, start=start, end=end).loads
-    changes = [found[0][0] - old.v[0]]
+    found, changes = [first], [first[0] - old.v[0]]
     for i in range(1, n if old.fold else n + 1):
         guess = old.v[i] + _extrapolated(changes, i)
         v, active = solving.at(guess, old.active[i], loads[i], f"a state of {what}")
@@ -110,9 +118,38 @@ def followed_branch(solving, old, start, end, change, what):
     fold = followed_fold(solving, old.fold, _extrapolated(changes, n), f"the end of {what}", before)
     if not fold.load > loads[n - 1]:
         raise NotFollowed(f"{what} ends earlier than its states", nearer=True)
+    loads[n] = fold.load
     found.append((fold.v, fold.active))
-    v, active = _stacked(found)
-    return _evenly(start, fold, np.append(loads[:n], fold.load), v, active)
+    if reach and fold.load - reach < start:
+        loads, found = _reaching(solving, loads, found, fold.load - reach, what)
+    return _evenly(fold, loads, found, n)
+
+
+def _begun(solving, old, start, wanted, first, what):
+    """(load, (v, active)) of the first state at load `wanted`, from that at `start`."""
+    if wanted == start:
+        return start, first
+    speed = (old.v[1] - old.v[0]) / (old.loads[1] - old.loads[0])
+    return wanted, solving.at(first[0] + (wanted - start) * speed, first[1], wanted, f"the beginning of {what}")
+
+
+def _reaching(solving, loads, found, start, what):
+    """(loads, states) with one more before the first, at load `start`."""
+    t = place(start, loads[-1], loads[:4])
+    guess = combine(lagrange(t, 0.0), [v for v, _ in found[:4]])
+    first = solving.at(guess, found[0][1], start, f"the state in which a slip lands on {what}")
+    return np.append(start, loads), [first, *found]
+
+
+def refined(solving, branch, what):
+    """The same Branch with twice the states."""
+    n = branch.intervals
+    finer = replace(branch, v=np.repeat(branch.v, 2, axis=0)[:-1], active=np.repeat(branch.active, 2, axis=0)[:-1])
+    for i in range(1, 2 * n, 2):
+        load = finer.loads[i]
+        guess = branch.states(np.array([load]), solving.moving)[0]
+        finer.v[i], finer.active[i] = solving.at(guess, branch.active[i // 2], load, f"a state of {what}")
+    return finer
 
 
 def _refuse_far(solving, v, guess, most, what):
@@ -121,7 +158,7 @@ def _refuse_far(solving, v, guess, most, what):
 
 
 def _nearly(solving, fold, change, what):
-    """A load close to, but below, that of the fold that `fold` becomes."""
+    """A load close to that of the fold that `fold` becomes, but below it."""
     chord = fold.along / (fold.along @ fold.along)
     with solving.roughly(LIMITS.rough * solving.problem.unit):
         return solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)[0]
@@ -137,10 +174,10 @@ def _stacked(found):
     return tuple(np.array([one[part] for one in found]) for part in (0, 1))
 
 
-def _evenly(start, fold, loads, v, active):
-    """The Branch to a fold from states at loads (n + 1,) that are not quite those of even t."""
-    branch = Branch(start, fold.load, v, active, fold)
-    t = place(start, fold.load, loads)
-    even = [weights_near(t, at) for at in np.linspace(0.0, 1.0, t.size)[1:-1]]
-    between = [combine(weights, v[near]) for near, weights in even]
-    return Branch(start, fold.load, np.array([v[0], *between, v[-1]]), active, fold)
+def _evenly(fold, loads, found, n):
+    """The Branch of n intervals to a fold, from states (v, active) at loads that are not quite those of even t."""
+    (v, active), even = _stacked(found), np.linspace(0.0, 1.0, n + 1)
+    t = place(loads[0], fold.load, loads)
+    between = [weights_near(t, at) for at in even[1:-1]]
+    v = np.array([v[0], *(combine(weights, v[near]) for near, weights in between), v[-1]])
+    return Branch(loads[0], fold.load, v, active[np.searchsorted(t, even - 1e-9)], fold)

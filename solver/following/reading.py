@@ -1,5 +1,6 @@
 """The skeleton of a run from its frames, without solving anything."""
 
+from copy import copy
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,14 +11,15 @@ from ..run.loadpath import load_path
 from ..run.summary import whole_surface
 from .branch import Branch, Fold, NotFollowed, place, weights_near
 from .skeleton import Skeleton
+from .telling import TOLD, sums
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
 LONGEST = 12  # sites, longest period that is looked for
+ALIKE = 1e-4  # nm, between ends of branches that are the same
 MOST = 12  # branches that are worth following
 FEWEST = 3  # frames of a branch, from which its states can be interpolated
 STEP = 1e-4  # of t, over which the way of a branch at its end is told
-INTERVALS = (12, 18, 24, 36, 48, 72)  # between the states of a branch: as few as will do
-TOLD = 2e-4  # of the largest force
+INTERVALS = (12, 16, 24, 36, 48, 72)  # between the states of a branch: as few as will do
 
 
 def skeleton_of(scene):
@@ -47,20 +49,26 @@ def skeleton_from(scene, frames):
         raise NotFollowed("the run has not come to where it repeats itself")
     if count > MOST:
         raise NotFollowed(f"{count} branches until the run repeats itself, at most {MOST} are followed")
-    read = [reader.branch(line, bool(sites) and not line.slips) for line in lines[:count]]
-    branches, tractions = ([one[part] for one in read] for part in (0, 1))
-    return Skeleton(scene, reader.first, tuple(branches), tuple(tractions), home, sites, reader.jumps(frames))
+    lines, home = _longest(lines[:count], home, sites * scene.spacing)
+    branches = [reader.branch(line, bool(sites) and not line.slips) for line in lines]
+    return Skeleton(scene, reader.first, tuple(branches), home, sites, reader.jumps(frames))
 
 
 class _Line:
     """The frames of one branch, from load `start` to `end`, where it slips if `slips`."""
 
     def __init__(self, start, end, slips, frames, loads):
-        self.start, self.end, self.slips = start, end, slips
+        self.start, self.end, self.slips, self.moved = start, end, slips, 0.0
         self.frames, self.t = frames, [self.t_of(load) for load in loads]
 
     def t_of(self, load):
         return float(place(self.start, self.end, load))
+
+    def back(self, distance):
+        """The same moved back by a whole number of sites, nm."""
+        other = copy(self)
+        other.start, other.end, other.moved = self.start - distance, self.end - distance, self.moved + distance
+        return other
 
     def weights(self, t):
         """(frames, their weights) in the state at t."""
@@ -109,6 +117,16 @@ def _period(reader, lines):
     return 0, 0, len(lines)
 
 
+def _longest(lines, home, period):
+    """(lines, home), the branch before `home` left out where it is but a part of the last one, a period before."""
+    if not home:
+        return lines, home
+    part, last = lines[home - 1], lines[-1].back(period)
+    if last.start > part.start or abs(last.end - part.end) > ALIKE:
+        return lines, home
+    return [*lines[: home - 1], last, *lines[home:-1]], home - 1
+
+
 class _Reader:
     """Frames as unknowns on one patch, that of the last frame."""
 
@@ -118,75 +136,82 @@ class _Reader:
         self.first, self.m = (0, 1) if self.uniform else (last.first, last.u.shape[1])
         self.held = scene.hold == "load"
         self._kept = {}
-        sums = [self.fields(f)[1].sum(axis=1) for f in frames if f.stage == "shear"]
-        self.largest = np.abs(sums).max(axis=0)
+        total = [f.T.sum(axis=1) for f in frames if f.stage == "shear"]
+        self.largest = np.abs(total).max(axis=0) / (frames[-1].T.shape[1] if self.uniform else 1)
 
-    def fields(self, frame):
-        """(u, T), each (2, m)."""
+    def u(self, frame):
+        """(2, m) nm."""
         if id(frame) not in self._kept:
-            self._kept[id(frame)] = frame, *self._fields(frame)
-        return self._kept[id(frame)][1:]
+            self._kept[id(frame)] = frame, np.ascontiguousarray(self._u(frame))
+        return self._kept[id(frame)][1]
 
-    def _fields(self, frame):
+    def _u(self, frame):
         if self.uniform:
-            return frame.u[:, :1], frame.T[:, :1]
+            return frame.u[:, :1]
         if (frame.first, frame.u.shape[1]) == (self.first, self.m):
-            return frame.u, frame.T
+            return frame.u
         if frame.u.shape[1] == self.scene.nodes and frame.u.strides[1] == 0:
             raise NotFollowed("nodes move alike at first, and not later")
-        first, m = frame.first, frame.u.shape[1]
-        u, T = whole_surface(self.scene, frame).copy(), np.zeros((2, self.scene.nodes))
-        u[:, first : first + m], T[:, first : first + m] = frame.u, frame.T
-        part = slice(self.first, self.first + self.m)
-        return u[:, part], T[:, part]
+        u = whole_surface(self.scene, frame).copy()
+        u[:, frame.first : frame.first + frame.u.shape[1]] = frame.u
+        return u[:, self.first : self.first + self.m]
 
     def at(self, line, t):
-        """(u, T, delta) of a line at t, interpolated between its frames."""
+        """(u (2, m), delta) of a line at t, interpolated between its frames."""
         near, weights = line.weights(t)
-        fields = [self.fields(f) for f in near]
+        fields = [self.u(f) for f in near]
         delta = sum(weight * f.delta for weight, f in zip(weights, near, strict=True))
-        return *(combine(weights, [np.ascontiguousarray(f[part]) for f in fields]) for part in (0, 1)), delta
+        u = combine(weights, fields)
+        u[0] -= line.moved
+        return u, delta
 
     def same(self, line, load, frame, other_load, other, moved):
         """Whether a frame, or the state of the line `other`, is the state of a line at `load` moved on."""
         u = self.at(line, line.t_of(load))[0]
-        there = self.fields(frame)[0] if other is None else self.at(other, other.t_of(other_load))[0]
+        there = self.u(frame) if other is None else self.at(other, other.t_of(other_load))[0]
         off = there - u - np.array([[moved], [0.0]])
         return bool(np.abs(off).max() <= SAME * min(self.scene.delta_n, self.scene.delta_t))
 
     def branch(self, line, periodic):
-        """(Branch, T (n + 1, 2, m)) of a line, with as many states as it takes to tell its frames."""
+        """The Branch of a line, with as many states as it takes to tell what lies between."""
         for n in INTERVALS:
-            blank = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
-            states = [self.at(line, line.t_of(load)) for load in blank.loads]
-            T = np.array([T for _, T, _ in states])
-            if self.told(line, blank, T):
+            branch = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
+            v = np.array([self.state(line, load) for load in branch.loads])
+            branch = replace(branch, v=v)
+            if self.told(line, branch):
                 break
-        v = np.array([self.unknowns(u, delta, self.held) for u, _, delta in states])
-        active = np.array([self.active(u) for u, _, _ in states])
-        fold = self.fold(line, self.held) if line.slips else None
-        return replace(blank, v=v, active=active, fold=fold), T
+        active = np.array([self.active(u) for u in v[:, self.m : 2 * self.m]])
+        return replace(branch, active=active, fold=self.fold(line, self.held) if line.slips else None)
 
-    def told(self, line, branch, T):
-        """Whether the forces at all frames of a line are told by tractions T of the states of a Branch."""
-        sums = np.array([self.fields(f)[1].sum(axis=1) for f in line.frames])
-        off = np.abs(branch.weights(np.array([f.U_x for f in line.frames])) @ T.sum(axis=2) - sums)
-        return bool((off.max(axis=0) <= TOLD * self.largest).all())
+    def state(self, line, load):
+        u, delta = self.at(line, line.t_of(load))
+        return self.unknowns(u, delta, self.held)
+
+    def told(self, line, branch):
+        """Whether the forces of a line, at its frames and half-way between the states of a Branch, are told by these."""
+        loads = np.array([f.U_x - line.moved for f in line.frames])
+        between = branch.load_at((np.arange(branch.intervals) + 0.5) / branch.intervals)
+        loads = np.append(loads[(loads > line.start) & (loads < line.end)], between)
+        known = np.array([self.state(line, load) for load in loads])
+        off = np.abs(self.sums(branch.states(loads, self.m)) - self.sums(known)).max(axis=0)
+        return bool((off <= TOLD * self.largest).all())
+
+    def sums(self, v):
+        return sums(self.scene, self.first, v)
 
     def unknowns(self, u, delta, held):
         return np.append(u.ravel(), -delta if held else ())
 
-    def active(self, u):
-        gap = (np.zeros(1) if self.uniform else self.scene.profile[self.first : self.first + self.m]) + u[1]
-        return gap <= self.scene.window_n * self.scene.delta_n
+    def active(self, u_z):
+        return self.scene.profile[self.first : self.first + self.m] + u_z <= self.scene.window_n * self.scene.delta_n
 
     def fold(self, line, held):
         """The Fold at the end of a line, extrapolated."""
-        u, _, delta = self.at(line, 1.0)
+        u, delta = self.at(line, 1.0)
         before, after = (self.at(line, 1.0 + step) for step in (-STEP, STEP))
         bend = -0.5 * np.pi**2 * (line.end - line.start)  # of the load, by t
-        way = self.unknowns(after[0] - before[0], after[2] - before[2], held) / (2.0 * STEP)
-        return Fold.of(line.end, self.unknowns(u, delta, held), self.active(u), way, bend)
+        way = self.unknowns(after[0] - before[0], after[1] - before[1], held) / (2.0 * STEP)
+        return Fold.of(line.end, self.unknowns(u, delta, held), self.active(u[1]), way, bend)
 
     def jumps(self, frames):
         """The Folds of the approach."""

@@ -5,11 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
+from ..mechanics.cohesive_law import traction
 from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
 from ..scene import Scene
 from .branch import Branch
-
-EDGE = 1e-3  # phi_n/delta_n; twice what a node at the edge of the window bears
 
 
 @dataclass(frozen=True)
@@ -23,11 +22,11 @@ class Skeleton:
     scene: Scene
     first: int
     branches: tuple[Branch, ...]
-    tractions: tuple[np.ndarray, ...]  # T (n + 1, 2, m) of the states of each branch, GPa
     home: int = 0
     sites: int = 0
     jumps: tuple = ()
     evaluations: int = 0  # force evaluations spent in getting it
+    lost: float = -np.inf  # delta_bar of a jump-in whose fold could not be followed on
     contact: "Skeleton | None" = None  # without contact: that in contact which comes back beyond the jump-in
 
     @property
@@ -43,18 +42,18 @@ class Skeleton:
     @property
     def nodes(self):
         """Of the patch."""
-        return self.tractions[0].shape[2]
+        return self.branches[0].v.shape[1] // 2
 
     @cached_property
     def slips(self):
         """The SlipEvents of the shear up to u_x_max."""
-        events, last = [], self.scene.u_x_max
-        for k, (branch, T) in enumerate(zip(self.branches, self.tractions, strict=True)):
+        events = []
+        for k, branch in enumerate(self.branches):
             if branch.fold is None:
                 continue
-            values = *map(float, forces(self.scene, self._on_nodes(T[-1]))), self._area(T[-1])
+            values = [float(numbers[0]) for numbers in _numbers(self.scene, self.tractions(branch.v[-1:]))]
             load = float(branch.end)
-            while load <= last:
+            while load <= self.scene.u_x_max:
                 events.append(SlipEvent(load, *values, "shear", "fold", True))
                 if not self.sites or k < self.home:
                     break
@@ -63,66 +62,53 @@ class Skeleton:
 
     def curve(self, U_x):
         """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
-        out = np.empty((3, np.size(U_x)))
-        for k, mine, weights, _ in self._places(U_x):
-            T = self.tractions[k]
-            scale = 1.0 / (self.scene.nodes * self.scene.E) * (self.scene.nodes if self._uniform else 1)
-            sums = T.sum(axis=2) * scale
-            out[0, mine], out[1, mine] = -(weights @ sums[:, 0]), weights @ sums[:, 1]
-            fields = (weights @ T.reshape(len(T), -1)).reshape(-1, *T.shape[1:])
-            out[2, mine] = [self._area(field) for field in fields]
-        return tuple(out)
+        return _numbers(self.scene, self.tractions(self.unknowns(U_x)))
 
     def frames(self, U_x):
         """The Frames at loads U_x (k,) nm, with no slips in them and `residual` nan, as none was evaluated."""
-        frames = [None] * np.size(U_x)
-        for k, mine, weights, shift in self._places(U_x):
-            loads = np.atleast_1d(U_x)[mine]
-            branch, tractions = self.branches[k], self.tractions[k]
-            states = weights @ (branch.v - branch.loads[:, None] * self._along)
-            states += (loads - shift)[:, None] * self._along
-            fields = (weights @ tractions.reshape(len(tractions), -1)).reshape(-1, *tractions.shape[1:])
-            for i, load, v, T, moved in zip(np.flatnonzero(mine), loads, states, fields, shift, strict=True):
-                frames[i] = self._frame(float(load), v, T, moved)
-        return frames
+        v, m = self.unknowns(U_x), self.nodes
+        heights = v[:, -1] if self.scene.hold == "load" else np.full(len(v), -self.scene.delta)
+        rows = zip(np.atleast_1d(U_x), v, heights, self.tractions(v), strict=True)
+        return [self._frame(float(load), u[: 2 * m].reshape(2, m), float(U_z), T) for load, u, U_z, T in rows]
 
-    def _frame(self, U_x, v, T, moved):
-        scene, m = self.scene, self.nodes
-        u = v[: 2 * m].reshape(2, m).copy()
-        u[0] += moved
-        u, T = self._on_nodes(u), self._on_nodes(T)
-        delta = scene.delta if v.size == 2 * m else -float(v[-1])
+    def _frame(self, U_x, u, U_z, T):
+        scene = self.scene
+        F_bar, L_bar, A_bar = (float(numbers[0]) for numbers in _numbers(scene, T[None]))
+        u, T = on_nodes(scene, u), on_nodes(scene, T)
+        first = 0 if u.shape[1] == scene.nodes else self.first
         index = round(U_x / (scene.du_x * scene.delta_t))
-        first, numbers = 0 if self._uniform else self.first, (*forces(scene, T), self._area(T[:, : self.nodes]))
-        return Frame("shear", index, U_x, delta, first, u, T, *numbers, residual=np.nan, evaluations=0)
+        return Frame("shear", index, U_x, 0.0 - U_z, first, u, T, F_bar, L_bar, A_bar, np.nan, 0)
 
-    @cached_property
-    def _along(self):
-        """How the unknowns move with the load where they slide steadily."""
-        along = np.zeros(self.branches[0].v.shape[1])
-        along[: self.nodes] = 1.0
-        return along
-
-    @property
-    def _uniform(self):
-        return self.nodes == 1
-
-    def _area(self, T):
-        """A_bar of interpolated tractions; where nodes come and go at the window's edge they are not quite zero."""
-        T = T.copy()
-        T[1, np.abs(T[1]) < EDGE * self.scene.phi_n / self.scene.delta_n] = 0.0
-        return contact_area(self.scene, self._on_nodes(T))
-
-    def _on_nodes(self, field):
-        return on_nodes(self.scene, field) if self._uniform else field
-
-    def _places(self, U_x):
-        """(branch's number, which of the loads lie on it, weights of its states there, nm they are moved on by)."""
+    def unknowns(self, U_x):
+        """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
         U_x = np.atleast_1d(np.asarray(U_x, float))
         ends = np.array([branch.end for branch in self.branches])
         shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.sites else 0.0 * U_x
         place = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
+        v = np.empty((U_x.size, self.branches[0].v.shape[1]))
         for k, branch in enumerate(self.branches):
             mine = place == k
-            if mine.any():
-                yield k, mine, branch.weights((U_x - shift)[mine]), shift[mine]
+            v[mine] = branch.states(U_x[mine] - shift[mine], self.nodes)
+        v[:, : self.nodes] += shift[:, None]
+        return v
+
+    def tractions(self, v):
+        """T (k, 2, m), GPa, of unknowns v (k, size)."""
+        return tractions(self.scene, self.first, v)
+
+
+def tractions(scene, first, v):
+    """T (k, 2, m), GPa, of unknowns v (k, size) of the patch whose first node is `first`."""
+    m = v.shape[1] // 2
+    profile = scene.profile[first : first + m]
+    gap = profile + v[:, m : 2 * m]
+    T = traction(scene, v[:, :m], gap)
+    T[:, gap > scene.window_n * scene.delta_n] = 0.0
+    return T.swapaxes(0, 1)
+
+
+def _numbers(scene, T):
+    """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
+    fields = [on_nodes(scene, np.ascontiguousarray(field)) for field in T]
+    F_bar, L_bar = np.array([forces(scene, field) for field in fields]).reshape(-1, 2).T
+    return F_bar, L_bar, np.array([contact_area(scene, field) for field in fields])

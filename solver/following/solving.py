@@ -2,6 +2,8 @@
 
 from contextlib import contextmanager
 
+import numpy as np
+
 from ..continuation.anderson import dot
 from ..continuation.corrector import Corrector
 from ..continuation.state import State
@@ -18,6 +20,7 @@ class Solving:
     def __init__(self, problem):
         problem.tolerance = max(TOLERANCE, problem.tolerance)
         self.problem, self.corrector = problem, Corrector(problem)
+        self.moving = int(np.count_nonzero(problem.direction))  # unknowns that move on with the load; they come first
         self.secants, self.begun = self.corrector.secants(), False
 
     def at(self, guess, active, load, what):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..mechanics.contact import Contact
+from .skeleton import tractions
 
 
 def widened(skeleton):
@@ -29,22 +30,21 @@ def widened(skeleton):
     def fold(old, U):
         if old is None:
             return None
-        T = contact.traction(old.v[: 2 * contact.size].reshape(2, -1), old.active)
+        T = tractions(scene, skeleton.first, old.v[None])[0]
         along = old.along[: 2 * contact.size].reshape(2, -1)
         along = np.append(of_nodes(along).ravel(), old.along[2 * contact.size :])
         return replace(old, v=spread(old.v, T, *U), active=of_nodes(old.active), along=along)
 
-    def branch(old, T):
+    def branch(old):
+        T = tractions(scene, skeleton.first, old.v)
         heights = old.v[:, -1] if scene.hold == "load" else np.full(len(old.v), -scene.delta)
         v = np.array([spread(*each) for each in zip(old.v, T, old.loads, heights, strict=True)])
         return replace(old, v=v, active=of_nodes(old.active), fold=fold(old.fold, (old.end, heights[-1])))
 
-    branches = tuple(map(branch, skeleton.branches, skeleton.tractions))
     return replace(
         skeleton,
         first=wide.first,
-        branches=branches,
-        tractions=tuple(map(of_nodes, skeleton.tractions)),
+        branches=tuple(map(branch, skeleton.branches)),
         jumps=tuple(fold(jump, (0.0, -jump.load)) for jump in skeleton.jumps),
         contact=skeleton.contact and widened(skeleton.contact),
     )

@@ -34,6 +34,4 @@ def without_contact(contact, skeleton, jumps):
         raise NotFollowed("the state without contact is not found")
     v, active = (np.array([state[part] for state in states]) for part in (0, 1))
     branch = Branch(0.0, scene.spacing, v, active, periodic=True)
-    return Skeleton(
-        scene, skeleton.first, (branch,), (branch.tractions(contact),), 0, 1, jumps, contact=skeleton.contact or skeleton
-    )
+    return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)
