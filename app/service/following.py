@@ -8,21 +8,22 @@ import json
 import pickle
 import re
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, e
 
 import numpy as np
 
 from app.service.packing import FREE, middle, pack
 from solver.following import NotFollowed, follow, skeleton_from
-from solver.run.load_steps import load_steps_of
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
 MOST = 500  # loads of a curve; beside these, those right before and after every slip
 CELLS = 30_000  # of a map, a byte each
 SHADES = 127  # of either sign in a map
 NOTHING = -128  # where nothing acts
+LARGEST = 1_000_000  # numbers that go from slice to slice, at most
 SHOWN = ("delta_bar", "phi_ratio", "E")  # parameters that a hand changes
+NO_FORCE = 1e-9  # of F_bar: where nothing touches, round-off
 AGREE_U, AGREE_F = 1e-4, 1e-3  # nm; of the largest: what was followed and the exact run are the same
 
 
@@ -56,7 +57,7 @@ def compared(skeleton, U_x, F_bar, slips):
     for load in slips:  # right at a slip, the load that is off a little is on the other side of it
         clear &= np.abs(U_x - load) > AGREE_U
     off = np.abs(there.curve(U_x)[0] - F_bar)[clear].max(initial=0.0)
-    return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), 1e-12))
+    return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
 
 
 def picture(skeleton, at):
@@ -127,40 +128,48 @@ def _acting_width(skeleton):
     return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1
 
 
-_kept = (None, [])  # the scene of the run that this worker makes, and its frames from the first on, until they repeat
+def remembered(scene, frames, last, done):
+    """(pickled Skeleton of a run that is done, else None; what the next slice needs for it) after Frames of a slice.
 
-
-def remembered(scene, frames, begins, done):
-    """The pickled Skeleton of a run that is done, if all of it went through this worker and it has one; else None.
-
-    frames: of a slice, the first one if it `begins`.
+    last: what it needs of the slice before, None for the first one. The frames go along until the run repeats itself.
     """
-    global _kept
-    known = [] if begins else _kept[1]
-    if (not begins and _kept[0] != scene) or scene.path != "shear":
-        _kept = (None, [])
-        return None
-    if frames and not (known and known[-1].repeated):
-        if _place(scene, frames[0]) != len(known):
-            _kept = (None, [])
-            return None
-        last = next((k for k, frame in enumerate(frames) if frame.repeated), len(frames) - 1)
-        known = known + frames[: last + 1]
-    _kept = (scene, known)
-    if not done:
-        return None
-    _kept = (None, [])
+    known, skeleton = last or (b"", None)
+    if skeleton is None and known is not None:
+        all_frames = _unpacked(scene, known) + frames
+        repeats = next((k for k, frame in enumerate(all_frames) if frame.repeated), None)
+        if repeats is not None or done:
+            known, skeleton = None, _skeleton(scene, all_frames[: None if repeats is None else repeats + 1])
+        else:
+            known = _packed(all_frames)
+    return (skeleton if done else None), (known, skeleton)
+
+
+def _skeleton(scene, frames):
     try:
-        return pickle.dumps(skeleton_from(scene, known))
+        return pickle.dumps(skeleton_from(scene, frames))
     except NotFollowed:
         return None
 
 
-def _place(scene, frame):
-    """How many frames of the run come before a frame."""
-    before = 0
-    for step in load_steps_of(scene):
-        if step.stage == frame.stage:
-            return before + frame.index
-        before += step.increments + 1
-    return -1
+def _packed(frames):
+    """Frames as bytes, of nodes that are all alike one; None if they are too many."""
+    if sum(frame.u.size for frame in frames) > LARGEST:
+        return None
+    alike = [frame.u.strides[1] == 0 for frame in frames]
+    return pickle.dumps(
+        [
+            replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) if one else frame
+            for frame, one in zip(frames, alike, strict=True)
+        ]
+    )
+
+
+def _unpacked(scene, packed):
+    frames = pickle.loads(packed) if packed else []
+    shape = 2, scene.nodes
+    return [
+        frame
+        if frame.u.shape[1] > 1
+        else replace(frame, **{name: np.broadcast_to(getattr(frame, name), shape) for name in "uT"})
+        for frame in frames
+    ]

@@ -33,8 +33,8 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 class Slice:
     """The outcome of one task: packed frames (bytes, one block per patch), their number, the sums over them.
 
-    ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: the Frame and the
-    work up to it, if the next slice needs it.
+    ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: what the next slice
+    needs of the frames, for the work of a loop or for the skeleton of the run.
     """
 
     blocks: tuple
@@ -113,7 +113,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         if isinstance(error, OutOfTime) and limit < SLOW:
             return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
         return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
-    latest, begins = begun + APPROACH * budget, checkpoint is None
+    latest = begun + APPROACH * budget
     frames, checkpoint = walked(scene, latest, limit) if checkpoint is None else ([], checkpoint)
     if checkpoint is None or not (checkpoint.done or (frames and perf_counter() > begun + budget)):
         more, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
@@ -125,8 +125,12 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     if checkpoint.late and limit < SLOW:
         checkpoint = in_time(checkpoint)
     widest = max((_width(scene, frame) for frame in frames), default=0.0)
-    works, last = _works(scene, frames, last)
-    skeleton = None if history else remembered(scene, frames, begins, checkpoint.done and not checkpoint.failure)
+    skeleton = None
+    if scene.path == "shear" and not history:
+        works = [0.0] * len(frames)
+        skeleton, last = remembered(scene, frames, last, checkpoint.done and not checkpoint.failure)
+    else:
+        works, last = _works(scene, frames, last)
     if scene.surface == "flat":
         frames = [middle(scene, frame) for frame in frames]
     blocks = list(same_patch(list(zip(frames, works, strict=True))))

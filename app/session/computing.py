@@ -113,6 +113,7 @@ class Computing:
                 self._begin(scene, refines=True)
         elif self.flight is None and run is not None:
             self._follow_up()
+            self.session.publish()
 
     def _follows(self, scene, after, held, at):
         """Whether a picture of the scene is on its way, in place of a run; a coarse one under way goes first."""
@@ -120,6 +121,7 @@ class Computing:
         if not held or after or makes_coarse or not self.following.want(scene, at):
             return False
         self.abandon()
+        self.session.marks.pause()
         if self.run.state == "running":
             self.run.state = "skipped"
         return True

@@ -7,7 +7,7 @@ from math import nan
 import numpy as np
 
 from app.service import metrics, packing
-from app.service.following import AGREE_F, AGREE_U, compared, followed
+from app.service.following import AGREE_F, AGREE_U, SHOWN, compared, followed
 from app.service.pool import LATER, SCREEN
 
 log = logging.getLogger("app")
@@ -95,7 +95,8 @@ class Following:
         agreed = off_U <= AGREE_U and off_F <= AGREE_F
         metrics.count("agreed" if agreed else "disagreed")
         if not agreed:
-            log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, scene)
+            where = {name: getattr(scene, name) for name in SHOWN}
+            log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
             if self.session.scene == scene:
                 how = f"by {off_U:.2g} nm at a slip" if np.isfinite(off_U) else "by a slip more or less"
                 self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
