@@ -9,7 +9,7 @@ from helpers import until
 
 from app.service import worker
 from app.service.finished import BESIDE, Finished, Shelf
-from app.service.pool import HEAVY, LATER, Line, Pool, Task
+from app.service.pool import EXACT, HEAVY, LATER, Line, Pool, Task
 from solver import Scene, isolated
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
@@ -151,7 +151,7 @@ def test_closing_the_pool_leaves_no_process():
         os.kill(process, 0)
 
 
-@pytest.mark.parametrize("rank", [HEAVY, LATER])
+@pytest.mark.parametrize("rank", [EXACT, HEAVY, LATER])
 def test_slow_work_leaves_a_worker_for_what_is_soon_done(rank):
     workers = Pool(size=2)
     both_at_work(workers)

@@ -18,11 +18,12 @@ from contextlib import suppress
 
 from client import Server, Tab, summary, tell
 
+from app.session.controls import CONTROLS
+
 PRESETS = ("fig6", "fig7-case1", "fig7-case2", "fig7-case3")
 DEAREST = {"E": 10.0, "delta_bar": 1.0, "damping": 0.05}
 THINK = 2.0, 5.0  # s
 PACE = 0.05  # s between two moves of a hand
-RANGES = {"delta_bar": (-0.3, 0.7, 101), "phi_ratio": (0.1, 2.0, 101), "E": (10.0, 1000.0, 121)}  # and positions
 
 
 async def visit(port, number, options, found):
@@ -51,14 +52,12 @@ async def visit(port, number, options, found):
 
 async def drag(tab, found):
     """Move one slider for a while, by some of its positions, and let go."""
-    name = tab.random.choice(list(RANGES))
-    low, high, positions = RANGES[name]
-    place, way = tab.random.randrange(positions), tab.random.choice((-1, 1))
-    places = [min(positions - 1, max(0, place + way * k)) for k in range(tab.random.randint(20, 40))]
-    if name == "delta_bar":
-        values = [round(low + (high - low) * k / (positions - 1), 4) for k in places]
-    else:
-        values = [float(f"{low * (high / low) ** (k / (positions - 1)):.4g}") for k in places]
+    control = tab.random.choice(CONTROLS)
+    name, last, value = control.name, len(control.positions) - 1, tab.status["values"][control.name]
+    here = min(range(last + 1), key=lambda k: abs(control.positions[k] - value))
+    way = 1 if here < 0.3 * last else -1 if here > 0.7 * last else tab.random.choice((-1, 1))
+    places = [min(last, max(0, here + way * k)) for k in range(1, tab.random.randint(20, 40))]
+    values = [control.positions[k] for k in places]
     first, exact, pictures, status = await tab.drag(name, values, PACE)
     found["drags"].append((first if first is not None else exact, exact))
     found["pictures"].append(pictures / (PACE * len(values)))

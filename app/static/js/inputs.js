@@ -16,7 +16,6 @@ import { tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
-const RESTS = 400 // ms without a move, after which a hand rests although it holds on
 const BURST = 900 // ms between two moves of one slider that are one drag, with what was on screen before it behind both
 const LARGEST_FILE = 2e6 // bytes, as the server
 
@@ -88,7 +87,7 @@ function connectSlider(name, values) {
   slider.addEventListener("input", () => {
     me.dragging = true
     clearTimeout(resting)
-    resting = setTimeout(rests, RESTS)
+    resting = setTimeout(rests, me.rests)
     entry.value = values[slider.value]
     if (name === "delta_bar") tellDepth(entry.value)
     slider.setAttribute("aria-valuetext", entry.value)

@@ -11,6 +11,7 @@ export const me = {
   playing: !reduced && !embedded, following: true, speed: 0, status: {},
   lost: false, stale: false, place: null, // no server; the sliders say another scene; the place of the path to go to once it is there
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
+  rests: 400, // ms without a move, after which a hand rests although it holds on
   fresh: false, mapped: true, begun: 0, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
   filmed: null, // takes the frames of a motion through a slip
   beside: null, // takes the frames of runs that are not on screen
