@@ -13,6 +13,7 @@ text            the one reader of parameters given as text
 mechanics/      the physics: NP1 law, elastic layer, contact
 continuation/   branches of equilibria, their ends, the motion between them; knows nothing of contacts
 run/            load steps, increments, frames
+following/      a run followed to other parameters, as a branch is to the next load
 cautions        when a result depends on a choice
 cli, bulk, command, files                   the command line and what it writes
 isolated, cluster                           calls with a deadline in processes of their own, or on a cluster
@@ -21,6 +22,10 @@ analysis/  verification/  work_precision/    not needed to run anything: stress 
 
 from .analysis.energy_balance import Work, work_of
 from .continuation.state import NotConverged
+from .following.branch import NotFollowed
+from .following.follow import follow
+from .following.reading import skeleton_from, skeleton_of
+from .following.skeleton import Skeleton
 from .profile import ProfileError, read_profile
 from .run.carry import carry_on
 from .run.frame import Frame, SlipEvent
@@ -40,18 +45,23 @@ __all__ = [
     "Checkpoint",
     "Frame",
     "NotConverged",
+    "NotFollowed",
     "Profile",
     "ProfileError",
     "Scene",
     "SceneError",
+    "Skeleton",
     "SlipEvent",
     "Work",
     "__version__",
     "advance",
     "carry_on",
+    "follow",
     "load_path",
     "read_profile",
     "scene_from_text",
+    "skeleton_from",
+    "skeleton_of",
     "summarize",
     "whole_surface",
     "work_of",

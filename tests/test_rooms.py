@@ -9,7 +9,8 @@ import pytest
 import solver
 
 HERE = Path(solver.__file__).parent
-CORE = ["schema.py", "scene.py", "surfaces.py", "text.py", "profile.py", "mechanics", "continuation", "run"]
+ROOMS = ["mechanics", "continuation", "run", "following"]
+CORE = ["schema.py", "scene.py", "surfaces.py", "text.py", "profile.py", *ROOMS]
 REPORTS = {"analysis", "verification", "work_precision"}
 NUMERICS = {"numpy", "numba", "pyfftw"}
 STANDARD = sys.stdlib_module_names

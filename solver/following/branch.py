@@ -10,6 +10,7 @@ import numpy as np
 
 from ..continuation.interpolation import lagrange
 
+TOLERANCE = 1e-5  # nm, of the residual: a followed run is looked at, not kept; forces are right to 1e-4
 STENCIL = 6  # states through which what lies between them is interpolated
 
 

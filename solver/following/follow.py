@@ -9,9 +9,9 @@ from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, SceneError
 from .branch import Crowded, NotFollowed
-from .moving import followed_branch, followed_fold, refined
+from .moving import followed_branch, followed_fold
 from .solving import Solving
-from .telling import not_told
+from .telling import resolved
 from .wider import widened
 from .without import without_contact
 
@@ -19,7 +19,6 @@ SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not 
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved, where the states wanted were too far
 LEAST = 0.1  # delta_bar above a jump-in whose fold is lost, from which on it does not matter
-FINEST = 60  # intervals, from which on a branch is not divided any more
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
 WIDER = 3  # how often the patch grows in one move
 
@@ -120,8 +119,7 @@ def _branches(contact, skeleton):
         end = None if branch.fold else (scene.spacing if branch.periodic else scene.u_x_max)
         reach, what = period if len(old) == 1 else None, f"branch {k}"
         found = followed_branch(solving, branch, start, end, change, reach, what)
-        while not_told(scene, skeleton.first, found) and found.intervals < FINEST:
-            found = refined(solving, found, what)
+        found = resolved(scene, skeleton.first, solving, found, what)
         branches.append(found)
         change, start = found.v[0] - branch.v[0], found.end
     if branches[skeleton.home].start > branches[-1].end - period + NO_LATER:

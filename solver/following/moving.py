@@ -14,6 +14,7 @@ class Limits:
     """Of following; a "unit" is the problem's `unit`."""
 
     arc: float = 0.05  # units between the first two points about a fold
+    same: float = 1e-7  # nm of arc, within which two points about a fold are one
     sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
     farthest: float = 0.5  # units from the fold's predicted place on its arc
     near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
@@ -21,7 +22,8 @@ class Limits:
     above: float = 0.02  # units above where it should, at which a branch to itself begins at first: below it may end
     points: int = 8  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
-    rough: float = 1e-3  # units, of the residual where the load of a fold is but estimated
+    fine: float = 1e-6  # units, of the residual where the load of a fold is told
+    rough: float = 1e-2  # units, of the residual where the load of a fold is but estimated
     first: float = 1.5  # units from where it was, beyond which the first state of a branch lies on another one
     surprise: float = 0.3  # the same of the others, from where they are expected
 
@@ -40,7 +42,8 @@ def followed_fold(solving, old, change, what, before=()):
     begin, points = v[index], []  # (arc, load, v)
     before = [(v[index], load, v) for load, v in before]
     for _ in range(LIMITS.points):
-        load, v, active = solving.on_arc(v, active, load, chord, what)
+        with solving.within(LIMITS.fine * unit):
+            load, v, active = solving.on_arc(v, active, load, chord, what)
         points.append((v[index], load, v))
         if len(points) == 1 and before:
             found = _top([*before, points[0]], old.bend)
@@ -77,7 +80,8 @@ def _top(points, bend, count=4):
     From the `count` points nearest. bend: that derivative as it was, used where there are but two points.
     """
     arc = points[-1][0]
-    near = _nearest(points, arc, count)
+    others = [p for p in points[:-1] if abs(p[0] - arc) > LIMITS.same]
+    near = [points[-1], *_nearest(others, arc, count - 1)]
     x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
@@ -160,7 +164,7 @@ def _refuse_far(solving, v, guess, most, what):
 def _nearly(solving, fold, change, what):
     """A load close to that of the fold that `fold` becomes, but below it."""
     chord = fold.along / (fold.along @ fold.along)
-    with solving.roughly(LIMITS.rough * solving.problem.unit):
+    with solving.apart(), solving.within(LIMITS.rough * solving.problem.unit):
         return solving.on_arc(fold.v + change, fold.active, fold.load, chord, what)[0]
 
 

@@ -11,7 +11,7 @@ from ..run.loadpath import load_path
 from ..run.summary import whole_surface
 from .branch import Branch, Fold, NotFollowed, place, weights_near
 from .skeleton import Skeleton
-from .telling import TOLD, sums
+from .telling import TOLD, forces_between
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
 LONGEST = 12  # sites, longest period that is looked for
@@ -43,7 +43,7 @@ def skeleton_from(scene, frames):
     if not sheared:
         raise NotFollowed("the run has not slid yet")
     reader = _Reader(scene, frames)
-    lines = _lines(scene, sheared)
+    lines = _lines(sheared)
     home, sites, count = _period(reader, lines)
     if not sites and sheared[-1].U_x < scene.u_x_max - scene.du_x * scene.delta_t:
         raise NotFollowed("the run has not come to where it repeats itself")
@@ -51,7 +51,8 @@ def skeleton_from(scene, frames):
         raise NotFollowed(f"{count} branches until the run repeats itself, at most {MOST} are followed")
     lines, home = _longest(lines[:count], home, sites * scene.spacing)
     branches = [reader.branch(line, bool(sites) and not line.slips) for line in lines]
-    return Skeleton(scene, reader.first, tuple(branches), home, sites, reader.jumps(frames))
+    jumps, lost = reader.jumps(frames)
+    return Skeleton(scene, reader.first, tuple(branches), home, sites, jumps, lost=lost)
 
 
 class _Line:
@@ -76,7 +77,7 @@ class _Line:
         return self.frames[near], weights
 
 
-def _lines(scene, frames, coordinate=lambda f: f.U_x):
+def _lines(frames, coordinate=lambda f: f.U_x):
     """The _Lines of frames in order; raises NotFollowed where a branch does not end in a fold."""
     lines, begun, start = [], [], coordinate(frames[0])
     for frame in frames:
@@ -136,8 +137,6 @@ class _Reader:
         self.first, self.m = (0, 1) if self.uniform else (last.first, last.u.shape[1])
         self.held = scene.hold == "load"
         self._kept = {}
-        total = [f.T.sum(axis=1) for f in frames if f.stage == "shear"]
-        self.largest = np.abs(total).max(axis=0) / (frames[-1].T.shape[1] if self.uniform else 1)
 
     def u(self, frame):
         """(2, m) nm."""
@@ -188,16 +187,14 @@ class _Reader:
         return self.unknowns(u, delta, self.held)
 
     def told(self, line, branch):
-        """Whether the forces of a line, at its frames and half-way between the states of a Branch, are told by these."""
+        """Whether the forces of a line, at its frames and half-way between states of a Branch, are told by these."""
         loads = np.array([f.U_x - line.moved for f in line.frames])
         between = branch.load_at((np.arange(branch.intervals) + 0.5) / branch.intervals)
         loads = np.append(loads[(loads > line.start) & (loads < line.end)], between)
         known = np.array([self.state(line, load) for load in loads])
-        off = np.abs(self.sums(branch.states(loads, self.m)) - self.sums(known)).max(axis=0)
-        return bool((off <= TOLD * self.largest).all())
-
-    def sums(self, v):
-        return sums(self.scene, self.first, v)
+        known, largest = forces_between(self.scene, self.first, known)
+        told, _ = forces_between(self.scene, self.first, branch.states(loads, self.m))
+        return bool((np.abs(told - known) <= TOLD * largest).all())
 
     def unknowns(self, u, delta, held):
         return np.append(u.ravel(), -delta if held else ())
@@ -214,9 +211,13 @@ class _Reader:
         return Fold.of(line.end, self.unknowns(u, delta, held), self.active(u[1]), way, bend)
 
     def jumps(self, frames):
-        """The Folds of the approach."""
+        """(Folds of the approach, delta_bar of the last where they are not all folds, or come too close together)."""
         approach = [f for f in frames if f.stage == "approach"]
-        if not any(f.slips for f in approach):
-            return ()
-        lines = _lines(self.scene, approach, lambda f: f.delta)
-        return tuple(self.fold(line, False) for line in lines if line.slips)
+        events = [event for f in approach for event in f.slips]
+        if not events:
+            return (), -np.inf
+        try:
+            lines = _lines(approach, lambda f: f.delta)
+        except NotFollowed:
+            return (), events[-1].load / self.scene.delta_0
+        return tuple(self.fold(line, False) for line in lines if line.slips), -np.inf

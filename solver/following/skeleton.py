@@ -1,6 +1,6 @@
 """What carries a run that slides: its branches until they repeat, and from them the run at any load."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from ..mechanics.cohesive_law import traction
 from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
 from ..scene import Scene
-from .branch import Branch
+from .branch import TOLERANCE, Branch
 
 
 @dataclass(frozen=True)
@@ -111,4 +111,6 @@ def _numbers(scene, T):
     """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
     fields = [on_nodes(scene, np.ascontiguousarray(field)) for field in T]
     F_bar, L_bar = np.array([forces(scene, field) for field in fields]).reshape(-1, 2).T
+    if T.shape[2] == 1:  # a flat without load is repelled by no more than an error makes
+        scene = replace(scene, tolerance=max(scene.tolerance, TOLERANCE))
     return F_bar, L_bar, np.array([contact_area(scene, field) for field in fields])

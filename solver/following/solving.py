@@ -7,9 +7,8 @@ import numpy as np
 from ..continuation.anderson import dot
 from ..continuation.corrector import Corrector
 from ..continuation.state import State
-from .branch import Crowded, NotFollowed
+from .branch import TOLERANCE, Crowded, NotFollowed
 
-TOLERANCE = 1e-6  # nm, of the residual: a followed run is looked at, not kept
 STEPS = 60  # Anderson steps to a state, at most
 COME_AND_GO = 3  # changes of the set of active nodes on an arc, at most
 
@@ -18,7 +17,8 @@ class Solving:
     """Of a problem as of `continuation.problem`."""
 
     def __init__(self, problem):
-        problem.tolerance = max(TOLERANCE, problem.tolerance)
+        self._least = problem.tolerance
+        problem.tolerance = max(TOLERANCE, self._least)
         self.problem, self.corrector = problem, Corrector(problem)
         self.moving = int(np.count_nonzero(problem.direction))  # unknowns that move on with the load; they come first
         self.secants, self.begun = self.corrector.secants(), False
@@ -46,15 +46,25 @@ class Solving:
         return load, *self._checked(v, active, load, what)
 
     @contextmanager
-    def roughly(self, tolerance):
-        """Solve within to that tolerance (nm) only; the inverse of a tangent met on the way is dropped afterwards."""
-        problem, fine = self.problem, self.problem.tolerance
-        problem.tolerance = tolerance
+    def within(self, tolerance):
+        """Solve to another tolerance, nm."""
+        problem, usual = self.problem, self.problem.tolerance
+        problem.tolerance = max(tolerance, self._least)
         try:
             yield
         finally:
-            problem.tolerance = fine
+            problem.tolerance = usual
+
+    @contextmanager
+    def apart(self):
+        """Solve apart from the other states: nothing learnt there is kept."""
+        kept = self.secants.copy()
+        self.secants.forget()
+        try:
+            yield
+        finally:
             self.begun = False
+            self.secants.restore(kept)
 
     def _begin(self, guess, active, load):
         v = guess.copy()

@@ -7,6 +7,7 @@ from ..run.loading import sideways
 from .branch import Branch, NotFollowed
 from .skeleton import Skeleton
 from .solving import Solving
+from .telling import resolved
 
 INTERVALS = 12  # between states of a lattice period
 
@@ -34,4 +35,5 @@ def without_contact(contact, skeleton, jumps):
         raise NotFollowed("the state without contact is not found")
     v, active = (np.array([state[part] for state in states]) for part in (0, 1))
     branch = Branch(0.0, scene.spacing, v, active, periodic=True)
+    branch = resolved(scene, skeleton.first, solving, branch, "the run without contact")
     return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)

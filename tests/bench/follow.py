@@ -1,0 +1,176 @@
+"""What following a slider costs and whether it is right: 120 scenes of its box, three small moves and a long one each.
+
+    python tests/bench/follow.py [--json FILE] [--scenes N]
+
+Scenes are random over E 10 .. 1000, delta_bar -0.6 .. 1 and phi_ratio 0.02 .. 2. The small moves are one event of a
+drag, the long one is many at once. Every move is followed from the frames of its scene, and also run from the start.
+Of those whose exact runs are of one kind (both slip by as many sites each time, or neither slips): the share followed,
+force evaluations, processor time over that of the exact run, the largest error of a slip's load U_s (nm) and of F, L
+and A over their largest, at all increments. Each move that was not followed says why, and what the exact runs do.
+"""
+
+import argparse
+import json
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from solver import NotConverged, NotFollowed, Scene, follow, load_path, skeleton_from
+
+BOX = {"E": (10.0, 1000.0), "delta_bar": (-0.6, 1.0), "phi_ratio": (0.02, 2.0)}
+SMALL = {"delta_bar": lambda x: x + 0.03, "E": lambda x: 1.08 * x, "phi_ratio": lambda x: 0.93 * x}
+LONG = {"delta_bar": lambda x: x + 0.2, "E": lambda x: 1.6 * x, "phi_ratio": lambda x: 0.6 * x}
+LIMIT = 120.0  # s of processor time of an exact run
+WANTED = {"U_s": 1e-4, "F": 1e-3, "L": 1e-3, "A": 1e-3}  # errors; U_s in nm
+LEAST = np.array([1e-12, 1e-12, 1e-4])  # F_bar, L_bar and A_bar that count as none
+SAME = 1e-3  # of a site, by which periods of slips may differ
+
+
+def scenes(count):
+    """The first `count` scenes: E and phi_ratio even in their logarithms, delta_bar even."""
+    rng = np.random.default_rng(20)
+    for _ in range(count):
+        values = [rng.uniform(*(map(math.log, ends) if name != "delta_bar" else ends)) for name, ends in BOX.items()]
+        yield Scene(E=math.exp(values[0]), delta_bar=values[1], phi_ratio=math.exp(values[2]))
+
+
+def moves(number, scene):
+    """(name, small or long, the Scene moved to)."""
+    for name, moved in SMALL.items():
+        yield name, "small", scene.changed(**{name: moved(getattr(scene, name))})
+    name = list(LONG)[number % len(LONG)]
+    yield name, "long", scene.changed(**{name: LONG[name](getattr(scene, name))})
+
+
+def ran(scene):
+    """(frames, seconds) of the exact run; frames None where it has no end."""
+    frames, start = [], time.process_time()
+    try:
+        for frame in load_path(scene):
+            frames.append(frame)
+            if time.process_time() > start + LIMIT:
+                return None, LIMIT
+    except NotConverged:
+        return None, time.process_time() - start
+    return frames, time.process_time() - start
+
+
+def slips(frames):
+    """Loads of the slips in shear, nm."""
+    return [event.load for frame in frames if frame.stage == "shear" for event in frame.slips]
+
+
+def kind(scene, frames):
+    """What must be the same of two runs that can be followed to each other: jumps into contact, sites of slips."""
+    jumped = any(frame.slips for frame in frames if frame.stage == "approach" and frame.L_bar)
+    loads = slips(frames)
+    sites = np.diff(loads)[-1] / scene.spacing if len(loads) > 1 else 0.0
+    settled = len(loads) < 3 or abs(np.diff(loads, 2)[-1]) < SAME * scene.spacing
+    return jumped and "in contact", bool(loads), round(sites / SAME) if settled else "irregular"
+
+
+def compared(skeleton, frames):
+    """Errors of a followed run: U_s in nm, F, L and A over their largest."""
+    sheared = [frame for frame in frames if frame.stage == "shear"]
+    exact = np.array([[frame.F_bar, frame.L_bar, frame.A_bar] for frame in sheared]).T
+    found = np.array(skeleton.curve(np.array([frame.U_x for frame in sheared])))
+    errors = np.abs(found - exact).max(axis=1) / np.maximum(np.abs(exact).max(axis=1), LEAST)
+    theirs, mine = slips(frames), [event.load for event in skeleton.slips]
+    U_s = np.abs(np.subtract(mine, theirs)).max(initial=0.0) if len(mine) == len(theirs) else np.inf
+    return dict(zip(WANTED, map(float, (U_s, *errors)), strict=True))
+
+
+def row_of(scene, before, skeleton, name, size, moved):
+    """One move in numbers."""
+    row = {"E": scene.E, "delta_bar": scene.delta_bar, "phi_ratio": scene.phi_ratio, "moved": name, "size": size}
+    exact, exact_seconds = ran(moved)
+    start = time.process_time()
+    try:
+        followed = follow(skeleton, moved)
+        row["evaluations"] = followed.evaluations
+    except NotFollowed as failure:
+        followed, row["why"] = None, str(failure)
+    row["seconds"] = time.process_time() - start
+    row["ratio"] = row["seconds"] / exact_seconds
+    if exact is None:
+        return row | {"alike": False, "exact": "not done"}
+    kinds = kind(scene, before), kind(moved, exact)
+    row |= {"alike": kinds[0] == kinds[1], "slips": [slips(before)[:3], slips(exact)[:3]]}
+    return row | {"errors": compared(followed, exact)} if followed else row
+
+
+def rows_of(count):
+    for number, scene in enumerate(scenes(count)):
+        before, _ = ran(scene)
+        try:
+            skeleton = skeleton_from(scene, before) if before else None
+        except NotFollowed as failure:
+            print(f"scene {number}: {failure}", flush=True)
+            continue
+        for name, size, moved in moves(number, scene) if skeleton else ():
+            yield row_of(scene, before, skeleton, name, size, moved)
+
+
+def spread(values):
+    """(median, 95 in 100, worst)."""
+    return [float(value) for value in np.percentile(values, [50, 95, 100])] if len(values) else [math.nan] * 3
+
+
+def summary(rows):
+    """The figures of the whole box."""
+    alike = [row for row in rows if row["alike"]]
+    done = [row for row in alike if "errors" in row]
+    right = {name: float(np.mean([row["errors"][name] <= most for row in done])) for name, most in WANTED.items()}
+    return {
+        "moves": len(rows),
+        "alike": len(alike),
+        "followed": {size: _share(alike, size) for size in ("small", "long")} | {"all": _share(alike, None)},
+        "evaluations": spread([row["evaluations"] for row in done]),
+        "ratio": spread([row["ratio"] for row in done]),
+        "errors": {name: spread([row["errors"][name] for row in done]) for name in WANTED},
+        "right": right | {"F, L, A": float(np.mean([all(row["errors"][n] <= 1e-3 for n in "FLA") for row in done]))},
+        "other_run_followed": sum("errors" in row for row in rows if not row["alike"]),
+    }
+
+
+def _share(rows, size):
+    rows = [row for row in rows if size in (None, row["size"])]
+    return sum("errors" in row for row in rows) / max(1, len(rows))
+
+
+def report(found):
+    print("{moves} moves, of which {alike} between runs of one kind".format(**found))
+    print("followed of these: " + ", ".join(f"{size} {share:.1%}" for size, share in found["followed"].items()))
+    print(f"{'':12}{'median':>10}{'p95':>10}{'worst':>10}{'right':>8}")
+    for name in ("evaluations", "ratio"):
+        print(f"{name:12}" + "".join(f"{value:10.3g}" for value in found[name]))
+    for name, values in found["errors"].items():
+        print(f"{name:12}" + "".join(f"{value:10.1e}" for value in values) + f"{found['right'][name]:8.1%}")
+    print(f"F, L and A all right: {found['right']['F, L, A']:.1%}")
+    print(f"followed though the exact run is of another kind: {found['other_run_followed']}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", metavar="FILE")
+    parser.add_argument("--scenes", metavar="N", type=int, default=120)
+    arguments = parser.parse_args()
+    list(load_path(Scene(u_x_max=12.0)))  # compiled, before anything is timed
+    rows = []
+    for row in rows_of(arguments.scenes):
+        rows.append(row)
+        if "why" in row and row["alike"]:
+            where = "E {E:.4g} delta_bar {delta_bar:.3f} ratio {phi_ratio:.3g}, {size} {moved}: {why}".format(**row)
+            print(f"not followed: {where}; slips at {row['slips'][0]}, then at {row['slips'][1]}", flush=True)
+    found = summary(rows)
+    report(found)
+    if arguments.json:
+        Path(arguments.json).write_text(json.dumps({"summary": found, "rows": rows}, indent=2), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

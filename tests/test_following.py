@@ -1,0 +1,261 @@
+"""Runs followed to other parameters are those computed from their start: against these, and toys in closed form."""
+
+import pickle
+
+import numpy as np
+import pytest
+import toys
+
+from solver import NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
+from solver.following.branch import Branch, Fold, even_weights, periodic_weights
+from solver.following.moving import followed_branch, followed_fold
+from solver.following.solving import Solving
+from solver.mechanics.contact import Contact
+from solver.mechanics.equilibrium import Equilibrium
+from solver.run.loading import sideways
+
+SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, delta_bar=0.1)  # the default, a quarter as wide
+WIDE = Scene(delta_bar=-0.3, u_x_max=8.0)
+MEASURED = Profile(625.0, 2.0 * np.cos(2.0 * np.pi * (np.arange(256) / 256 - 0.5)))
+KINDS = {
+    "circular": SMALL,
+    "held load": SMALL.changed(hold="load"),
+    "wave": SMALL.changed(surface="wave", waves=1, amplitude=2.0),
+    "rough": SMALL.changed(surface="rough", cut_off=0.2, rms_slope=0.005),
+    "measured": SMALL.changed(surface="measured", measured=MEASURED),
+    "flat": SMALL.changed(surface="flat", nodes=16, width=40.0, height=100.0, delta_bar=0.02),
+    "smooth": SMALL.changed(E=500.0, phi_ratio=0.1),
+    "no friction": SMALL.changed(phi_ratio=0.0),
+}
+MOVES = {
+    "delta_bar": 0.13,
+    "E": 75.0,
+    "phi_ratio": 0.93,
+    "nu": 0.43,
+    "phi_n": 2.1,
+    "delta_n": 1.02,
+    "delta_t": 1.02,
+    "radius": 2.6,
+    "height": 1.1,
+    "width": 630.0,
+    "window_n": 11.0,
+    "u_x_max": 20.0,
+}
+
+
+@pytest.fixture(scope="module")
+def run():
+    """The frames of SMALL."""
+    return list(load_path(SMALL))
+
+
+@pytest.fixture(scope="module")
+def skeleton(run):
+    return skeleton_from(SMALL, run)
+
+
+@pytest.fixture(scope="module")
+def jumping():
+    """The Skeleton of a punch that jumps into contact, as that of SMALL does not."""
+    return skeleton_of(WIDE)
+
+
+def sheared(frames):
+    return [frame for frame in frames if frame.stage == "shear"]
+
+
+def slips(frames):
+    return [event.load for frame in sheared(frames) for event in frame.slips]
+
+
+def check(skeleton, scene):
+    """That a skeleton is the exact run of the scene, to what is promised."""
+    frames = sheared(load_path(scene))
+    exact = np.array([[frame.F_bar, frame.L_bar, frame.A_bar] for frame in frames]).T
+    found = np.array(skeleton.curve(np.array([frame.U_x for frame in frames])))
+    largest = np.abs(exact).max(axis=1)
+    largest = np.maximum(largest, [1e-2 * largest[1], 1e-2 * largest[0], 1e-4])  # a force may vanish, as may contact
+    assert (np.abs(found - exact).max(axis=1) / largest).max() < 1e-3
+    assert [event.load for event in skeleton.slips] == pytest.approx(slips(frames), abs=1e-4)
+
+
+def test_a_skeleton_is_had_from_frames_without_solving(run, skeleton):
+    assert skeleton.evaluations == 0
+    check(skeleton, SMALL)
+    events = [event for frame in sheared(run) for event in frame.slips]
+    assert len(skeleton.slips) == len(events) > 1
+    for found, event in zip(skeleton.slips, events, strict=True):
+        assert (found.stage, found.kind, found.located) == (event.stage, event.kind, event.located)
+        # extrapolated from frames a tenth of delta_t apart
+        assert (found.F_bar, found.L_bar, found.A_bar) == pytest.approx(
+            (event.F_bar, event.L_bar, event.A_bar), rel=1e-3
+        )
+
+
+@pytest.mark.parametrize("name", MOVES)
+def test_a_followed_run_is_the_exact_one(skeleton, name):
+    scene = SMALL.changed(**{name: MOVES[name]})
+    check(follow(skeleton, scene), scene)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_surface_and_hold_is_followed(kind):
+    skeleton = skeleton_of(KINDS[kind])
+    scene = KINDS[kind].changed(delta_bar=KINDS[kind].delta_bar + 0.02, E=1.05 * KINDS[kind].E)
+    check(follow(skeleton, scene), scene)
+
+
+def test_following_takes_a_small_part_of_the_evaluations_of_the_run(run, skeleton):
+    followed = follow(skeleton, SMALL.changed(E=75.0))
+    assert 0 < followed.evaluations < 0.15 * sum(frame.evaluations for frame in run)
+
+
+def test_many_moves_end_where_one_does(skeleton):
+    for delta_bar in (0.12, 0.14, 0.16, 0.18):
+        skeleton = follow(skeleton, SMALL.changed(delta_bar=delta_bar))
+    check(skeleton, SMALL.changed(delta_bar=0.18))
+
+
+def test_a_long_move_is_made_in_parts_and_the_patch_grows_with_it(skeleton):
+    scene = SMALL.changed(delta_bar=0.5)
+    followed = follow(skeleton, scene)
+    assert followed.nodes > skeleton.nodes
+    check(followed, scene)
+
+
+def test_a_slip_beyond_the_end_of_the_run_is_not_reported(skeleton):
+    followed = follow(skeleton, SMALL.changed(u_x_max=5.0))
+    assert not followed.slips and followed.branches[-1].end > 5.0
+
+
+def test_what_follows_is_moved_on_by_whole_sites(skeleton):
+    U_x = np.linspace(skeleton.branches[-1].end - skeleton.period, skeleton.branches[-1].end, 7)[1:-1]
+    assert skeleton.period == pytest.approx(skeleton.sites * SMALL.spacing)
+    before, after = skeleton.frames(U_x), skeleton.frames(U_x + 3 * skeleton.period)
+    for here, there in zip(before, after, strict=True):
+        assert np.abs(there.u - here.u - [[3 * skeleton.period], [0.0]]).max() < 1e-12
+        assert np.abs(there.T - here.T).max() < 1e-9  # round-off of u times the interface's stiffness
+
+
+def test_frames_of_a_skeleton_are_equilibria(skeleton):
+    scene = SMALL.changed(E=75.0)
+    followed = follow(skeleton, scene)
+    problem = Equilibrium(Contact(scene, followed.first, followed.nodes), sideways(1.0, -scene.delta))
+    U_x = np.array([1.0, 5.03, 7.1])
+    for frame, load in zip(followed.frames(U_x), U_x, strict=True):
+        v = frame.u.ravel()
+        # interpolated between the states of a branch
+        assert problem.residual(v, problem.active_of(v, load), load, np.empty(v.size)) < 1e-3
+        assert (frame.F_bar, frame.L_bar, frame.A_bar) == tuple(numbers[0] for numbers in followed.curve([load]))
+        assert (frame.stage, frame.U_x, frame.delta, frame.first) == ("shear", load, scene.delta, followed.first)
+
+
+def test_a_skeleton_is_small_and_picklable(skeleton):
+    packed = pickle.dumps(follow(skeleton, SMALL.changed(E=75.0)))
+    assert len(packed) < 200_000
+    other = pickle.loads(packed)
+    scene = SMALL.changed(E=80.0)
+    check(follow(other, scene), scene)
+
+
+def test_left_of_the_jump_in_there_is_no_contact_though_the_followed_state_would_adhere(jumping):
+    edge = jumping.jumps_in
+    assert edge < WIDE.delta_bar
+    scene = WIDE.changed(delta_bar=edge - 0.02)
+    apart = follow(jumping, scene)
+    check(apart, scene)
+    assert apart.slips == () and apart.jumps_in == edge
+    # beyond the jump-in the contact is there again, and the pull is more than twice as strong
+    back = follow(apart, WIDE)
+    check(back, WIDE)
+    assert back.curve([0.0])[1] < 2.0 * apart.curve([0.0])[1] < 0.0
+
+
+def test_the_jump_into_contact_is_followed(jumping):
+    scene = WIDE.changed(E=74.0)
+    jumps = [event.load for frame in load_path(scene) for event in frame.slips if event.stage == "approach"]
+    assert follow(jumping, scene).jumps_in == pytest.approx(jumps[0] / scene.delta_0, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "values, why",
+    [
+        ({"path": "loop"}, "path"),
+        ({"surface": "wave"}, "surface"),
+        ({"hold": "load"}, "hold"),
+        ({"nodes": 255}, "nodes"),
+    ],
+)
+def test_what_does_not_change_continuously_is_not_followed(skeleton, values, why):
+    with pytest.raises(NotFollowed, match=why):
+        follow(skeleton, SMALL.changed(**values))
+
+
+def test_another_regime_is_not_followed(skeleton):
+    """Without friction it slides smoothly: the fold vanishes on the way."""
+    with pytest.raises(NotFollowed):
+        follow(skeleton, SMALL.changed(phi_ratio=0.01, E=700.0))
+
+
+def test_a_run_that_has_not_come_round_has_no_skeleton(run):
+    until = next(k for k, frame in enumerate(run) if frame.stage == "shear" and frame.slips)
+    with pytest.raises(NotFollowed, match="repeats"):
+        skeleton_from(SMALL, run[:until])
+
+
+def test_a_run_on_another_path_has_no_skeleton():
+    scene = SMALL.changed(path="unload")
+    with pytest.raises(NotFollowed, match="unload"):
+        skeleton_from(scene, [])
+
+
+# toys
+
+
+def prandtl(A, period=2.4):
+    """(Toy, Branch to its first fold): T = -A sin(2 pi u/period), k = 1, so that s = u + A sin(2 pi u/period)."""
+    toy, q = toys.lattice((A, 0.0), period=period), 2.0 * np.pi / period
+    at = np.arccos(-1.0 / (A * q)) / q
+    fold = Fold.of(prandtl_fold(A), np.array([at]), np.ones(1, bool), np.ones(1), -A * q**2 * np.sin(q * at))
+    branch = Branch(0.0, fold.load, np.zeros((13, 1)), np.ones((13, 1), bool), fold)
+    v = np.zeros((13, 1))
+    for i, load in enumerate(branch.loads[:-1]):
+        v[i] = toy.at_rest(load, v[max(i - 1, 0)]).v if i else 0.0
+    v[-1] = at
+    return toy, Branch(0.0, fold.load, v, branch.active, fold)
+
+
+def prandtl_fold(A, period=2.4):
+    q = 2.0 * np.pi / period
+    at = np.arccos(-1.0 / (A * q)) / q
+    return at + A * np.sin(q * at)
+
+
+def test_a_branch_of_prandtl_and_tomlinson_is_followed_to_its_fold():
+    _, old = prandtl(1.0)
+    toy, exact = prandtl(1.1)
+    found = followed_branch(Solving(toy), old, 0.0, None, np.zeros(1), None, "the branch")
+    assert found.fold.load == pytest.approx(prandtl_fold(1.1), abs=1e-6)
+    assert np.abs(found.v - exact.v).max() < 1e-3  # the fold itself is where the load is flat
+    assert found.fold.bend == pytest.approx(exact.fold.bend, rel=1e-2)
+
+
+def test_a_fold_that_vanishes_is_said_to():
+    _, old = prandtl(0.5)
+    toy = toys.lattice((0.3, 0.0))  # 2 pi A/period < 1: it slides smoothly
+    with pytest.raises(NotFollowed, match="the fold"):
+        followed_fold(Solving(toy), old.fold, np.zeros(1), "the fold")
+
+
+def test_a_state_on_another_branch_is_refused():
+    toy, old = prandtl(1.0)
+    beyond = Branch(0.0, old.end + 1.0, old.v, old.active, None)
+    with pytest.raises(NotFollowed):
+        followed_branch(Solving(toy), beyond, 0.0, old.end + 1.0, np.zeros(1), None, "the branch")
+
+
+def test_polynomials_and_waves_are_interpolated_exactly():
+    t, at = np.linspace(0.0, 1.0, 13), np.linspace(0.0, 1.0, 41)
+    assert np.abs(even_weights(at, 12) @ t**5 - at**5).max() < 1e-12
+    wave = lambda x: 1.0 + np.cos(4.0 * np.pi * x) - np.sin(10.0 * np.pi * x)  # noqa: E731
+    assert np.abs(periodic_weights(at, 12) @ wave(t) - wave(at)).max() < 1e-12
