@@ -14,7 +14,7 @@ from math import ceil, e
 import numpy as np
 
 from app.service.packing import FREE, middle, pack
-from solver.following import NotFollowed, follow, skeleton_from
+from solver import NotFollowed, follow, skeleton_from
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
 MOST = 500  # loads of a curve; beside these, those right before and after every slip
