@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pyfftw
 
-from app.service.approach import walked
 from app.service.following import remembered
 from app.service.packing import middle, pack, same_patch
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
@@ -114,10 +113,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
             return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
         return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
     latest = begun + APPROACH * budget
-    frames, checkpoint = walked(scene, latest, limit) if checkpoint is None else ([], checkpoint)
-    if checkpoint is None or not (checkpoint.done or (frames and perf_counter() > begun + budget)):
-        more, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
-        frames += more
+    frames, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
     while checkpoint.stage == "approach" and not checkpoint.done and perf_counter() < latest:
         more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
         frames += more

@@ -147,7 +147,7 @@ function onKey(event) {
   keys[event.key]()
 }
 
-const slowMotion = async () => (await import("./later/film.js")).slowMotion()
+const slowMotion = async () => me.run?.followed || (await import("./later/film.js")).slowMotion()
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
