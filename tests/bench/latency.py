@@ -22,9 +22,9 @@ WATCH = """
   const slider = document.getElementById(name), entry = document.getElementById(`${name}-entry`)
   window.marks = []
   window.curves = []  // whole new ones: when painted, and how long after their value was chosen
-  window.bytes = []
+  const mine = window.watching = {}  // what watched before ends
   slider.addEventListener("input", (event) => { // after the page, which writes the value into the entry
-    marks.push({ at: event.timeStamp, run: punch.run.number, value: Number(entry.value) })
+    if (watching === mine) marks.push({ at: event.timeStamp, run: punch.run.number, value: Number(entry.value) })
   })
   let last = punch.run
   const watch = () => {
@@ -40,7 +40,7 @@ WATCH = """
       if (!mark.first && run.sheared >= 0) mark.first = now - mark.at
       if (!mark.whole && run.whole) mark.whole = now - mark.at
     }
-    requestAnimationFrame(watch)
+    if (watching === mine) requestAnimationFrame(watch)
   }
   watch()
 }
