@@ -169,10 +169,10 @@ class Pool:
 
     def _next(self):
         """The task whose turn it is, taken from its line, or None."""
-        screen, *slow = self._lines
-        if screen:
-            return screen.take()
-        free = sum(seat.ready and (seat.task is None or seat.task.rank == SCREEN) for seat in self._seats)
+        screen, exact, *slow = self._lines
+        if screen or exact:
+            return (screen or exact).take()
+        free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
         hoped = sum(seat.failures < STARTS for seat in self._seats)
         line = next(filter(len, slow), None)
         return line.take() if line and free > (hoped > 1) else None
