@@ -146,7 +146,7 @@ def test_frames_of_a_skeleton_are_equilibria(skeleton):
         v = frame.u.ravel()
         # interpolated between the states of a branch
         assert problem.residual(v, problem.active_of(v, load), load, np.empty(v.size)) < 1e-3
-        assert (frame.F_bar, frame.L_bar, frame.A_bar) == tuple(numbers[0] for numbers in followed.curve([load]))
+        assert (frame.F_bar, frame.L_bar, frame.A_bar) == pytest.approx([one[0] for one in followed.curve([load])])
         assert (frame.stage, frame.U_x, frame.delta, frame.first) == ("shear", load, scene.delta, followed.first)
 
 
@@ -237,7 +237,7 @@ def test_a_branch_of_prandtl_and_tomlinson_is_followed_to_its_fold():
     found = followed_branch(Solving(toy), old, 0.0, None, np.zeros(1), None, "the branch")
     assert found.fold.load == pytest.approx(prandtl_fold(1.1), abs=1e-6)
     assert np.abs(found.v - exact.v).max() < 1e-3  # the fold itself is where the load is flat
-    assert found.fold.bend == pytest.approx(exact.fold.bend, rel=1e-2)
+    assert found.fold.bend == pytest.approx(exact.fold.bend, rel=0.05)  # from points 0.05 apart
 
 
 def test_a_fold_that_vanishes_is_said_to():

@@ -16,13 +16,16 @@ class Limits:
     arc: float = 0.05  # units between the first two points about a fold
     same: float = 1e-7  # nm of arc, within which two points about a fold are one
     sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
-    farthest: float = 0.5  # units from the fold's predicted place on its arc
+    farthest: float = 1.5  # units from the fold's predicted place on its arc
     near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
     alike: float = 2.0  # how far its bend may then differ, as a factor
     above: float = 0.02  # units above where it should, at which a branch to itself begins at first: below it may end
-    points: int = 8  # about a fold, at most
+    points: int = 12  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     fine: float = 1e-6  # units, of the residual where the load of a fold is told
+    nearly: float = 0.05  # units from the load of a fold to what it was estimated to be, beyond which states between
+    # are solved for again once it is known
+    stride: float = 0.3  # units of arc from one point about a fold to the next, at most
     rough: float = 1e-2  # units, of the residual where the load of a fold is but estimated
     first: float = 1.5  # units from where it was, beyond which the first state of a branch lies on another one
     surprise: float = 0.3  # the same of the others, from where they are expected
@@ -58,6 +61,7 @@ def followed_fold(solving, old, change, what, before=()):
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
+        arc = min(max(arc, points[-1][0] - LIMITS.stride * unit), points[-1][0] + LIMITS.stride * unit)
         near = _nearest(points, arc, 4)
         weights = lagrange([p[0] for p in near], arc)
         v = combine(weights, [p[2] for p in near])
@@ -126,7 +130,8 @@ def followed_branch(solving, old, start, end, change, reach, what):
     found.append((fold.v, fold.active))
     if reach and fold.load - reach < start:
         loads, found = _reaching(solving, loads, found, fold.load - reach, what)
-    return _evenly(fold, loads, found, n)
+    branch = _evenly(fold, loads, found, n)
+    return branch if fold.load - end < LIMITS.nearly * unit else _settled(solving, branch, range(1, n), what)
 
 
 def _begun(solving, old, start, wanted, first, what):
@@ -147,13 +152,19 @@ def _reaching(solving, loads, found, start, what):
 
 def refined(solving, branch, what):
     """The same Branch with twice the states."""
-    n = branch.intervals
-    finer = replace(branch, v=np.repeat(branch.v, 2, axis=0)[:-1], active=np.repeat(branch.active, 2, axis=0)[:-1])
-    for i in range(1, 2 * n, 2):
-        load = finer.loads[i]
-        guess = branch.states(np.array([load]), solving.moving)[0]
-        finer.v[i], finer.active[i] = solving.at(guess, branch.active[i // 2], load, f"a state of {what}")
-    return finer
+    half = np.linspace(0.0, 1.0, 2 * branch.intervals + 1)
+    v = branch.states(branch.load_at(half), solving.moving)
+    active = np.repeat(branch.active, 2, axis=0)[:-1]
+    return _settled(solving, replace(branch, v=v, active=active), range(1, 2 * branch.intervals, 2), what)
+
+
+def _settled(solving, branch, places, what):
+    """The same Branch, its states at these places solved for."""
+    v, active = branch.v.copy(), branch.active.copy()
+    for i in places:
+        v[i], active[i] = solving.at(v[i], active[i], branch.loads[i], f"a state of {what}")
+        _refuse_far(solving, v[i], branch.v[i], LIMITS.surprise, f"a state of {what}")
+    return replace(branch, v=v, active=active)
 
 
 def _refuse_far(solving, v, guess, most, what):
