@@ -70,13 +70,15 @@ def slips(frames):
 
 def check(skeleton, scene):
     """That a skeleton is the exact run of the scene, to what is promised."""
-    frames = sheared(load_path(scene))
+    run = sheared(load_path(scene))
+    ends = np.array([*slips(run), np.inf])
+    frames = [frame for frame in run if np.abs(frame.U_x - ends).min() > 1e-4]  # nearer, one of the two has slipped
     exact = np.array([[frame.F_bar, frame.L_bar, frame.A_bar] for frame in frames]).T
     found = np.array(skeleton.curve(np.array([frame.U_x for frame in frames])))
     largest = np.abs(exact).max(axis=1)
     largest = np.maximum(largest, [1e-2 * largest[1], 1e-2 * largest[0], 1e-4])  # a force may vanish, as may contact
     assert (np.abs(found - exact).max(axis=1) / largest).max() < 1e-3
-    assert [event.load for event in skeleton.slips] == pytest.approx(slips(frames), abs=1e-4)
+    assert [event.load for event in skeleton.slips] == pytest.approx(slips(run), abs=1e-4)
 
 
 def test_a_skeleton_is_had_from_frames_without_solving(run, skeleton):
