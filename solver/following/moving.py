@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyfit, polyval
 
-from ..continuation.interpolation import combine, lagrange
+from ..continuation.interpolation import lagrange
 from .branch import Branch, Fold, NotFollowed, place, weights_near
 
 
@@ -64,7 +63,7 @@ def followed_fold(solving, old, change, what, before=()):
         arc = min(max(arc, points[-1][0] - LIMITS.stride * unit), points[-1][0] + LIMITS.stride * unit)
         near = _nearest(points, arc, 4)
         weights = lagrange([p[0] for p in near], arc)
-        v = combine(weights, [p[2] for p in near])
+        v = _mixed(weights, [p[2] for p in near])
         sure = len(near) < 4 or abs(top - _top(near, old.bend, 3)[1]) < LIMITS.sharpness * unit
         if sure and abs(load - top) < LIMITS.sharpness * unit:
             far = max(near, key=lambda p: abs(p[0] - arc))
@@ -90,11 +89,18 @@ def _top(points, bend, count=4):
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
         return arc - slope / bend, points[-1][1] - 0.5 * slope**2 / bend, bend
-    c = polyfit(x, y, len(near) - 1)
+    c = np.zeros(4)
+    c[: len(near)] = np.linalg.solve(np.vander(x, increasing=True), y)
     top = -0.5 * c[1] / c[2]
-    for _ in range(3):
-        top -= polyval(top, polyder(c)) / polyval(top, polyder(c, 2))
-    return arc + top, points[-1][1] + polyval(top, c), polyval(top, polyder(c, 2))
+    for _ in range(3):  # Newton's, as the curve is of the third degree
+        top -= (c[1] + top * (2.0 * c[2] + top * 3.0 * c[3])) / (2.0 * c[2] + top * 6.0 * c[3])
+    height = c[0] + top * (c[1] + top * (c[2] + top * c[3]))
+    return arc + top, points[-1][1] + height, 2.0 * c[2] + top * 6.0 * c[3]
+
+
+def _mixed(weights, rows):
+    """sum of weights[i] * rows[i]."""
+    return np.asarray(weights) @ np.asarray(rows)
 
 
 def followed_branch(solving, old, start, end, change, reach, what):
@@ -145,7 +151,7 @@ def _begun(solving, old, start, wanted, first, what):
 def _reaching(solving, loads, found, start, what):
     """(loads, states) with one more before the first, at load `start`."""
     t = place(start, loads[-1], loads[:4])
-    guess = combine(lagrange(t, 0.0), [v for v, _ in found[:4]])
+    guess = _mixed(lagrange(t, 0.0), [v for v, _ in found[:4]])
     first = solving.at(guess, found[0][1], start, f"the state in which a slip lands on {what}")
     return np.append(start, loads), [first, *found]
 
@@ -182,7 +188,7 @@ def _nearly(solving, fold, change, what):
 def _extrapolated(changes, i):
     """The change of state i from those of the states before it."""
     near = range(max(0, len(changes) - LIMITS.near), len(changes))
-    return combine(lagrange(near, i), [changes[j] for j in near])
+    return _mixed(lagrange(near, i), [changes[j] for j in near])
 
 
 def _stacked(found):
@@ -194,5 +200,5 @@ def _evenly(fold, loads, found, n):
     (v, active), even = _stacked(found), np.linspace(0.0, 1.0, n + 1)
     t = place(loads[0], fold.load, loads)
     between = [weights_near(t, at) for at in even[1:-1]]
-    v = np.array([v[0], *(combine(weights, v[near]) for near, weights in between), v[-1]])
+    v = np.array([v[0], *(_mixed(weights, v[near]) for near, weights in between), v[-1]])
     return Branch(loads[0], fold.load, v, active[np.searchsorted(t, even - 1e-9)], fold)
