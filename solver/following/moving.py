@@ -40,37 +40,39 @@ def followed_fold(solving, old, change, what, before=()):
     """
     unit, index, chord = solving.problem.unit, old.index, np.zeros(old.v.size)
     chord[index] = 1.0
-    v, active, load = old.v + change, old.active, old.load
-    begin, points = v[index], []  # (arc, load, v)
-    before = [(v[index], load, v) for load, v in before]
+    v, active, load, points = old.v + change, old.active, old.load, []  # (arc, load, v)
+    begin = v[index]
     for _ in range(LIMITS.points):
         with solving.within(LIMITS.fine * unit):
             load, v, active = solving.on_arc(v, active, load, chord, what)
         points.append((v[index], load, v))
-        if len(points) == 1 and before:
-            found = _top([*before, points[0]], old.bend)
-            if (
-                abs(found[0] - begin) < LIMITS.near_by * unit
-                and 1.0 / LIMITS.alike < found[2] / old.bend < LIMITS.alike
-            ):
-                points = [*before, points[0]]
+        if len(points) == 1:
+            points = [*_telling([(v[index], load, v) for load, v in before], points[0], old, unit), *points]
         if len(points) == 1:
             v = v + LIMITS.arc * unit * old.along
             continue
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
-        arc = min(max(arc, points[-1][0] - LIMITS.stride * unit), points[-1][0] + LIMITS.stride * unit)
+        here = points[-1][0]
+        arc = min(max(arc, here - LIMITS.stride * unit), here + LIMITS.stride * unit)
         near = _nearest(points, arc, 4)
-        weights = lagrange([p[0] for p in near], arc)
-        v = _mixed(weights, [p[2] for p in near])
+        v = _mixed(lagrange([p[0] for p in near], arc), [p[2] for p in near])
         sure = len(near) < 4 or abs(top - _top(near, old.bend, 3)[1]) < LIMITS.sharpness * unit
         if sure and abs(load - top) < LIMITS.sharpness * unit:
             far = max(near, key=lambda p: abs(p[0] - arc))
-            along = (far[2] - v) / (far[0] - arc)
-            return Fold.of(top, v, active, along, bend)
+            return Fold.of(top, v, active, (far[2] - v) / (far[0] - arc), bend)
         load = top
     raise NotFollowed(f"{what} is not found in {LIMITS.points} points", nearer=True)
+
+
+def _telling(before, point, old, unit):
+    """The points `before`, if with a point about the fold they tell one close by and bent as it was; else none."""
+    if not before:
+        return []
+    arc, _, bend = _top([*before, point], old.bend)
+    close = abs(arc - point[0]) < LIMITS.near_by * unit
+    return before if close and 1.0 / LIMITS.alike < bend / old.bend < LIMITS.alike else []
 
 
 def _nearest(points, arc, count):

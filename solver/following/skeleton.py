@@ -10,6 +10,8 @@ from ..run.frame import Frame, SlipEvent, contact_area, on_nodes
 from ..scene import Scene
 from .branch import TOLERANCE, Branch
 
+FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
+
 
 @dataclass(frozen=True)
 class Skeleton:
@@ -100,11 +102,15 @@ class Skeleton:
 def tractions(scene, first, v):
     """T (k, 2, m), GPa, of unknowns v (k, size) of the patch whose first node is `first`."""
     m = v.shape[1] // 2
-    profile = scene.profile[first : first + m]
-    gap = profile + v[:, m : 2 * m]
-    T = traction(scene, v[:, :m], gap)
-    T[:, gap > scene.window_n * scene.delta_n] = 0.0
-    return np.ascontiguousarray(T.swapaxes(0, 1))
+    profile, T = scene.profile[first : first + m], np.empty((len(v), 2, m))
+    few = max(1, FIT // m)
+    for k in range(0, len(v), few):
+        part = v[k : k + few]
+        gap = profile + part[:, m : 2 * m]
+        field = traction(scene, part[:, :m], gap)
+        field[:, gap > scene.window_n * scene.delta_n] = 0.0
+        T[k : k + few] = field.swapaxes(0, 1)
+    return T
 
 
 def _numbers(scene, T):
