@@ -45,7 +45,7 @@ def followed_fold(solving, old, change, what, before=()):
     for _ in range(LIMITS.points):
         with solving.within(LIMITS.fine * unit):
             load, v, active = solving.on_arc(v, active, load, chord, what)
-        points.append((v[index], load, v))
+        points = [p for p in points if abs(p[0] - v[index]) > LIMITS.same] + [(v[index], load, v)]
         if len(points) == 1:
             points = [*_telling([(v[index], load, v) for load, v in before], points[0], old, unit), *points]
         if len(points) == 1:
@@ -58,7 +58,7 @@ def followed_fold(solving, old, change, what, before=()):
         arc = min(max(arc, here - LIMITS.stride * unit), here + LIMITS.stride * unit)
         near = _nearest(points, arc, 4)
         v = _mixed(lagrange([p[0] for p in near], arc), [p[2] for p in near])
-        sure = len(near) < 4 or abs(top - _top(near, old.bend, 3)[1]) < LIMITS.sharpness * unit
+        sure = len(near) < 4 or abs(top - _top(near[2::-1], old.bend)[1]) < LIMITS.sharpness * unit
         if sure and abs(load - top) < LIMITS.sharpness * unit:
             far = max(near, key=lambda p: abs(p[0] - arc))
             return Fold.of(top, v, active, (far[2] - v) / (far[0] - arc), bend)
@@ -79,14 +79,13 @@ def _nearest(points, arc, count):
     return sorted(points, key=lambda p: abs(p[0] - arc))[:count]
 
 
-def _top(points, bend, count=4):
+def _top(points, bend):
     """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v), the last.
 
-    From the `count` points nearest. bend: that derivative as it was, used where there are but two points.
+    From that and the three others nearest. bend: that derivative as it was, used where there are but two points.
     """
     arc = points[-1][0]
-    others = [p for p in points[:-1] if abs(p[0] - arc) > LIMITS.same]
-    near = [points[-1], *_nearest(others, arc, count - 1)]
+    near = _nearest(points, arc, 4)
     x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
