@@ -239,7 +239,7 @@ def test_a_branch_of_prandtl_and_tomlinson_is_followed_to_its_fold():
     found = followed_branch(Solving(toy), old, 0.0, None, np.zeros(1), None, "the branch")
     assert found.fold.load == pytest.approx(prandtl_fold(1.1), abs=1e-4)  # as promised
     assert np.abs(found.v - exact.v).max() < 1e-2  # the fold itself is where the load is flat
-    assert found.fold.bend == pytest.approx(exact.fold.bend, rel=0.05)  # from points 0.05 apart
+    assert found.fold.bend == pytest.approx(exact.fold.bend, rel=0.1)  # from points 0.1 apart
 
 
 def test_a_fold_that_vanishes_is_said_to():
