@@ -9,7 +9,7 @@ from helpers import until
 
 from app.service import worker
 from app.service.finished import BESIDE, Finished, Shelf
-from app.service.pool import HEAVY, LATER, Line, Pool, Task
+from app.service.pool import EXACT, HEAVY, LATER, SCREEN, Line, Pool, Task
 from solver import Scene, isolated
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
@@ -161,6 +161,19 @@ def test_slow_work_leaves_a_worker_for_what_is_soon_done(rank):
     assert workers.submit(os.getpid).result(PATIENCE) > 0
     assert sum(task.running() for task in slow) == 1
     assert [workers.place(task) for task in slow] == [None, 0, 1]
+    workers.close()
+
+
+def test_an_exact_run_waits_behind_what_is_on_a_screen_and_goes_before_the_rest():
+    workers, done = Pool(size=1), []
+    workers.submit(os.getpid).result(PATIENCE)
+    busy = workers.submit(time.sleep, 0.5, seconds=PATIENCE)
+    tasks = {rank: workers.submit(os.getpid, rank=rank, owner=rank) for rank in (LATER, EXACT, SCREEN)}
+    assert not busy.done()  # all of them wait together
+    for rank, task in tasks.items():
+        task.add_done_callback(lambda _, rank=rank: done.append(rank))
+    until(lambda: len(done) == len(tasks))
+    assert done == [SCREEN, EXACT, LATER]
     workers.close()
 
 

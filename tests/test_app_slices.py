@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from visitor import SHORT, Page
 
-from app.service import approach, tasks, worker
-from solver import NotConverged, Scene, advance, load_path
+from app.service import tasks, worker
+from app.service.pool import HEAVY, LATER, SCREEN
+from solver import NotConverged, Scene, load_path
 from solver.analysis.friction_laws import friction_force, onset
 
 FLAT = Scene(surface="flat", phi_ratio=0.1, u_x_max=40.0, du_x=0.5, damping=inf)
@@ -68,22 +69,6 @@ def test_a_run_goes_on_from_another_in_slices_as_in_one_go():
     assert whole.checkpoint.state.v == pytest.approx(rest.checkpoint.state.v, abs=1e-5)
 
 
-@pytest.mark.parametrize("depths", [(-0.3, -0.28, 0.1, -0.1), (0.2, 0.0, -1.0)])
-def test_an_approach_remembered_from_another_indentation_leads_to_the_same_frames(depths, monkeypatch):
-    monkeypatch.setattr(approach, "_last", (None, ()))
-    walked = []
-    monkeypatch.setattr(approach, "advance", lambda *given, **how: walked.append(1) or advance(*given, **how))
-    for depth in depths:
-        scene = Scene(delta_bar=depth, du_z=0.5, u_x_max=0.0)
-        frames, checkpoint = approach.walked(scene, inf, inf)
-        plain = list(load_path(scene))
-        assert [(f.stage, f.index, f.delta) for f in frames] == [(f.stage, f.index, f.delta) for f in plain[:-1]]
-        assert [f.L_bar for f in frames] == pytest.approx([f.L_bar for f in plain[:-1]], abs=1e-9)
-        rest, _ = advance(scene, checkpoint, inf)
-        assert rest[-1].L_bar == pytest.approx(plain[-1].L_bar, abs=1e-9) and rest[-1].stage == "shear"
-    assert len(walked) < sum(Scene(delta_bar=depth, du_z=0.5).approach_increments + 1 for depth in depths)
-
-
 def test_a_run_that_cannot_go_on_from_there_says_why():
     piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, None, ((SHORT, 3),))
     assert piece.done and "in shear only" in piece.failure
@@ -107,6 +92,6 @@ def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(po
     monkeypatch.setattr(pool, "submit", lambda *call, **how: ranks.append(how["rank"]) or submit(*call, **how))
     page.order("hello")
     page.until("finished")
-    assert set(ranks) - {2} == {0, 1}  # 2: marks on the sliders, in the background
+    assert set(ranks) - {LATER} == {SCREEN, HEAVY}  # later: marks on the sliders, in the background
     assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
     page.session.close()

@@ -10,43 +10,6 @@ GREY = "document.querySelector('.page').dataset.stale === 'true'"
 SAID = "document.getElementById('stale').textContent"
 
 
-def hold(page, key, times):
-    """Press a key and keep it down, as the hand on a slider."""
-    for _ in range(times):
-        page.keyboard.down(key)
-
-
-def test_a_held_slider_gets_coarse_curves_and_the_exact_one_when_it_rests(visit):
-    page = visit("?E=71.3")  # no other test has left a run of it on the server
-    finished(page)
-    page.locator("body").press("Space")
-    page.evaluate(
-        """() => {
-            window.seen = []
-            const look = () => {
-                if (punch.run.whole && !seen.some(([run]) => run === punch.run.number)) {
-                    seen.push([punch.run.number, punch.run.head.step, punch.status.state])
-                }
-                requestAnimationFrame(look)
-            }
-            look()
-        }"""
-    )
-    at = page.evaluate("punch.run.curves.U_x[Math.floor(punch.at)]")
-    page.focus("#delta_bar")
-    hold(page, "ArrowRight", 5)
-    page.wait_for_function("punch.run.number > 1 && punch.run.whole", timeout=PATIENCE)
-    page.keyboard.up("ArrowRight")
-    page.wait_for_function("seen.length > 2 && seen.at(-1)[1] < 0.2 && punch.status.values.delta_bar === 0.05")
-    finished(page, run=3)
-    assert page.evaluate("punch.run.curves.U_x[Math.floor(punch.at)]") == pytest.approx(at, abs=0.6)
-    steps = [round(step, 3) for _, step, _ in page.evaluate("seen")]
-    assert steps[0] == 0.1 and 0.5 in steps[1:-1] and steps[-1] == 0.1
-    assert page.evaluate("punch.status.values.du_x") == 0.1 and "du_x" not in page.url
-    assert page.evaluate("punch.status.values.delta_bar") == 0.05
-    assert page.evaluate("punch.run.shear('F_bar').length") == 401
-
-
 @pytest.mark.thorough
 def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_there(visit):
     page = visit("?E=20&delta_bar=0.3")

@@ -111,6 +111,17 @@ def test_an_image_is_of_the_kind_that_came_from_the_server_and_has_its_shape(sti
     assert list(shape) == [2, 3]
 
 
+def test_how_a_part_is_drawn_can_be_read_from_it_and_it_can_be_hidden(still):
+    still.evaluate("bokeh.tint(parts.forces.F, '#123456')")
+    line = still.evaluate("bokeh.lookOf(parts.forces.F)")
+    assert line | {"x": "U_x", "y": "value", "stroke": "#123456", "width": 2, "dash": []} == line
+    assert still.evaluate("bokeh.lookOf(parts.forces.L).dash") == [6]
+    dots = still.evaluate("bokeh.lookOf(parts.punch.adhering)")
+    assert (dots["marker"], dots["size"]) == ("inverted_triangle", 5) and dots["fill"]
+    assert still.evaluate("bokeh.lookOf(parts.map.map).mapper.palette.length") > 1
+    assert still.evaluate("parts.forces.F.visible") is True
+
+
 def test_what_a_part_has_drawn_can_be_read_from_it(still):
     assert still.evaluate("bokeh.drawnBy(parts.forces.F).x.length === bokeh.drawnBy(parts.forces.F).y.length")
     assert still.evaluate(

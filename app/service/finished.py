@@ -18,10 +18,11 @@ class Finished:
     residual: float  # nm, the largest of the run
     widest: float = 0.0  # part of w over which anything acted, at most
     safe_damping: float = 0.0  # the largest of its frames
+    skeleton: bytes | None = None  # what a hand on a slider goes on from, if the run has one
 
     @property
     def size(self):
-        return BESIDE + sum(map(len, self.blocks))
+        return BESIDE + sum(map(len, self.blocks)) + len(self.skeleton or b"")
 
 
 class Shelf(Kept):

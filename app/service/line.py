@@ -4,7 +4,8 @@ from collections import OrderedDict, deque
 from concurrent.futures import Future
 
 PATIENCE = 5.0  # s without a result, beyond what a task asks for, after which its process is killed
-SCREEN, HEAVY, LATER = range(3)  # what a task is for: somebody's screen; the same, but it takes long; anything else
+# what a task is for: somebody's screen; the exact run of what is on one already; a screen, but it takes long; the rest
+SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 
 
 class Task(Future):

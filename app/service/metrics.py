@@ -13,19 +13,26 @@ KNOWN = {  # counted since the start
     "evaluations_total": "force evaluations in them",
     "shelf_hits_total": "runs that were known already",
     "shelf_misses_total": "runs that had to be computed",
+    "followed_total": "pictures of runs that followed a hand on a slider",
+    "agreed_total": "runs that were as followed: slips to 1e-4 nm, F to 1e-3 of its largest",
+    "disagreed_total": "runs that were not",
+    "not_followed_total": "times a run could not be followed, by reason",
     "tasks_total": "tasks done by workers",
     "tasks_lost_total": "tasks that took too long or whose worker ended",
     "worker_restarts_total": "workers replaced",
     "refused_messages_total": "messages of browsers that were none of the page's",
 }
 _counts, _lock, _begun = Counter(), Lock(), monotonic()
+_reasons = {}  # name: Counter of reasons
 _gauges = {}  # name: (what it is, () -> value)
 
 
-def count(name, more=1):
-    """Count something of KNOWN, in any thread."""
+def count(name, more=1, reason=None):
+    """Count something of KNOWN, in any thread; with a reason, for each of them apart."""
     with _lock:
         _counts[f"{name}_total"] += more
+        if reason is not None:
+            _reasons.setdefault(f"{name}_total", Counter())[reason.replace('"', "'")] += more
 
 
 def counted(name):
@@ -42,7 +49,11 @@ def text():
     """All of it, in Prometheus's text format."""
     lines = []
     for name, said in KNOWN.items():
-        lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} counter", f"contact_{name} {_counts[name]}"]
+        lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} counter"]
+        apart = _reasons.get(name) or {None: _counts[name]}
+        for reason, many in apart.items():
+            label = "" if reason is None else f'{{reason="{reason}"}}'
+            lines.append(f"contact_{name}{label} {many}")
     for name, (said, value) in _gauges.items():
         lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} gauge", f"contact_{name} {value():g}"]
     return "\n".join(lines) + "\n"

@@ -15,12 +15,12 @@ from threading import Event, RLock, Thread
 from time import monotonic
 
 from app.service import metrics, worker
-from app.service.line import HEAVY, LATER, PATIENCE, SCREEN, Line, Task
+from app.service.line import EXACT, HEAVY, LATER, PATIENCE, RANKS, SCREEN, Line, Task
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
-__all__ = ["HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
+__all__ = ["EXACT", "HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
 HOPE = 60.0  # s since a worker was last ready, before which they are not told
@@ -60,7 +60,7 @@ class Pool:
         self.replaced = 0  # workers lost
         self.wisdom = None  # FFTW's, measured by one worker for all
         self.why = ""  # no worker can be started
-        self._seats, self._lines = [], (Line(), Line(), Line())
+        self._seats, self._lines = [], tuple(Line() for _ in range(RANKS))
         self._lock, self._closing, self._warm = RLock(), Event(), Event()
         self._answered = -inf  # when a worker last gave an answer, s, monotonic
         self._fit = -inf  # when a worker was last known to be fit, s, monotonic
@@ -144,7 +144,7 @@ class Pool:
         atexit.unregister(self.close)
         with self._lock:
             seats, self._seats = self._seats, []
-            waiting, self._lines = [task for line in self._lines for task in line], (Line(), Line(), Line())
+            waiting, self._lines = [task for line in self._lines for task in line], tuple(Line() for _ in range(RANKS))
             callers = [seat.caller for seat in seats if seat.caller]
         for task in waiting:
             task.cancel()
@@ -169,10 +169,10 @@ class Pool:
 
     def _next(self):
         """The task whose turn it is, taken from its line, or None."""
-        screen, *slow = self._lines
-        if screen:
-            return screen.take()
-        free = sum(seat.ready and (seat.task is None or seat.task.rank == SCREEN) for seat in self._seats)
+        screen, exact, *slow = self._lines
+        if screen or exact:
+            return (screen or exact).take()
+        free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
         hoped = sum(seat.failures < STARTS for seat in self._seats)
         line = next(filter(len, slow), None)
         return line.take() if line and free > (hoped > 1) else None

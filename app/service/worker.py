@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pyfftw
 
-from app.service.approach import walked
+from app.service.following import remembered
 from app.service.packing import middle, pack, same_patch
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
@@ -32,8 +32,8 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 class Slice:
     """The outcome of one task: packed frames (bytes, one block per patch), their number, the sums over them.
 
-    ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: the Frame and the
-    work up to it, if the next slice needs it.
+    ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: what the next slice
+    needs of the frames, for the work of a loop or for the skeleton of the run.
     """
 
     blocks: tuple
@@ -48,6 +48,7 @@ class Slice:
     done: bool
     failure: str | None
     heavy: bool = False  # whether an increment takes, or took, longer than QUICK
+    skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
 
 
 def start(wisdom=None):
@@ -113,10 +114,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
             return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
         return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
     latest = begun + APPROACH * budget
-    frames, checkpoint = walked(scene, latest, limit) if checkpoint is None else ([], checkpoint)
-    if checkpoint is None or not (checkpoint.done or (frames and perf_counter() > begun + budget)):
-        more, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
-        frames += more
+    frames, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
     while checkpoint.stage == "approach" and not checkpoint.done and perf_counter() < latest:
         more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
         frames += more
@@ -124,7 +122,12 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     if checkpoint.late and limit < SLOW:
         checkpoint = in_time(checkpoint)
     widest = max((_width(scene, frame) for frame in frames), default=0.0)
-    works, last = _works(scene, frames, last)
+    skeleton = None
+    if scene.path == "shear" and not history:
+        works = [0.0] * len(frames)
+        skeleton, last = remembered(scene, frames, last, checkpoint.done and not checkpoint.failure)
+    else:
+        works, last = _works(scene, frames, last)
     if scene.surface == "flat":
         frames = [middle(scene, frame) for frame in frames]
     blocks = list(same_patch(list(zip(frames, works, strict=True))))
@@ -141,6 +144,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
+        skeleton=skeleton,
     )
 
 

@@ -55,7 +55,7 @@ class Beside:
         blocks = tuple(block for one in pieces for block in one.blocks)
         sums = [sum(one.frames for one in pieces), sum(one.evaluations for one in pieces)]
         largest = [max(one.residual for one in pieces), max(one.widest for one in pieces)]
-        self.session.shelf.put(scene, Finished(blocks, *sums, *largest))
+        self.session.shelf.put(scene, Finished(blocks, *sums, *largest, piece.skeleton))
         self._send(number, blocks)
 
     def _send(self, number, blocks):

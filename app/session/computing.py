@@ -1,4 +1,4 @@
-"""The run that a visitor wants, computed slice by slice: the newest wish wins, and coarse increments come first."""
+"""The run that a visitor wants, computed slice by slice: the newest wish wins, and pictures follow a moving hand."""
 
 import logging
 import time
@@ -6,8 +6,9 @@ from concurrent.futures import CancelledError
 
 from app.service import metrics, packing, worker
 from app.service.finished import Finished
-from app.service.pool import HEAVY, SCREEN
+from app.service.pool import EXACT, HEAVY, SCREEN
 from app.session.controls import increments_of
+from app.session.following import Following
 from app.session.run import Chains, Run
 from solver.cautions import cautions
 from solver.isolated import Lost
@@ -24,13 +25,12 @@ LONGER = 1.5  # s that it may still need then, to be finished all the same
 STEP = 0.5  # delta_t, delta_n: of the increments while a slider is held; slips are located all the same
 SHORTEST = 40  # such increments at least
 LOOSE = 1e-6  # nm, tolerance of such a run
-REST = 0.12  # s for which a slider rests before its scene is computed with its own increments
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
 WAITS = 1.0  # s in the queue, after which a visitor is told its place
 
 
 def coarse(scene):
-    """The scene with larger increments, for a curve while a slider is held; a flat's are too near to its period."""
+    """The scene with larger increments, where a held slider is not followed; a flat's are too near to its period."""
     if scene.surface == "flat":
         return scene
     step = max(scene.du_x, min(STEP, scene.u_x_max / (SHORTEST * scene.delta_t)))
@@ -51,6 +51,8 @@ class Computing:
         self.flight, self.budget, self.since = None, 0.0, 0.0  # the slice, s of work in it, when it was asked for
         self.last = None  # the slice before: the worker that did it is the best for the next
         self.cautions = []  # of the last finished run
+        self.following = Following(session, lambda scene: self._begin(scene, held=self.held))
+        self.held = False  # whether a hand is on a slider
 
     @property
     def legs(self):
@@ -63,6 +65,7 @@ class Computing:
     def close(self):
         """Wait for nothing any longer."""
         self.abandon()
+        self.following.leave()
         self.run = self.wanted = None
 
     def pause(self):
@@ -91,16 +94,53 @@ class Computing:
             self._keep()
             self.session.publish()
 
-    def want(self, scene, after=None, held=False):
-        """The latest wish wins, once the visitor has seen something of the run before; a refinement ends at once."""
+    def want(self, scene, after=None, held=False, at=0.0):
+        """The latest wish wins, once the visitor has seen something of the run before; a refinement ends at once.
+
+        held: what follows the hand comes first, with the frame at U_x = `at` nm; the exact run with `rest`.
+        """
         self.session.bench.cancel("the scene has changed")
         self.session.pages.scene_changed()
+        self.held = held
+        new = scene, after, held, at
+        if self._follows(*new):
+            return
         if self.flight is None or self.flight.cancel() or self.run.refines:
-            self._begin(scene, after, held)
+            self._take_up(new)
             return
         if self.wanted is None:
             self._wait(self.run.number, PATIENTLY[self.run.coarse])
-        self.wanted = scene, after, held
+        self.wanted = new
+        self.session.publish()  # so that the browser says where the hand is by then
+
+    def rest(self):
+        """The hand has come to rest: now the exact run of where it is."""
+        self.held, run, scene = False, self.run, self.session.scene
+        if self.following.moves:
+            if not (run.refines and run.state == "running" and run.scene == scene):
+                self._begin(scene, refines=True)
+        elif self.flight is None and run is not None:
+            self._follow_up()
+            self.session.publish()
+
+    def _follows(self, scene, after, held, at):
+        """Whether a picture of the scene is on its way, in place of a run; a coarse one under way goes first."""
+        makes_coarse = self.flight is not None and self.run.coarse
+        if not held or after or makes_coarse or not self.following.want(scene, at):
+            return False
+        self.abandon()
+        self.session.marks.pause()
+        if self.run.state == "running":
+            self.run.state = "skipped"
+        return True
+
+    def _take_up(self, new):
+        """What is wanted now."""
+        self.wanted = None
+        if not self._follows(*new):
+            self._begin(*new[:3])
+        elif not self.held:
+            self.rest()
 
     def _wait(self, number, times):
         self.session.doc.add_timeout_callback(lambda: self._lose_patience(number, times - 1), round(1000 * PATIENCE))
@@ -109,7 +149,7 @@ class Computing:
         """The run had its time: its slice may end unseen, rather sooner if something of it is on screen."""
         if not self.session.closed and self.wanted is not None and self.run.number == number:
             if times == 0 or (self.run.seen and not self.run.coarse):
-                self._begin(*self.wanted)
+                self._take_up(self.wanted)
             else:
                 self._wait(number, times)
 
@@ -134,6 +174,8 @@ class Computing:
 
     def _begin(self, wish, after=None, held=False, refines=False):
         self.abandon()
+        if not held and not refines:
+            self.following.goes_on_from(None)
         number = self.run.number + 1 if self.run else 1
         state = "warming" if self.session.pool.status != "ready" else "running"
         scene = coarse(wish) if held and wish not in self.session.shelf else wish
@@ -155,19 +197,17 @@ class Computing:
     def _follow_up(self):
         """After a run with coarse increments one with its own follows, when the hand rests; then the sliders' marks."""
         run = self.run
-        if run.state == "finished" and run.coarse:
-            self.session.doc.add_timeout_callback(lambda: self._refine(run), round(1000 * REST))
-        elif run.state == "finished":
+        if run.state == "finished" and not run.coarse:
             self.session.marks.seek(run.scene)
-
-    def _refine(self, run):
-        if not self.session.closed and self.run is run and self.flight is None:
+        elif run.state == "finished" and not self.held:
             self._begin(run.wish, run.after or None, refines=True)
 
     def _submit(self, budget):
         if self.flight is None:
             run, self.budget = self.run, budget
-            rank, limit = (HEAVY, worker.SLOW) if run.heavy else (SCREEN, worker.QUICK)
+            rank, limit = (EXACT if run.refines else SCREEN), worker.QUICK
+            if run.heavy:
+                rank, limit = HEAVY, worker.SLOW
             call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history, limit)
             how = {"owner": id(self.session), "rank": rank, "seconds": worker.APPROACH * budget}
             self.flight = self.last = self.session.pool.submit(*call, near=self.last, **how)
@@ -196,8 +236,8 @@ class Computing:
 
     def _go_on(self, before):
         if self._gives_way():
-            self._begin(*self.wanted)
-        elif self.run.state == "running":
+            return self._take_up(self.wanted)
+        if self.run.state == "running":
             self._submit(BUDGET)
         elif self.run.state == "paused" and self.budget == 0.0 and self.run.frames == before:
             self._submit(0.0)  # the one increment asked for was left out, as it takes longer: once more, with more time
@@ -229,18 +269,27 @@ class Computing:
             run.checkpoint = run.last = None
             if run.refines:
                 self._send(run.blocks)
-            self._keep()
+            self._keep(piece.skeleton)
         if not run.refines:
             self._send(piece.blocks)
 
-    def _keep(self):
+    def _keep(self, skeleton=None):
         """A run that has ended goes on the shelf: for all, or, if it is no whole run of its scene, for this visitor."""
         run = self.run
         self.cautions = cautions(run.scene, run.widest, run.safe_damping)
         run.kept_as = run.scene if run.state == "finished" and not run.history else object()
-        whole = Finished(tuple(run.blocks), run.frames, run.evaluations, run.residual, run.widest, run.safe_damping)
+        sums = run.evaluations, run.residual, run.widest, run.safe_damping
+        whole = Finished(tuple(run.blocks), run.frames, *sums, skeleton)
         self.session.shelf.put(run.kept_as, whole)
+        self._go_on_from(whole)
         run.blocks = []
+
+    def _go_on_from(self, whole):
+        """A hand that moves goes on from this run; if it has brought the pictures here, were they right?"""
+        if self.run.state == "finished" and not self.run.coarse:
+            self.following.judge(self.run.scene, whole.blocks)
+        if whole.skeleton or not self.run.coarse:
+            self.following.goes_on_from(whole.skeleton)
 
     def _show_known(self, known):
         run = self.run
@@ -250,6 +299,7 @@ class Computing:
         self.cautions = cautions(run.scene, run.widest, run.safe_damping)
         self.chains.grown(run)
         self._send(known.blocks)
+        self._go_on_from(known)
 
     def _send(self, blocks):
         for block in blocks:
@@ -264,9 +314,8 @@ class Computing:
                 "A worker process ended unexpectedly. It was replaced, and its slice is computed again."
             ]
             if self._gives_way():
-                self._begin(*self.wanted)
-            else:
-                self._submit(self.budget)
+                return self._take_up(self.wanted)
+            self._submit(self.budget)
             return self.session.publish()
         if kind == "error":
             return self._fail("the server made an error, which is in its log. Press Reset to start again")
@@ -279,7 +328,7 @@ class Computing:
     def _fail(self, why):
         """The run ends here, with what it has."""
         if self.wanted is not None:
-            return self._begin(*self.wanted)
+            return self._take_up(self.wanted)
         if self.run:
             self.run.state, self.run.why = "failed", why
         self.session.publish()

@@ -29,6 +29,11 @@ class Marks:
             self.calls = calls
             self.sweep.add(calls)
 
+    def pause(self):
+        """A hand moves: look for nothing more until its run has ended."""
+        self.sweep.cancel()
+        self.calls = [call for call in self.calls if call[2] in self.told]
+
     def close(self):
         """Look for nothing any longer."""
         self.sweep.cancel()

@@ -13,7 +13,20 @@ SMALL = 8000  # characters of an order, but for one that brings a profile
 LARGEST = 2_000_000  # characters of a profile
 LONGEST = 64  # characters of a value
 LONGER = {"profile": 2000, "link": 5000}  # of those that are longer
-PLAIN = (*("hello", "pause", "go", "one", "skip", "reset", "measure", "cancel"), "twin", "gallery")  # without values
+# without values
+PLAIN = (
+    "hello",
+    "pause",
+    "go",
+    "one",
+    "skip",
+    "rest",
+    "reset",
+    "measure",
+    "cancel",
+    "twin",
+    "gallery",
+)
 ASKED = {  # of a page
     **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
     **dict.fromkeys(("what", "quantity"), str),
@@ -33,7 +46,7 @@ class Refused(ValueError):
 class Order:
     """do: what, with values {name: str, number or bool}; n: its number; after: (run, frame) to go on from.
 
-    held: whether a hand is on the slider.
+    held: whether a hand is on the slider; at: U_x (nm) of what is on screen then.
     """
 
     do: str
@@ -41,6 +54,7 @@ class Order:
     n: float | None = None
     after: tuple | None = None
     held: bool = False
+    at: float = 0.0
 
 
 def read(text):
@@ -55,7 +69,8 @@ def read(text):
         return Order("profile", {"text": values["text"]}, _number(order.get("n")))
     if not isinstance(values, dict) or not all(map(_is_value, values, values.values())):
         raise Refused("An order may hold short texts and numbers only.")
-    checked = Order(str(do), values, _number(order.get("n")), _place(order.get("from")), order.get("held") is True)
+    n, held, at = _number(order.get("n")), order.get("held") is True, _number(order.get("at")) or 0.0
+    checked = Order(str(do), values, n, _place(order.get("from")), held, at)
     if do in PLAIN:
         return Order(checked.do, {}, checked.n)
     if do == "scene" and values and values.keys() <= PARAMETERS.keys():

@@ -73,6 +73,7 @@ class Run:
             "residual": self.residual,
             "tolerance": self.scene.tolerance,
             "why": self.why,
+            "coarse": self.coarse,
             "known": self.state == "finished" and self.seconds == 0.0,
         }
 

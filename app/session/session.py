@@ -98,7 +98,7 @@ class Session:
     def _obey(self, order):
         name, values = order.do, order.values
         if name == "scene":
-            self.change(values, order.after, order.held)
+            self.change(values, order.after, order.held, order.at)
         elif name == "profile":
             self.wire.order = ""  # it may be long
             self.read_profile(values["text"])
@@ -125,7 +125,7 @@ class Session:
             self.publish()
         elif name in ("hello", "reset"):
             getattr(self, name)()
-        else:  # pause, go, one, skip
+        else:  # pause, go, one, skip, rest
             getattr(self.computing, name)()
 
     def refuse(self, refused):
@@ -141,11 +141,11 @@ class Session:
         """The page is drawn and listens."""
         self.computing.want(self.scene)
 
-    def change(self, entries, after=None, held=False):
+    def change(self, entries, after=None, held=False, at=0.0):
         """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
 
         after: (number of a run, frame) whose state the new run goes on from, rather than starting anew.
-        held: the hand is still on the slider: coarse increments first.
+        held: the hand is still on the slider: what follows it comes first, with the frame at U_x = `at` nm.
         """
         self.notes = []
         scene, self.errors = changed_scene(self.scene, entries, self.notes)
@@ -154,7 +154,7 @@ class Session:
         else:
             after = self._usable(scene, after)
             self.scene = scene
-            self.computing.want(scene, after, held)
+            self.computing.want(scene, after, held, at)
 
     def _usable(self, scene, after):
         """(run, frame) to go on from, or None where the new scene must start anew, with a note."""

@@ -23,8 +23,8 @@ class Limits:
     left: float = 0.2  # units from the end of the branch, within which the motion counts as starting
     slow: float = 3.0  # times longer steps while it is starting, as it grows slowly then
     # divisors of the steps, each tried where the one before diverged, as when surfaces clash. A motion that never rests
-    # is tried twice again as well: a soft layer may swing for ever at one step and at no other. Not from a flutter, where
-    # it often swings until the load has gone on
+    # is tried twice again as well: a soft layer may swing for ever at one step and at no other. Not from a flutter,
+    # where it often swings until the load has gone on
     finer: tuple = (1, 2, 4, 16)
     # units between two looks: in the overdamped limit steps are halved where a state moves more, doubled where it moves
     # less than a quarter of that, up to so many times as long as usual

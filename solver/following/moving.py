@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyfit, polyval
 
-from ..continuation.interpolation import combine, lagrange
+from ..continuation.interpolation import lagrange
 from .branch import Branch, Fold, NotFollowed, place, weights_near
 
 
@@ -16,13 +15,16 @@ class Limits:
     arc: float = 0.05  # units between the first two points about a fold
     same: float = 1e-7  # nm of arc, within which two points about a fold are one
     sharpness: float = 1e-5  # units from the highest point found to the top of the curve through those nearest
-    farthest: float = 0.5  # units from the fold's predicted place on its arc
+    farthest: float = 1.5  # units from the fold's predicted place on its arc
     near_by: float = 0.15  # units from its guess, within which a fold is told from the states before it
     alike: float = 2.0  # how far its bend may then differ, as a factor
     above: float = 0.02  # units above where it should, at which a branch to itself begins at first: below it may end
-    points: int = 8  # about a fold, at most
+    points: int = 12  # about a fold, at most
     near: int = 3  # changes of states before, from which that of a state is extrapolated
     fine: float = 1e-6  # units, of the residual where the load of a fold is told
+    nearly: float = 0.05  # units from the load of a fold to what it was estimated to be, beyond which states between
+    # are solved for again once it is known
+    stride: float = 0.3  # units of arc from one point about a fold to the next, at most
     rough: float = 1e-2  # units, of the residual where the load of a fold is but estimated
     first: float = 1.5  # units from where it was, beyond which the first state of a branch lies on another one
     surprise: float = 0.3  # the same of the others, from where they are expected
@@ -38,59 +40,68 @@ def followed_fold(solving, old, change, what, before=()):
     """
     unit, index, chord = solving.problem.unit, old.index, np.zeros(old.v.size)
     chord[index] = 1.0
-    v, active, load = old.v + change, old.active, old.load
-    begin, points = v[index], []  # (arc, load, v)
-    before = [(v[index], load, v) for load, v in before]
+    v, active, load, points = old.v + change, old.active, old.load, []  # (arc, load, v)
+    begin = v[index]
     for _ in range(LIMITS.points):
         with solving.within(LIMITS.fine * unit):
             load, v, active = solving.on_arc(v, active, load, chord, what)
-        points.append((v[index], load, v))
-        if len(points) == 1 and before:
-            found = _top([*before, points[0]], old.bend)
-            if (
-                abs(found[0] - begin) < LIMITS.near_by * unit
-                and 1.0 / LIMITS.alike < found[2] / old.bend < LIMITS.alike
-            ):
-                points = [*before, points[0]]
+        points = [p for p in points if abs(p[0] - v[index]) > LIMITS.same] + [(v[index], load, v)]
+        if len(points) == 1:
+            points = [*_telling([(v[index], load, v) for load, v in before], points[0], old, unit), *points]
         if len(points) == 1:
             v = v + LIMITS.arc * unit * old.along
             continue
         arc, top, bend = _top(points, old.bend)
         if not bend < 0.0 or abs(arc - begin) > LIMITS.farthest * unit:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
+        here = points[-1][0]
+        arc = min(max(arc, here - LIMITS.stride * unit), here + LIMITS.stride * unit)
         near = _nearest(points, arc, 4)
-        weights = lagrange([p[0] for p in near], arc)
-        v = combine(weights, [p[2] for p in near])
-        sure = len(near) < 4 or abs(top - _top(near, old.bend, 3)[1]) < LIMITS.sharpness * unit
+        v = _mixed(lagrange([p[0] for p in near], arc), [p[2] for p in near])
+        sure = len(near) < 4 or abs(top - _top(near[2::-1], old.bend)[1]) < LIMITS.sharpness * unit
         if sure and abs(load - top) < LIMITS.sharpness * unit:
             far = max(near, key=lambda p: abs(p[0] - arc))
-            along = (far[2] - v) / (far[0] - arc)
-            return Fold.of(top, v, active, along, bend)
+            return Fold.of(top, v, active, (far[2] - v) / (far[0] - arc), bend)
         load = top
     raise NotFollowed(f"{what} is not found in {LIMITS.points} points", nearer=True)
+
+
+def _telling(before, point, old, unit):
+    """The points `before`, if with a point about the fold they tell one close by and bent as it was; else none."""
+    if not before:
+        return []
+    arc, _, bend = _top([*before, point], old.bend)
+    close = abs(arc - point[0]) < LIMITS.near_by * unit
+    return before if close and 1.0 / LIMITS.alike < bend / old.bend < LIMITS.alike else []
 
 
 def _nearest(points, arc, count):
     return sorted(points, key=lambda p: abs(p[0] - arc))[:count]
 
 
-def _top(points, bend, count=4):
+def _top(points, bend):
     """(arc, load, second derivative) at the maximum of the load near the newest of points (arc, load, v), the last.
 
-    From the `count` points nearest. bend: that derivative as it was, used where there are but two points.
+    From that and the three others nearest. bend: that derivative as it was, used where there are but two points.
     """
     arc = points[-1][0]
-    others = [p for p in points[:-1] if abs(p[0] - arc) > LIMITS.same]
-    near = [points[-1], *_nearest(others, arc, count - 1)]
+    near = _nearest(points, arc, 4)
     x, y = (np.array([p[part] - points[-1][part] for p in near]) for part in (0, 1))
     if len(near) == 2:
         slope = (y[1] - y[0]) / (x[1] - x[0]) - 0.5 * bend * (x[1] + x[0])  # at the newest
         return arc - slope / bend, points[-1][1] - 0.5 * slope**2 / bend, bend
-    c = polyfit(x, y, len(near) - 1)
+    c = np.zeros(4)
+    c[: len(near)] = np.linalg.solve(np.vander(x, increasing=True), y)
     top = -0.5 * c[1] / c[2]
-    for _ in range(3):
-        top -= polyval(top, polyder(c)) / polyval(top, polyder(c, 2))
-    return arc + top, points[-1][1] + polyval(top, c), polyval(top, polyder(c, 2))
+    for _ in range(3):  # Newton's, as the curve is of the third degree
+        top -= (c[1] + top * (2.0 * c[2] + top * 3.0 * c[3])) / (2.0 * c[2] + top * 6.0 * c[3])
+    height = c[0] + top * (c[1] + top * (c[2] + top * c[3]))
+    return arc + top, points[-1][1] + height, 2.0 * c[2] + top * 6.0 * c[3]
+
+
+def _mixed(weights, rows):
+    """sum of weights[i] * rows[i]."""
+    return np.asarray(weights) @ np.asarray(rows)
 
 
 def followed_branch(solving, old, start, end, change, reach, what):
@@ -126,7 +137,8 @@ def followed_branch(solving, old, start, end, change, reach, what):
     found.append((fold.v, fold.active))
     if reach and fold.load - reach < start:
         loads, found = _reaching(solving, loads, found, fold.load - reach, what)
-    return _evenly(fold, loads, found, n)
+    branch = _evenly(fold, loads, found, n)
+    return branch if fold.load - end < LIMITS.nearly * unit else _settled(solving, branch, range(1, n), what)
 
 
 def _begun(solving, old, start, wanted, first, what):
@@ -140,20 +152,26 @@ def _begun(solving, old, start, wanted, first, what):
 def _reaching(solving, loads, found, start, what):
     """(loads, states) with one more before the first, at load `start`."""
     t = place(start, loads[-1], loads[:4])
-    guess = combine(lagrange(t, 0.0), [v for v, _ in found[:4]])
+    guess = _mixed(lagrange(t, 0.0), [v for v, _ in found[:4]])
     first = solving.at(guess, found[0][1], start, f"the state in which a slip lands on {what}")
     return np.append(start, loads), [first, *found]
 
 
 def refined(solving, branch, what):
     """The same Branch with twice the states."""
-    n = branch.intervals
-    finer = replace(branch, v=np.repeat(branch.v, 2, axis=0)[:-1], active=np.repeat(branch.active, 2, axis=0)[:-1])
-    for i in range(1, 2 * n, 2):
-        load = finer.loads[i]
-        guess = branch.states(np.array([load]), solving.moving)[0]
-        finer.v[i], finer.active[i] = solving.at(guess, branch.active[i // 2], load, f"a state of {what}")
-    return finer
+    half = np.linspace(0.0, 1.0, 2 * branch.intervals + 1)
+    v = branch.states(branch.load_at(half), solving.moving)
+    active = np.repeat(branch.active, 2, axis=0)[:-1]
+    return _settled(solving, replace(branch, v=v, active=active), range(1, 2 * branch.intervals, 2), what)
+
+
+def _settled(solving, branch, places, what):
+    """The same Branch, its states at these places solved for."""
+    v, active = branch.v.copy(), branch.active.copy()
+    for i in places:
+        v[i], active[i] = solving.at(v[i], active[i], branch.loads[i], f"a state of {what}")
+        _refuse_far(solving, v[i], branch.v[i], LIMITS.surprise, f"a state of {what}")
+    return replace(branch, v=v, active=active)
 
 
 def _refuse_far(solving, v, guess, most, what):
@@ -171,7 +189,7 @@ def _nearly(solving, fold, change, what):
 def _extrapolated(changes, i):
     """The change of state i from those of the states before it."""
     near = range(max(0, len(changes) - LIMITS.near), len(changes))
-    return combine(lagrange(near, i), [changes[j] for j in near])
+    return _mixed(lagrange(near, i), [changes[j] for j in near])
 
 
 def _stacked(found):
@@ -183,5 +201,5 @@ def _evenly(fold, loads, found, n):
     (v, active), even = _stacked(found), np.linspace(0.0, 1.0, n + 1)
     t = place(loads[0], fold.load, loads)
     between = [weights_near(t, at) for at in even[1:-1]]
-    v = np.array([v[0], *(combine(weights, v[near]) for near, weights in between), v[-1]])
+    v = np.array([v[0], *(_mixed(weights, v[near]) for near, weights in between), v[-1]])
     return Branch(loads[0], fold.load, v, active[np.searchsorted(t, even - 1e-9)], fold)

@@ -29,7 +29,7 @@ def skeleton_of(scene):
         frames.append(frame)
         if frame.repeated:
             break
-    return skeleton_from(scene, frames)
+    return replace(skeleton_from(scene, frames), evaluations=sum(frame.evaluations for frame in frames))
 
 
 def skeleton_from(scene, frames):

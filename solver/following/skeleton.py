@@ -6,9 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from ..mechanics.cohesive_law import traction
-from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
+from ..run.frame import Frame, SlipEvent, contact_area, on_nodes
 from ..scene import Scene
 from .branch import TOLERANCE, Branch
+
+FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class Skeleton:
         for k, branch in enumerate(self.branches):
             if branch.fold is None:
                 continue
-            values = [float(numbers[0]) for numbers in _numbers(self.scene, self.tractions(branch.v[-1:]))]
+            values = [float(one[0]) for one in _numbers(self.scene, self.tractions(branch.v[-1:]))]
             load = float(branch.end)
             while load <= self.scene.u_x_max:
                 events.append(SlipEvent(load, *values, "shear", "fold", True))
@@ -73,7 +75,7 @@ class Skeleton:
 
     def _frame(self, U_x, u, U_z, T):
         scene = self.scene
-        F_bar, L_bar, A_bar = (float(numbers[0]) for numbers in _numbers(scene, T[None]))
+        F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(scene, T[None]))
         u, T = on_nodes(scene, u), on_nodes(scene, T)
         first = 0 if u.shape[1] == scene.nodes else self.first
         index = round(U_x / (scene.du_x * scene.delta_t))
@@ -100,17 +102,21 @@ class Skeleton:
 def tractions(scene, first, v):
     """T (k, 2, m), GPa, of unknowns v (k, size) of the patch whose first node is `first`."""
     m = v.shape[1] // 2
-    profile = scene.profile[first : first + m]
-    gap = profile + v[:, m : 2 * m]
-    T = traction(scene, v[:, :m], gap)
-    T[:, gap > scene.window_n * scene.delta_n] = 0.0
-    return T.swapaxes(0, 1)
+    profile, T = scene.profile[first : first + m], np.empty((len(v), 2, m))
+    few = max(1, FIT // m)
+    for k in range(0, len(v), few):
+        part = v[k : k + few]
+        gap = profile + part[:, m : 2 * m]
+        field = traction(scene, part[:, :m], gap)
+        field[:, gap > scene.window_n * scene.delta_n] = 0.0
+        T[k : k + few] = field.swapaxes(0, 1)
+    return T
 
 
 def _numbers(scene, T):
     """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
-    fields = [on_nodes(scene, np.ascontiguousarray(field)) for field in T]
-    F_bar, L_bar = np.array([forces(scene, field) for field in fields]).reshape(-1, 2).T
-    if T.shape[2] == 1:  # a flat without load is repelled by no more than an error makes
+    uniform = T.shape[2] == 1
+    F_bar, L_bar = T.sum(axis=2).T * [[-1.0], [1.0]] * (1.0 if uniform else 1.0 / scene.nodes) / scene.E
+    if uniform:  # a flat without load is repelled by no more than an error makes
         scene = replace(scene, tolerance=max(scene.tolerance, TOLERANCE))
-    return F_bar, L_bar, np.array([contact_area(scene, field) for field in fields])
+    return F_bar, L_bar, np.array([contact_area(scene, on_nodes(scene, field)) for field in T])

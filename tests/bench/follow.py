@@ -26,6 +26,7 @@ LONG = {"delta_bar": lambda x: x + 0.2, "E": lambda x: 1.6 * x, "phi_ratio": lam
 LIMIT = 120.0  # s of processor time of an exact run
 WANTED = {"U_s": 1e-4, "F": 1e-3, "L": 1e-3, "A": 1e-3}  # errors; U_s in nm
 LEAST = np.array([1e-12, 1e-12, 1e-4])  # F_bar, L_bar and A_bar that count as none
+TOUCHING = 1.5  # delta_n, largest gap in the middle of a contact
 SAME = 1e-3  # of a site, by which periods of slips may differ
 
 
@@ -64,22 +65,31 @@ def slips(frames):
 
 
 def kind(scene, frames):
-    """What must be the same of two runs that can be followed to each other: jumps into contact, sites of slips."""
-    jumped = any(frame.slips for frame in frames if frame.stage == "approach" and frame.L_bar)
-    loads = slips(frames)
-    sites = np.diff(loads)[-1] / scene.spacing if len(loads) > 1 else 0.0
-    settled = len(loads) < 3 or abs(np.diff(loads, 2)[-1]) < SAME * scene.spacing
-    return jumped and "in contact", bool(loads), round(sites / SAME) if settled else "irregular"
+    """What two runs have in common if one can be followed to the other: contact, slips, and by how many sites."""
+    first = next(frame for frame in frames if frame.stage == "shear")
+    gap = scene.profile[first.first : first.first + first.u.shape[1]] + first.u[1]
+    loads = np.array(slips(frames))
+    periods = np.diff(loads[-4:])
+    sites = sorted({round(period / scene.spacing / SAME) for period in periods})
+    return bool(gap.min() < TOUCHING * scene.delta_n), loads.size > 0, sites, loads.size
+
+
+def alike(kinds):
+    """Whether two runs are of one kind, as far as they tell: one that slips but once says nothing of sites."""
+    before, after = kinds
+    return before[:2] == after[:2] and (before[2] == after[2] or min(before[3], after[3]) < 2)
 
 
 def compared(skeleton, frames):
     """Errors of a followed run: U_s in nm, F, L and A over their largest."""
-    sheared = [frame for frame in frames if frame.stage == "shear"]
+    theirs, mine = slips(frames), [event.load for event in skeleton.slips]
+    U_s = np.abs(np.subtract(mine, theirs)).max(initial=0.0) if len(mine) == len(theirs) else np.inf
+    # so near to a slip, one of the two has slipped and the other has not
+    ends = np.array([*theirs, -np.inf])
+    sheared = [f for f in frames if f.stage == "shear" and np.abs(f.U_x - ends).min() > WANTED["U_s"]]
     exact = np.array([[frame.F_bar, frame.L_bar, frame.A_bar] for frame in sheared]).T
     found = np.array(skeleton.curve(np.array([frame.U_x for frame in sheared])))
     errors = np.abs(found - exact).max(axis=1) / np.maximum(np.abs(exact).max(axis=1), LEAST)
-    theirs, mine = slips(frames), [event.load for event in skeleton.slips]
-    U_s = np.abs(np.subtract(mine, theirs)).max(initial=0.0) if len(mine) == len(theirs) else np.inf
     return dict(zip(WANTED, map(float, (U_s, *errors)), strict=True))
 
 
@@ -98,7 +108,7 @@ def row_of(scene, before, skeleton, name, size, moved):
     if exact is None:
         return row | {"alike": False, "exact": "not done"}
     kinds = kind(scene, before), kind(moved, exact)
-    row |= {"alike": kinds[0] == kinds[1], "slips": [slips(before)[:3], slips(exact)[:3]]}
+    row |= {"alike": alike(kinds), "slips": [slips(before)[:3], slips(exact)[:3]]}
     return row | {"errors": compared(followed, exact)} if followed else row
 
 

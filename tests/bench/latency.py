@@ -1,107 +1,158 @@
-"""How soon a moved slider shows: the first changed frame and the whole new curve, in a real browser, p50 and p95.
+"""How soon a moved slider shows, in a real browser: the first changed frame and the whole new curve, p50 and p95.
 
-Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--known]`. Times are
-taken in the page, from the slider's input event to the animation frame after that in which the new run was painted;
-one visitor, warm.
-The scenes are new to the server (its stiffness is a little different each time) unless asked otherwise.
+Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--json FILE]`. Times
+are taken in the page, from the slider's input event to the animation frame after that in which the new run was painted;
+one visitor, warm. Without --drag, one key step after the other, each waited for. With it, each of the three sliders is
+dragged with the mouse at 20 moves a second, slowly and quickly, forth and back: new curves a second, their age, and how
+long after the hand has let go the exact run is on screen.
+The scenes are new to the server (its stiffness is a little different each time) unless --known is given.
 """
 
 import argparse
+import json
 import os
 import shutil
 import time
+from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from app.session.computing import coarse
-from solver import Scene, advance
-
 WATCH = """
-() => {
-  const slider = document.getElementById("delta_bar")
+(name) => {
+  const slider = document.getElementById(name), entry = document.getElementById(`${name}-entry`)
   window.marks = []
-  const entry = document.getElementById("delta_bar-entry")
   window.curves = []  // whole new ones: when painted, and how long after their value was chosen
+  const mine = window.watching = {}  // what watched before ends
   slider.addEventListener("input", (event) => { // after the page, which writes the value into the entry
-    marks.push({ at: event.timeStamp, run: punch.run.number, value: Number(entry.value) })
+    if (watching === mine) marks.push({ at: event.timeStamp, run: punch.run.number, value: Number(entry.value) })
   })
+  let last = punch.run
   const watch = () => {
-    const now = performance.now(), run = punch.run, shown = marks.find(({ value }) => value === run.scene?.delta_bar)
-    const painted = run.whole && !punch.fresh && shown && curves.at(-1)?.run !== run.number
-    if (painted) curves.push({ run: run.number, at: now, age: now - shown.at })
+    const now = performance.now(), { run } = punch, painted = run.whole && !punch.fresh && punch.begun === run.number
+    const shown = marks.findLast(({ value }) => value === run.scene?.[name])
+    if (painted && run !== last && shown) {
+      last = run
+      const followed = Boolean(run.followed)
+      curves.push({ at: now, age: now - shown.at, exact: !followed && !run.coarse, followed })
+    }
     for (const mark of marks) {
-      if (run.number <= mark.run || punch.fresh) continue
+      if (run.number === mark.run || punch.fresh) continue
       if (!mark.first && run.sheared >= 0) mark.first = now - mark.at
       if (!mark.whole && run.whole) mark.whole = now - mark.at
     }
-    requestAnimationFrame(watch)
+    if (watching === mine) requestAnimationFrame(watch)
   }
   watch()
 }
 """
-SETTLED = "() => punch.status.state === 'finished' && marks.every((mark) => mark.whole)"
+RESTS = "() => punch.status.state === 'finished' && !punch.run.followed && !punch.run.coarse && !punch.fresh"
+SETTLED = f"{RESTS} && marks.every((mark) => mark.whole)"
+THERE = "(name) => Number(document.getElementById(`${name}-entry`).value) === punch.run.scene?.[name]"
 BROWSER = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+PACE = 0.05  # s between two moves of a hand
+DRAGS = {  # slider: (positions a move, slow and quick)
+    "delta_bar": (1, 2),
+    "phi_ratio": (-1, -2),
+    "E": (1, 2),
+}
 
 
 def percentile(values, part):
     """The smallest value that `part` of all do not exceed."""
     ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, int(part * len(ordered)))]
+    return ordered[min(len(ordered) - 1, int(part * len(ordered)))] if ordered else float("inf")
 
 
-def measure(page, moves, drag):
-    """Move the slider `moves` times by keyboard, waiting for every whole curve unless dragging; milliseconds."""
-    page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
-    page.evaluate(WATCH)
+def settle(page, name=None):
+    """Wait for the exact run of where the slider is."""
+    if name:
+        page.wait_for_function(THERE, arg=name, timeout=120_000)
+    page.wait_for_function(RESTS, timeout=120_000)
+
+
+def step_by_step(page, moves):
+    """Move the slider `moves` times by keyboard, waiting for every whole curve; milliseconds."""
+    page.evaluate(WATCH, "delta_bar")
     page.focus("#delta_bar")
     for _ in range(moves):
-        if drag:  # the key stays down, and repeats
-            page.keyboard.down("ArrowRight")
-            page.wait_for_timeout(30)  # the rhythm of a hand, not a wait for a state
-        else:
-            page.keyboard.press("ArrowRight")
-            page.wait_for_function(SETTLED, timeout=60_000)
-    page.keyboard.up("ArrowRight")
-    page.wait_for_function(SETTLED, timeout=60_000)
-    return page.evaluate("[marks, curves]")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function(SETTLED, timeout=60_000)
+    marks = page.evaluate("marks")
+    for what, name in (("first", "first changed frame"), ("whole", "whole new curve")):
+        times = [mark[what] for mark in marks]
+        print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")
 
 
-def bare_run():
-    """Milliseconds of a coarse run by itself, in this process, the second one of two."""
-    for E in (70.0, 70.1):
-        begun = time.perf_counter()
-        advance(coarse(Scene(E=E)), None, float("inf"))
-    return 1000 * (time.perf_counter() - begun)
+def drag(page, name, positions, moves):
+    """Drag a slider by so many positions a move from where it is: what was seen."""
+    page.evaluate(WATCH, name)
+    box = page.locator(f"#{name}").bounding_box()
+    at, last = (int(page.locator(f"#{name}").evaluate(f"(e) => e.{what}")) for what in ("value", "max"))
+
+    def point(position):
+        thumb = 16.0  # px, of Chromium
+        return box["x"] + thumb / 2 + (box["width"] - thumb) * position / last, box["y"] + box["height"] / 2
+
+    page.mouse.move(*point(at))
+    page.mouse.down()
+    begun = time.monotonic()
+    for k in range(1, moves + 1):
+        page.mouse.move(*point(min(last, max(0, at + k * positions))))
+        page.wait_for_timeout(max(1.0, 1000 * (begun + k * PACE - time.monotonic())))  # the rhythm of a hand
+    page.mouse.up()
+    up = page.evaluate("performance.now()")
+    settle(page, name)
+    page.wait_for_function("curves.at(-1)?.exact", timeout=60_000)
+    marks, curves = page.evaluate("[marks, curves]")
+    held = [curve for curve in curves if curve["at"] <= marks[-1]["at"] + 250 and not curve["exact"]]
+    seconds = (marks[-1]["at"] - marks[0]["at"]) / 1000
+    ages = [curve["age"] for curve in held]
+    return {
+        "curves a second": len(held) / seconds,
+        "age p50": percentile(ages, 0.5),
+        "age p95": percentile(ages, 0.95),
+        "followed": sum(curve["followed"] for curve in held) / max(1, len(held)),
+        "exact after": curves[-1]["at"] - up,
+    }
+
+
+def drags(page, moves):
+    """All twelve, {name: what was seen}, told as they come."""
+    found = {}
+    for name, ways in DRAGS.items():
+        for pace, positions in zip(("slow", "quick"), ways, strict=True):
+            for way, sign in (("forth", 1), ("back", -1)):
+                settle(page)
+                seen = found[f"{name} {pace} {way}"] = drag(page, name, sign * positions, moves)
+                said = ", ".join(f"{what} {value:.3g}" for what, value in seen.items())
+                print(f"{name:10s} {pace:5s} {way:5s} {said}", flush=True)
+    rates, ages = (sorted(seen[what] for seen in found.values()) for what in ("curves a second", "age p50"))
+    print(f"curves a second: median {percentile(rates, 0.5):.1f}, worst {rates[0]:.1f}", end="; ")
+    print(f"age p50: median {percentile(ages, 0.5):.0f} ms")
+    return found
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--url", default="http://localhost:5006/app")
-    parser.add_argument("--moves", type=int, default=60, help="at most 130: from delta_bar = -0.3 on, 0.01 at a time")
+    parser.add_argument("--moves", type=int, default=40, help="of a drag or, step by step, of all: 120 at most")
     parser.add_argument("--known", action="store_true", help="the same scenes every time: found on the server's shelf")
-    parser.add_argument("--drag", action="store_true", help="move on every 30 ms without waiting, as a hand does")
+    parser.add_argument("--drag", action="store_true", help="move on every 50 ms without waiting, as a hand does")
+    parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()
     chromium = os.environ.get("CHROMIUM") or shutil.which("chromium")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=BROWSER)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         stiffness = 70.0 if options.known else 70.0 + time.time() % 1.0
-        page.goto(f"{options.url}?delta_bar=-0.3&E={stiffness:.6f}")
-        marks, curves = measure(page, options.moves, options.drag)
-        runs = page.evaluate("punch.run.number") - 1
+        page.goto(f"{options.url}?E={stiffness:.6f}" + ("" if options.drag else "&delta_bar=-0.3"))
+        page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
+        found = (drags if options.drag else step_by_step)(page, options.moves)
         browser.close()
     load = " ".join(f"{part:.1f}" for part in os.getloadavg())
-    print(f"{len(marks)} moves, {runs} runs; load of this machine {load}, {os.cpu_count()} cores")
-    for what, name in (("first", "first changed frame"), ("whole", "whole new curve")):
-        times = [mark[what] for mark in marks]
-        print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")
-    if options.drag:
-        print(f"a coarse run by itself: {bare_run():.0f} ms")
-        held = [curve for curve in curves if curve["at"] <= marks[-1]["at"] + 250]
-        seconds = (marks[-1]["at"] - marks[0]["at"]) / 1000
-        ages = [curve["age"] for curve in held] or [float("inf")]
-        print(f"{len(held) / seconds:.1f} new curves a second while dragging; age of each when painted", end=" ")
-        print(f"p50 {percentile(ages, 0.5):.0f} ms   p95 {percentile(ages, 0.95):.0f} ms")
+    print(f"load of this machine {load}, {os.cpu_count()} cores")
+    if options.json and found:
+        Path(options.json).write_text(json.dumps(found, indent=1), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,10 @@
 """What a class feels: visitors who look at presets and move sliders, some with the dearest scenes, workers that die.
 
-`python tests/load/classroom.py --visitors 30 --seconds 60 [--heavy 2] [--kill 3] [--json FILE]` starts the server
-itself, on loopback. Visitors arrive within 30 s (less for fewer), think 2 to 5 s, and half of their moves are presets;
-times are from the order to the arrival of the first and of the last frames. Cold arrivals are counted apart.
+`python tests/load/classroom.py --visitors 30 --seconds 60 [--drag] [--heavy 2] [--kill 3] [--json FILE]` starts the
+server itself, on loopback. Visitors arrive within 30 s (less for fewer), think 2 to 5 s, and half of their moves are
+presets; the others set a slider or, with --drag, drag one for one to two seconds, as people do. Times are from the
+order to the arrival of the first and of the last frames, of a drag from its first move to the first picture and from
+letting go to the last frames. Cold arrivals are counted apart.
 """
 
 import argparse
@@ -16,9 +18,12 @@ from contextlib import suppress
 
 from client import Server, Tab, summary, tell
 
+from app.session.controls import CONTROLS
+
 PRESETS = ("fig6", "fig7-case1", "fig7-case2", "fig7-case3")
 DEAREST = {"E": 10.0, "delta_bar": 1.0, "damping": 0.05}
 THINK = 2.0, 5.0  # s
+PACE = 0.05  # s between two moves of a hand
 
 
 async def visit(port, number, options, found):
@@ -34,6 +39,8 @@ async def visit(port, number, options, found):
             await asyncio.sleep(tab.random.uniform(*THINK))
             if tab.random.random() < 0.5:
                 record(found, await tab.order("preset", preset=tab.random.choice(PRESETS)))
+            elif options.drag:
+                await drag(tab, found)
             else:
                 record(found, await tab.order("scene", delta_bar=round(tab.random.uniform(-1.0, 1.0), 3)))
     except Exception as error:
@@ -41,6 +48,21 @@ async def visit(port, number, options, found):
     finally:
         with suppress(Exception):
             tab.leave()
+
+
+async def drag(tab, found):
+    """Move one slider for a while, by some of its positions, and let go."""
+    control = tab.random.choice(CONTROLS)
+    name, last, value = control.name, len(control.positions) - 1, tab.status["values"][control.name]
+    here = min(range(last + 1), key=lambda k: abs(control.positions[k] - value))
+    way = 1 if here < 0.3 * last else -1 if here > 0.7 * last else tab.random.choice((-1, 1))
+    places = [min(last, max(0, here + way * k)) for k in range(1, tab.random.randint(20, 40))]
+    values = [control.positions[k] for k in places]
+    first, exact, pictures, status = await tab.drag(name, values, PACE)
+    found["drags"].append((first if first is not None else exact, exact))
+    found["pictures"].append(pictures / (PACE * len(values)))
+    if status["state"] != "finished":
+        found["failed"].append(status["why"])
 
 
 def record(found, outcome, where="moves"):
@@ -79,7 +101,7 @@ async def killer(server, options, found):
 
 async def lesson(server, options):
     """Everything measured, as a dictionary."""
-    names = ("page", "first visit", "moves", "errors", "failed", "hogs", "seats")
+    names = ("page", "first visit", "moves", "drags", "pictures", "errors", "failed", "hogs", "seats")
     found, over = {name: [] for name in names}, asyncio.Event()
     lag = asyncio.create_task(server.lag(over))
     before, start = server.processor_time(), time.monotonic()
@@ -90,9 +112,10 @@ async def lesson(server, options):
     over.set()
     report = {"visitors": options.visitors, "heavy": options.heavy, "kill": options.kill, "runs": len(found["moves"])}
     report["page"] = summary(found["page"])
-    for name, where in (("", "moves"), ("first visit: ", "first visit")):
+    for name, where in (("", "moves"), ("drags: ", "drags"), ("first visit: ", "first visit")):
         report[f"{name}first frames"] = summary([first for first, _ in found[where]])
         report[f"{name}whole run"] = summary([whole for _, whole in found[where]])
+    report["pictures a second"] = summary(found["pictures"])
     report["loop lag"] = summary(await lag)
     report["server"] = round((server.processor_time() - before) / (time.monotonic() - start), 3)
     if not options.kill:  # what limits a machine that has nothing else to do
@@ -114,6 +137,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--visitors", type=int, default=30, help="at most 200")
     parser.add_argument("--seconds", type=float, default=60.0, help="at most 600")
+    parser.add_argument("--drag", action="store_true", help="sliders are dragged, not set")
     parser.add_argument("--heavy", type=int, default=0, help="visitors more, with the dearest legal scene")
     parser.add_argument("--kill", type=float, default=0.0, help="s between two kills of a worker")
     parser.add_argument("--json", help="file for what was measured")

@@ -72,20 +72,52 @@ class Tab:
 
     async def order(self, what, **values):
         """Ask for something, and wait until its run has ended: seconds to the first frames and to the last, status."""
-        self.orders += 1
-        order = {"do": what, "n": self.orders} | ({"values": values} if values else {})
         start, first = time.perf_counter(), None
-        await self.send("PATCH-DOC", self.patch(json.dumps(order, separators=(",", ":"))))
+        await self.give({"do": what} | ({"values": values} if values else {}))
+        while (heard := await self.heard()) != "status" or self.status["state"] not in ENDS:
+            first = (first or time.perf_counter() - start) if heard == "chunk" else first
+        whole = time.perf_counter() - start
+        return first or whole, whole, self.status
+
+    async def drag(self, name, values, pace):
+        """Move a slider through values, one every `pace` seconds, and let go: what was seen.
+
+        As a browser does, the newest position goes out once the last has been answered. Returns seconds to the first
+        change, from letting go to the end of the exact run, pictures of the moving hand, status.
+        """
+        start, sent, first, pictures = time.perf_counter(), -1, None, 0
+        while sent < len(values) - 1:
+            wait = start + (sent + 1) * pace - time.perf_counter()
+            if wait > 0:
+                await asyncio.sleep(wait)
+            sent = min(len(values) - 1, int((time.perf_counter() - start) / pace))
+            await self.give({"do": "scene", "values": {name: values[sent]}, "held": True})
+            while (what := await self.heard()) == "chunk":
+                first = first or time.perf_counter() - start
+            if what == "hand":
+                pictures += 1
+                first = first or time.perf_counter() - start
+        begun = time.perf_counter()
+        await self.give({"do": "rest"})
+        while await self.heard() != "status" or self.status["state"] not in ENDS or self.status["coarse"]:
+            first = first or time.perf_counter() - start
+        return first, time.perf_counter() - begun, pictures, self.status
+
+    async def give(self, order):
+        self.orders += 1
+        order = json.dumps(order | {"n": self.orders}, separators=(",", ":"))
+        await self.send("PATCH-DOC", self.patch(order))
+
+    async def heard(self):
+        """What comes next of "chunk", "hand" and "status", of these what answers the last order."""
         while True:
             message = await self.message("PATCH-DOC")
             for event in message.content["events"]:
-                if event.get("attr") == "chunk":
-                    first = first or time.perf_counter() - start
-                elif event.get("attr") == "status":
+                what = event.get("attr")
+                if what == "status":
                     self.status = json.loads(event["new"])
-                    if self.status["heard"] == self.orders and self.status["state"] in ENDS:
-                        whole = time.perf_counter() - start
-                        return first or whole, whole, self.status
+                if what in ("chunk", "hand") or (what == "status" and self.status["heard"] == self.orders):
+                    return what
 
     def leave(self):
         self.socket.close()
@@ -144,7 +176,9 @@ class Server:
     def metrics(self):
         """{name: number} of what it tells of itself."""
         text = urllib.request.urlopen(f"http://127.0.0.1:{self.port}/metrics", timeout=PATIENCE).read().decode()
-        told = dict(line.removeprefix("contact_").split() for line in text.splitlines() if not line.startswith("#"))
+        told = dict(
+            line.removeprefix("contact_").rsplit(" ", 1) for line in text.splitlines() if not line.startswith("#")
+        )
         return {name: float(value) for name, value in told.items()}
 
     def processor_time(self, pid=None):

@@ -3,7 +3,7 @@
 
 import { order } from "./channel.js"
 import { by, on, readdress } from "./dom.js"
-import { me } from "./state.js"
+import { leaveBehind, me } from "./state.js"
 
 const VERSION = "1" // of what the names in an address mean
 const BURST = 900 // ms: changes of one parameter by hand that are closer than this to each other are one
@@ -69,7 +69,7 @@ function tellHistory() {
 
 // Show the scene of parameters {name: text} as an address has them, and an increment of it
 export function restore(scene, k = null) {
-  if (me.anchor === null) me.anchor = me.run
+  leaveBehind()
   me.entered = null
   hand.name = ""
   wanted = k
@@ -98,7 +98,7 @@ function drawn(run, k) {
   seen = [...url].filter(([name]) => VIEWED.includes(name))
   clearTimeout(resting)
   if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
-  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || me.status.state === "refining") return
+  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || run.followed || me.status.state === "refining") return
   resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
 }
 

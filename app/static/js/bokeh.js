@@ -88,6 +88,17 @@ export async function paintedTogether(figures, change) {
   }
 }
 
+const DASHES = { solid: [], dashed: [6], dotted: [2, 4], dotdash: [2, 4, 6, 4], dashdot: [6, 4, 2, 4] }
+
+// How a renderer draws: {x, y: columns, stroke, width, dash, fill, alpha, marker, size}, or {mapper} of an image
+export function lookOf({ glyph }) {
+  const plainly = (name) => (name in glyph ? glyph[name]?.value ?? glyph[name] : null)
+  if (glyph.color_mapper) return { mapper: glyph.color_mapper }
+  const dash = plainly("line_dash"), stroke = plainly("line_alpha") === 0 ? null : plainly("line_color")
+  const [fillColour, alpha, marker, size, width] = ["fill_color", "fill_alpha", "marker", "size", "line_width"].map(plainly)
+  return { x: glyph.x.field, y: glyph.y.field, stroke, width, dash: DASHES[dash] ?? dash ?? [], fill: fillColour, alpha, marker, size }
+}
+
 // The colour of what a renderer, a band or a line draws
 export function tint(part, value) {
   const model = part.glyph ?? part

@@ -6,6 +6,7 @@ import { me } from "./state.js"
 const ANSWERED = ["scene", "preset", "restore", "reset"] // orders that change the scene: the server always says that it has heard
 let wire = null
 let orders = 0, asks = 0
+let hears = () => {} // what is done with every answer
 let unheard = [] // {n, what, values, at} of those not yet answered
 
 export const connect = (given) => { wire = given }
@@ -21,8 +22,11 @@ export function order(what, values, more) {
 }
 
 export function heard(n) {
-  unheard = unheard.filter((sent) => sent.n > n)
+  unheard = unheard.filter((sent) => !(sent.n <= n))
+  hears()
 }
+
+export const onHeard = (call) => { hears = call }
 
 // Ask the page that is open for something
 export function ask(values) {

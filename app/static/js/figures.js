@@ -3,7 +3,10 @@
 import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, thicken, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
 import { by, minus, say } from "./dom.js"
+import { drawSketches, put, wipe } from "./sketch.js"
+import { me } from "./state.js"
 import { explain } from "./terms.js"
+import { symbol as symbolOf } from "./truth.js"
 import { forceUnit, tellStart } from "./units.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
@@ -12,6 +15,7 @@ let states = {} // state of a node: {mark, said} (app/schema.py)
 const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
+const SIGHT = 0.5 // of a curve must be in sight while a slider is held; an axis that cannot stay gets room for as much again
 const TO_SCALE = 0.02 // a difference that nobody sees
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const THICK = 2.5 // times, for a projector
@@ -32,17 +36,59 @@ export function forget(name) {
   delete parts[name]
 }
 
-export const fill = (view, label, columns) => fillRenderer(parts[view][label], columns)
+// While a hand moves a slider: of these views what changes is sketched, the run before stays, and the rest is not drawn
+const SKETCHED = ["forces", "area", "map", "traction", "punch"]
+const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested)$/ // of these, what stays; what no picture has
+let sketching = false, hidden = false
+const fresh = new Set() // views whose sketches are over
+
+export function fill(view, label, columns) {
+  const part = parts[view][label], sketched = SKETCHED.includes(view)
+  if (sketching && sketched && !label.startsWith("ghost_")) {
+    if (!STAYS.test(label) && !GOES.test(label)) put(view, label, columns)
+    return
+  }
+  if (sketched && part.visible === false) {
+    set(part, { visible: true })
+    fresh.add(view)
+  }
+  fillRenderer(part, columns)
+}
+
+// Sketch from now on, or let Bokeh draw again
+export function sketch(on) {
+  sketching = on
+  hidden = hidden && on
+}
+
+function hide() {
+  hidden = true
+  for (const view of SKETCHED) {
+    for (const label in parts[view]) if (parts[view][label].glyph && !STAYS.test(label)) set(parts[view][label], { visible: false })
+  }
+}
+
 export const fillImage = (view, label, values, shape, place) => {
   fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place })
 }
-export const painted = (change) => paintedTogether(Object.values(figures), change)
+export async function painted(change) {
+  if (sketching && hidden) change()
+  else await paintedTogether(Object.values(figures), () => { if (sketching) hide(); change() })
+  drawSketches(figures, parts)
+  for (const view of fresh) wipe(view)
+  fresh.clear()
+}
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
 // A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
 // too small, and shrinks only when far too large
 function fit(range, low, high, room = 0.08) {
   const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
+  if (me.dragging) { // what moves is seen against what stays, unless most of it is out of sight
+    const { start, end } = range, seen = Math.min(high, end) - Math.max(low, start)
+    if (seen < SIGHT * size) set(range, { start: Math.min(start, low - SIGHT * size), end: Math.max(end, high + SIGHT * size) })
+    return
+  }
   const inside = low - least >= range.start && high + least <= range.end
   if (inside && size > 0.6 * (range.end - range.start)) return
   set(range, { start: low - room * size, end: high + room * size })
@@ -72,6 +118,7 @@ export function drawCurves(run, ghost, approach) {
   if (labelOf(unit) !== drawnUnit) nameForces(unit)
   drawnGhost = ghost
   document.querySelector(".page").dataset.ghost = ghost !== null
+  nameGhost(run, ghost)
   drawnUnit = labelOf(unit)
   drawnApproach = approach
   for (const [view, label, name, factor] of [["forces", "slips_F", run.normal || approach ? L : F, unit.factor], ["area", "slips_A", "A", 1]]) {
@@ -90,6 +137,16 @@ export function drawCurves(run, ghost, approach) {
   overlays.drawn(run, part, unit, approach)
   fit(figures.area.y_range, from, most)
   tellStart(from && figures.area.y_range.start)
+}
+
+const NAMED = 2 // parameters at most
+
+// What the run before was computed with, where that is another scene
+function nameGhost({ scene }, ghost) {
+  const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
+  const values = names.map((name) => `${symbolOf(name)} = ${minus(ghost.scene[name])}`).join(", ")
+  const text = names.length && names.length <= NAMED ? `before: ${values}` : "before"
+  for (const key of document.querySelectorAll(".key .ghost span")) if (key.textContent !== text) key.textContent = text
 }
 
 // Which way each part of a loop is walked: heads of arrows at its thirds
@@ -181,7 +238,7 @@ export function drawFrame(run, k) {
   const punches = [["punch", run, k], ...overlays.punches(run, k)].map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
   const lowest = punches.map(({ frame }) => frame.gap.reduce((a, b) => Math.min(a, b)))
   const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
-  setPunches("y_range", { end: top })
+  if (!me.dragging) setPunches("y_range", { end: top })
   for (const punch of punches) drawPunch(punch, top)
   fill("traction", "T_n", { x, T: T_n })
   fill("traction", "T_t", { x, T: T_t })
@@ -229,6 +286,7 @@ const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spa
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
+  if (me.dragging || run.followed) return
   const { flat } = run.head, half = reach(run)
   document.querySelector(".page").dataset.flat = flat
   set(figures.map.y_range, { start: -half, end: half })

@@ -3,69 +3,104 @@
 import { openBench } from "./accuracy.js"
 import { moved, redo, undo, writeAddress } from "./address.js"
 import { onEvent } from "./bokeh.js"
-import { order } from "./channel.js"
+import { onHeard, order, waiting } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, offerTable, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
-import { goto, move, play, reset, show, toSlip } from "./player.js"
+import { goto, move, play, redraw, reset, show, toSlip } from "./player.js"
 import { projected } from "./large.js"
 import { fillScreen, project } from "./projector.js"
-import { me, QUIET } from "./state.js"
+import { exact, leaveBehind, me, QUIET } from "./state.js"
 import { tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
+const BURST = 900 // ms between two moves of one slider that are one drag, with what was on screen before it behind both
 const LARGEST_FILE = 2e6 // bytes, as the server
 
+let drag = { name: "", ended: 0 } // the slider moved last, and when it was let go, ms
 let last = 0 // when something was sent
 let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
 function enter(name, value) {
-  if (me.anchor === null) {
-    me.anchor = me.run
+  if (name !== drag.name || (drag.ended && performance.now() - drag.ended > BURST)) {
+    leaveBehind()
     goOnFrom()
   }
+  drag = { name, ended: me.dragging ? 0 : -BURST }
   moved(name)
   me.entered = { ...me.entered, [name]: value }
   me.quiet = performance.now() + QUIET
   checkTruth()
   const rest = PACE - (performance.now() - last)
-  if (rest > 0) setTimeout(send, rest)
-  else send()
+  if (rest > 0) setTimeout(sendNext, rest)
+  else sendNext()
 }
 
-function send() {
+// While a slider moves, where it is by the time that the last position has been answered: nothing queues
+function sendNext() {
+  if (!me.dragging || !waiting().length) send(me.dragging)
+}
+
+function send(held) {
   if (!me.entered) return
   last = performance.now()
-  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(me.dragging && { held: true }) })
+  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(held && { held, at: place() }) })
   me.entered = null
+}
+
+// Displacement of the top on screen, nm; where sliding begins, of the approach
+function place() {
+  const { run } = me, k = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1)
+  return run?.sheared >= 0 && k >= run.sheared ? run.curves.U_x[k] : 0
+}
+
+// The hand has come to rest, or has let go: now the exact run, and the views settle
+let resting = 0
+function rests() {
+  clearTimeout(resting)
+  if (!me.dragging) return
+  me.dragging = false
+  send(true)
+  order("rest")
+  redraw()
+  writeAddress()
 }
 
 // With "carry on" a change takes effect at the increment shown, and the run goes on from there
 function goOnFrom() {
   const k = Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
   me.from = null
-  if (!by("carry").checked || !(me.run?.sheared >= 0) || k < me.run.sheared) return
+  if (!by("carry").checked || !exact(me.run) || !(me.run?.sheared >= 0) || k < me.run.sheared) return
   me.origin = me.run
   me.from = [me.run.number, k]
 }
 
 function letGo() {
-  me.dragging = false
-  writeAddress()
+  if (!drag.ended) drag.ended = performance.now()
+  rests()
 }
 
 function connectSlider(name, values) {
   const slider = by(name), entry = by(`${name}-entry`)
   slider.addEventListener("input", () => {
     me.dragging = true
+    clearTimeout(resting)
+    resting = setTimeout(rests, me.rests)
     entry.value = values[slider.value]
     if (name === "delta_bar") tellDepth(entry.value)
     slider.setAttribute("aria-valuetext", entry.value)
     enter(name, entry.value)
   })
-  for (const end of ["pointerup", "keyup", "blur"]) slider.addEventListener(end, letGo)
+  for (const end of ["pointerup", "pointercancel", "keyup", "blur"]) slider.addEventListener(end, letGo)
+  slider.addEventListener("wheel", (event) => { // of the slider that has the focus: elsewhere the page scrolls
+    if (document.activeElement !== slider) return
+    event.preventDefault()
+    slider.value = Number(slider.value) - Math.sign(event.deltaY)
+    slider.dispatchEvent(new Event("input"))
+    drag.ended = performance.now()
+  })
   slider.closest("form").addEventListener("keydown", (event) => { if (event.key === "Escape") document.activeElement.blur() })
 }
 
@@ -112,7 +147,7 @@ function onKey(event) {
   keys[event.key]()
 }
 
-const slowMotion = async () => (await import("./later/film.js")).slowMotion()
+const slowMotion = async () => me.run?.followed || (await import("./later/film.js")).slowMotion()
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
@@ -125,12 +160,13 @@ function connectCurve(figure) {
 const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
 export function connect(positions, usual) {
+  onHeard(sendNext)
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
     entry.addEventListener("change", () => enter(entry.id.replace("-entry", ""), entry.value))
   }
   on("preset", "change", (event) => {
-    if (me.anchor === null) me.anchor = me.run
+    leaveBehind(false)
     order("preset", { preset: event.target.value })
     checkTruth()
   })

@@ -37,6 +37,7 @@ export function start({ wire, figures, slots, looks, nodes, terms, usual, positi
   address.connect(player)
   print.connect()
   channel.listen("chunk", player.receive)
+  channel.listen("hand", player.follow)
   channel.listen("status", status.heard)
   channel.listen("accuracy", accuracy.measured)
   channel.listen("page", pages.told)

@@ -1,12 +1,13 @@
 // Receives frames, and plays and scrubs them without asking the server.
 
-import { order } from "./channel.js"
+import { heard, order } from "./channel.js"
 import { by, fixed, minus } from "./dom.js"
-import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
+import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
 import { tellLarge } from "./large.js"
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
-import { me, QUIET, reduced } from "./state.js"
+import { Picture } from "./picture.js"
+import { exact, me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
 import { checkTruth } from "./truth.js"
@@ -19,8 +20,8 @@ export function receive(buffer) {
   const chunk = unpack(buffer)
   if (chunk.run > FILM) return me.filmed?.(chunk)
   if (chunk.run > BESIDE) return me.beside?.(chunk)
-  if (!me.run || chunk.run !== me.run.number) begin(new Run(chunk.run, chunk.head), me.status.run === chunk.run ? me.status.after : null)
-  me.run.add(chunk)
+  if (chunk.run === me.run?.number) me.run.add(chunk)
+  else if (!replaced(chunk)) return
   if (me.following) me.at = me.run.length - 1
   else if (me.place) toPlace()
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
@@ -28,16 +29,39 @@ export function receive(buffer) {
   if (me.run.sheared >= 0 && me.begun !== me.run.number && now - me.freshAt > QUIET) painted(() => drawFresh(now))
 }
 
+// Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is held
+// does so when it is whole, so that nothing jumps; any other at once. Whether it has
+function replaced(chunk) {
+  if (me.coming?.number !== chunk.run) me.coming = new Run(chunk.run, chunk.head)
+  const { coming, status } = me, known = status.run === chunk.run
+  if (!coming.length && known && status.after && me.origin?.number === status.after[0]) coming.takeOver(me.origin, status.after[1])
+  coming.add(chunk)
+  if (me.run && !exact(me.run) && !coming.whole && !(known && status.state === "running")) return false
+  me.coming = null
+  begin(coming)
+  return true
+}
+
+// A picture of where the hand is, or was a moment ago
+export function follow(buffer) {
+  if (!me.run?.length) return
+  const picture = new Picture(buffer, me.run, me.status.values)
+  heard(picture.heard)
+  begin(picture)
+  Object.assign(me, { at: picture.shown, following: false, coming: null, fresh: true })
+  tellState()
+}
+
 // A new run takes the screen; what was there when the change began stays behind, pale
-function begin(run, after) {
-  if (after && me.origin?.number === after[0]) run.takeOver(me.origin, after[1])
-  if (me.anchor !== null) me.ghost = me.anchor.sheared >= 0 ? me.anchor : me.ghost
-  me.anchor = me.dragging ? me.anchor : null
-  if (me.run?.length && !me.following && me.run.head.step !== run.head.step) { // its increments are of another size
+function begin(run) {
+  if (me.anchor !== null) me.ghost = me.behind === null || me.behind.sheared >= 0 ? me.behind : me.ghost
+  me.anchor = null
+  if (me.run?.length && !me.following && (me.run.followed || me.run.head.step !== run.head.step)) { // its increments are others
     me.place ??= me.run.place(Math.min(Math.floor(me.at), me.run.length - 1))
   }
   me.run = run
-  if (me.status.run === run.number) me.run.scene = me.status.scene
+  sketch(Boolean(run.followed))
+  if (me.status.run === run.number) Object.assign(run, { scene: me.status.scene, coarse: me.status.coarse })
   checkTruth()
   me.bornAt = performance.now()
   me.preview = null
@@ -136,7 +160,7 @@ export function tick(now) {
   before = now
   if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) painted(() => drawFresh(now))
   else if (!me.mapped && me.begun === me.run.number && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
-  if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, now)
+  if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, now)
   requestAnimationFrame(tick)
 }
 
@@ -195,7 +219,7 @@ function summarise(what) {
 }
 
 export function reset() {
-  Object.assign(me, { ghost: null, anchor: null, following: true, preview: null, playing: !reduced })
+  Object.assign(me, { ghost: null, behind: null, anchor: null, following: true, preview: null, playing: !reduced })
   const plain = by("speed").querySelector("[selected]")
   by("speed").value = plain.value
   me.speed = Number(plain.value)

@@ -7,7 +7,7 @@ export const FILM = 2e6 // those with still higher ones are motions through a sl
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
-const REAL = { // N/m, nm
+export const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
   A: ["A_bar", (head) => 2 * head.middle],
 }

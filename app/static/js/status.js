@@ -21,7 +21,7 @@ export function heard(text) {
   me.status = JSON.parse(text)
   acknowledged(me.status.heard)
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
-  if (me.run?.number === me.status.run) me.run.scene = me.status.scene
+  if (me.run?.number === me.status.run) Object.assign(me.run, { scene: me.status.scene, coarse: me.status.coarse })
   const { state, values, errors, notes, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
@@ -112,8 +112,8 @@ function doing() {
 export function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
   if (!state) return
-  const shown = state === "finished" && !me.playing ? "paused" : state
-  const text = {
+  const { followed } = me.run ?? {}, shown = followed ? "followed" : state === "finished" && !me.playing ? "paused" : state
+  const text = followed ? state === "refining" ? `the exact run comes: ${frames} of ${total} increments` : "the exact run comes when the slider rests" : {
     warming: () => "the solver gets ready; the first time takes up to a minute",
     running: () => `${frames} of ${total} increments${doing()}`,
     refining: () => `${frames} of ${total} increments`,

@@ -171,6 +171,7 @@ function drawAttracted(view, [left, right]) {
 
 // The slip that led to frame k or to one shortly before: {at: its frame, age: 0 .. 1}, or null
 function lastSlip(run, k) {
+  if (run.followed) return null // of its motion two frames are known
   const { slip } = run.curves, reach = Math.max(1, Math.round(MARKED / run.head.step))
   for (let at = k; at > 0 && at > k - reach; at--) if (slip[at]) return { at, age: (k - at) / reach }
   return null

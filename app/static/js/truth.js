@@ -12,7 +12,7 @@ function asked() {
   return Object.assign({}, me.status.values, ...changes, me.entered)
 }
 
-const symbol = (name) => {
+export const symbol = (name) => {
   const label = document.querySelector(`label[for="${name}-entry"]`)
   return (label?.querySelector("i") ?? label)?.textContent ?? name
 }
@@ -26,7 +26,7 @@ export function checkTruth() {
   const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(scene[name])}`).join(", ")
   const { dataset } = document.querySelector(".page")
   const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following // curves come with the shear
-  say("stale", me.stale ? `computed for ${values || "the scene before"}` : mixed ? "curves: still those of the run before" : "")
+  say("stale", me.stale && !(me.dragging && me.run.followed) ? `computed for ${values || "the scene before"}` : mixed ? "curves: still those of the run before" : "")
   if (mixed) dataset.mixed = "true"
   else delete dataset.mixed
   if (me.stale && (me.run === me.anchor || me.lost)) dataset.stale = "true"

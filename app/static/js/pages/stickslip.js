@@ -4,7 +4,7 @@ import { onEvent } from "../bokeh.js"
 import { ask } from "../channel.js"
 import { by, on } from "../dom.js"
 import { figures } from "../figures.js"
-import { me } from "../state.js"
+import { leaveBehind } from "../state.js"
 
 export const connect = () => on("stickslip-cancel", "click", () => ask({ what: "cancel" }))
 
@@ -12,7 +12,7 @@ export const told = (news) => { by("stickslip-cancel").hidden = (news.busy ?? nu
 
 export function opened() {
   onEvent(figures.stickslip_map, "tap", ({ x, y }) => {
-    if (me.anchor === null) me.anchor = me.run
+    leaveBehind(false)
     ask({ E: 10 ** x, phi_t: 10 ** y })
   })
 }

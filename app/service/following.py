@@ -1,0 +1,175 @@
+"""Runs that follow a hand on a slider: small pictures of them, made in a worker from the run on screen.
+
+A picture is what `pack` makes of two frames, that where sliding begins and the one on screen, with curves and a map of
+the whole run in front. It takes some 40 kB, a run 1.3 MB.
+"""
+
+import json
+import pickle
+import re
+import struct
+from dataclasses import dataclass, replace
+from math import ceil, e
+
+import numpy as np
+
+from app.service.packing import FREE, middle, pack
+from solver import NotFollowed, follow, skeleton_from
+
+CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
+MOST = 500  # loads of a curve; beside these, those right before and after every slip
+CELLS = 30_000  # of a map, a byte each
+SHADES = 127  # of either sign in a map
+NOTHING = -128  # where nothing acts
+LARGEST = 1_000_000  # numbers that go from slice to slice, at most
+SHOWN = ("delta_bar", "phi_ratio", "E")  # parameters that a hand changes
+NO_FORCE = 1e-9  # of F_bar: where nothing touches, round-off
+AGREE_U, AGREE_F = 1e-4, 1e-3  # nm; of the largest: what was followed and the exact run are the same
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A picture as `picture` makes it, and the pickled Skeleton from which the next move goes on."""
+
+    picture: bytes
+    skeleton: bytes
+
+
+def followed(skeleton, scene, at):
+    """Followed of a scene, from a pickled Skeleton nearby, with the frame at U_x = `at` nm; or why there is none."""
+    try:
+        there = follow(pickle.loads(skeleton), scene)
+        return Followed(picture(there, at), pickle.dumps(there))
+    except NotFollowed as why:
+        return re.sub(r"\d[\d.e+-]*", "n", str(why))  # a word for many
+
+
+def compared(skeleton, U_x, F_bar, slips):
+    """(nm by which slips of a pickled Skeleton are off at most, part of the largest |F_bar| by which F_bar is).
+
+    U_x, F_bar (k,) and slips, the loads of slips (nm), are those of the exact run.
+    """
+    there = pickle.loads(skeleton)
+    loads = [slip.load for slip in there.slips if slip.load <= U_x[-1]]
+    if len(loads) != len(slips):
+        return float("inf"), float("inf")
+    clear = np.ones(len(U_x), bool)
+    for load in slips:  # right at a slip, the load that is off a little is on the other side of it
+        clear &= np.abs(U_x - load) > AGREE_U
+    off = np.abs(there.curve(U_x)[0] - F_bar)[clear].max(initial=0.0)
+    return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
+
+
+def picture(skeleton, at):
+    """Bytes: uint32 length of a JSON header, header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
+    scene = skeleton.scene
+    loads = _loads(scene, [slip.load for slip in skeleton.slips])
+    curves = np.zeros((len(CURVES), loads.size), "<f4")
+    curves[0], curves[1:4] = loads, skeleton.curve(loads)
+    curves[5:] = curves[[0, 1, 3]]
+    for slip in reversed(skeleton.slips):  # the first of several stays
+        k = np.searchsorted(loads, slip.load)
+        if k < loads.size:
+            curves[4, k] += 1
+            curves[5:, k] = slip.load, slip.F_bar, slip.A_bar
+    shown = int(np.abs(loads - at).argmin())
+    frames = skeleton.frames(loads[[0, shown]])
+    if scene.surface == "flat":
+        frames, cells, place = [middle(scene, frame) for frame in frames], np.zeros((0, 0), np.int8), {}
+    else:
+        cells, place = _map(skeleton)
+    header = {
+        "frames": loads.size,
+        "columns": CURVES,
+        "shown": shown,
+        "values": {name: getattr(scene, name) for name in SHOWN},
+        "map": {"rows": cells.shape[0], "columns": cells.shape[1], **place},
+    }
+    body = np.ascontiguousarray(curves).tobytes() + cells.tobytes()
+    block = struct.pack("<I", 0) + pack(scene, [(frame, 0.0) for frame in frames], True)
+    return _headed(header) + body + b"\0" * (-len(body) % 4) + block
+
+
+def _headed(header):
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<I", len(text)) + text
+
+
+def _loads(scene, slips):
+    """U_x (k,) nm: those of the increments of the scene, of long runs every few and those on either side of slips."""
+    step = scene.du_x * scene.delta_t
+    every = np.arange(scene.shear_increments + 1)
+    few = every[:: ceil(every.size / MOST)]
+    beside = [np.floor(np.divide(slips, step)), np.ceil(np.divide(slips, step)), [every[-1]]]
+    return scene.shear_at(np.unique(np.concatenate([few, *beside]).astype(int)).clip(0, every[-1]))
+
+
+def _map(skeleton):
+    """(int8 (rows, columns) of T_z over nodes and evenly spaced loads, its place): as far as anything acts."""
+    scene, step = skeleton.scene, skeleton.scene.du_x * skeleton.scene.delta_t
+    every = max(1, ceil(scene.shear_increments * _acting_width(skeleton) / CELLS))
+    frames = skeleton.frames(scene.shear_at(np.arange(0, scene.shear_increments + 1, every)))
+    T = np.array([frame.T[1] for frame in frames])
+    first, nodes = frames[0].first, T.shape[1]
+    gap = scene.profile[np.arange(first, first + nodes) % scene.nodes] + np.array([frame.u[1] for frame in frames])
+    acts = (gap <= scene.delta_n) | (T / scene.phi_n <= -FREE / (e * scene.delta_n))
+    within = np.flatnonzero(acts.any(axis=0))
+    part = slice(within[0], within[-1] + 1) if within.size else slice(0, 1)
+    T, acts = T[:, part], acts[:, part]
+    high, low = max(T.max(), 1e-12), max(-T.min(), 1e-12)
+    cells = np.where(acts, np.rint(SHADES * np.where(T > 0.0, T / high, T / low)), NOTHING).astype(np.int8)
+    return cells.T, {"first": int(first + part.start), "step": every * step, "high": float(high), "low": float(low)}
+
+
+def _acting_width(skeleton):
+    """Nodes that act where sliding begins, and some more."""
+    (frame,) = skeleton.frames([0.0])
+    return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1
+
+
+def remembered(scene, frames, last, done):
+    """(pickled Skeleton of a run that is done, else None; what the next slice needs for it) after Frames of a slice.
+
+    last: what it needs of the slice before, None for the first one. The frames go along until the run repeats itself.
+    """
+    known, skeleton = last or (b"", None)
+    if skeleton is None and known is not None:
+        all_frames = _unpacked(scene, known) + frames
+        repeats = next((k for k, frame in enumerate(all_frames) if frame.repeated), None)
+        if repeats is not None or done:
+            known, skeleton = None, _skeleton(scene, all_frames[: None if repeats is None else repeats + 1])
+        else:
+            known = _packed(all_frames)
+    return (skeleton if done else None), (known, skeleton)
+
+
+def _skeleton(scene, frames):
+    try:
+        return pickle.dumps(skeleton_from(scene, frames))
+    except NotFollowed:
+        return None
+
+
+def _packed(frames):
+    """Frames as bytes, of nodes that are all alike one; None if they are too many."""
+    if sum(frame.u.size for frame in frames) > LARGEST:
+        return None
+    alike = [frame.u.strides[1] == 0 for frame in frames]
+    return pickle.dumps(
+        [
+            replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) if one else frame
+            for frame, one in zip(frames, alike, strict=True)
+        ]
+    )
+
+
+def _unpacked(scene, packed):
+    frames = pickle.loads(packed) if packed else []
+    shape = 2, scene.nodes
+    return [
+        frame
+        if frame.u.shape[1] > 1
+        else replace(frame, **{name: np.broadcast_to(getattr(frame, name), shape) for name in "uT"})
+        for frame in frames
+    ]

@@ -1,0 +1,103 @@
+"""The pictures that follow a hand on a slider: one in the making, the newest position next, none in between."""
+
+import logging
+import struct
+from math import nan
+
+import numpy as np
+
+from app.service import metrics, packing
+from app.service.following import AGREE_F, AGREE_U, SHOWN, compared, followed
+from app.service.pool import LATER, SCREEN
+
+log = logging.getLogger("app")
+OFF = "What was shown while the slider moved"  # a note begins with it
+
+
+class Following:
+    """Of one visitor; `skeleton` (pickled) is what the next move goes on from, `shown` the Scene of the picture sent.
+
+    Every method runs under the lock of the document.
+    """
+
+    def __init__(self, session, start):
+        self.session = session
+        self.start = start  # start(scene): a run of it from its start, where nothing can be followed
+        self.skeleton = self.shown = None
+        self.flight = self.wanted = self.near = None
+
+    def goes_on_from(self, skeleton):
+        """A run has ended: what is pickled here of it is what a hand moves on from; None: nothing."""
+        self.leave()
+        self.skeleton, self.shown = skeleton, None
+
+    def want(self, scene, at):
+        """Send a picture of the scene with the frame at U_x = `at` nm, unless a newer one is wanted first; or False."""
+        if self.skeleton is None:
+            return False
+        self.wanted = scene, at, self.session.acknowledged
+        if self.flight is None:
+            self._submit()
+        return True
+
+    @property
+    def moves(self):
+        """Whether pictures, sent or on their way, have left the last run behind."""
+        return self.flight is not None or self.shown is not None
+
+    def leave(self):
+        """No picture is wanted any longer."""
+        if self.flight is not None:
+            self.session.pool.abandon(self.flight)
+        self.flight = self.wanted = None
+
+    def _submit(self):
+        (scene, at, number), self.wanted = self.wanted, None
+        call = (followed, self.skeleton, scene, at)
+        task = self.flight = self.near = self.session.pool.submit(
+            *call, near=self.near, owner=id(self.session), rank=SCREEN
+        )
+        self.session.when_done(task, lambda done: self._take(done, scene, number))
+
+    def _take(self, task, scene, number):
+        if self.session.closed or task is not self.flight:
+            return
+        self.flight = None
+        made = "the worker was lost" if task.cancelled() or task.exception() else task.result()
+        if isinstance(made, str):
+            metrics.count("not_followed", reason=made)
+            scene, self.wanted = self.wanted[0] if self.wanted else scene, None
+            self.shown = None
+            return self.start(scene)
+        metrics.count("followed")
+        self.skeleton, self.shown = made.skeleton, scene
+        self.session.wire.hand = struct.pack("<d", nan if number is None else number) + made.picture
+        if self.wanted:
+            self._submit()
+
+    def judge(self, scene, blocks):
+        """The exact run of a scene is done: compare it with the picture of it, if there was one, and say so."""
+        if self.shown != scene:
+            return
+        columns = [packing.unpack(block)[1] for block in blocks]
+        stage, U_x, F_bar, slip, at = (
+            np.concatenate([each[name] for each in columns]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
+        )
+        sheared = stage == packing.ORDER.index("shear")
+        exact = (U_x[sheared].astype(float), F_bar[sheared], at[sheared & (slip > 0)].tolist())
+        task = self.session.pool.submit(compared, self.skeleton, *exact, owner=id(self.session), rank=LATER)
+        self.session.when_done(task, lambda done: self._judged(done, scene))
+
+    def _judged(self, task, scene):
+        if task.cancelled() or task.exception():
+            return
+        off_U, off_F = task.result()
+        agreed = off_U <= AGREE_U and off_F <= AGREE_F
+        metrics.count("agreed" if agreed else "disagreed")
+        if not agreed:
+            where = {name: getattr(scene, name) for name in SHOWN}
+            log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
+            if self.session.scene == scene:
+                how = f"by {off_U:.2g} nm at a slip" if np.isfinite(off_U) else "by a slip more or less"
+                self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
+                self.session.publish()

@@ -1,0 +1,54 @@
+// A picture that follows the hand on a slider (format: app/service/following.py): the curves and the map of a whole run,
+// and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
+
+import { opened } from "./channel.js"
+import { REAL, Run, unpack } from "./run.js"
+
+const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
+const KEPT = ["T_high", "T_low", "T_most", "T_least", "lowest", "reach"] // what the views extend over stays while a hand moves
+
+let count = 0
+
+export class Picture extends Run {
+  // before: the run on screen; values: {parameter: value} of its scene
+  constructor(buffer, before, values) {
+    const { head, start } = opened(buffer, 8), { frames, columns, map } = head
+    const cells = start + 4 * columns.length * frames, end = cells + map.rows * map.columns
+    const chunk = unpack(buffer.slice(end + (-end & 3)))
+    super(--count, chunk.head)
+    this.heard = new DataView(buffer).getFloat64(0, true) // number of the order that it answers
+    this.followed = this.whole = true
+    this.sheared = 0
+    this.shown = head.shown
+    this.scene = { ...values, ...head.values }
+    this.cells = { ...map, values: new Int8Array(buffer, cells, map.rows * map.columns) }
+    this.places = Array.from({ length: frames }, (_, k) => [chunk, k && 1])
+    const still = (value) => Array.from({ length: frames }, () => value)
+    for (const name in this.curves) this.curves[name] = still(0)
+    columns.forEach((name, i) => { this.curves[name] = [...new Float32Array(buffer, start + 4 * i * frames, frames)] })
+    for (const name of ["stage", "delta"]) this.curves[name] = still(chunk.columns[name][1])
+    for (const name in REAL) {
+      const [bar, unit] = REAL[name], by = unit(chunk.head)
+      this.curves[name] = this.curves[bar].map((value) => value * by)
+    }
+    this.strongestForce = before.strongestForce
+    this.most = (before.strongest * before.head.force) / chunk.head.force
+    for (const name of KEPT) this[name] = before[name]
+  }
+
+  // What arrows of forces are drawn in parts of
+  get strongest() {
+    return this.most
+  }
+
+  map() {
+    const { rows, columns, step, first, high, low, values } = this.cells, { spacing, middle } = this.head
+    const image = new Float32Array(Math.max(1, rows * columns)).fill(NaN)
+    values.forEach((value, i) => { if (value !== NOTHING) image[i] = (value * (value > 0 ? high : low)) / SHADES })
+    return { image, rows: rows || 1, columns: columns || 1, start: 0, step: step ?? 1, unrested: [], low: ((first ?? 0) - 0.5) * spacing - middle }
+  }
+
+  approaching() {
+    return false
+  }
+}

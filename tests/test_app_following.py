@@ -1,0 +1,241 @@
+"""What follows a hand on a slider: pictures like the exact run, the newest position next, then that run."""
+
+import json
+import pickle
+import struct
+
+import numpy as np
+import pytest
+from visitor import NoPool, Page, unpacked
+
+from app.service import following, metrics, packing, worker
+from app.service.finished import Finished, Shelf
+from app.service.pool import EXACT, LATER, SCREEN
+from app.session.following import OFF
+from solver import Scene
+
+SCENE = Scene(u_x_max=16.0)  # slips three times
+NEXT = SCENE.changed(delta_bar=0.02)
+MOST = 60_000  # bytes of a picture
+
+
+def finished(scene):
+    """A whole run as the server keeps it."""
+    piece = worker.compute(scene, None, 600.0)
+    return Finished(piece.blocks, piece.frames, piece.evaluations, piece.residual, piece.widest, piece.skeleton)
+
+
+@pytest.fixture(scope="module")
+def runs():
+    """{scene: Finished} of two neighbours."""
+    return {scene: finished(scene) for scene in (SCENE, NEXT)}
+
+
+def parts(picture):
+    """(header, {column: (k,)}, map (rows, columns), packed frames with their number) of a picture."""
+    (length,) = struct.unpack_from("<I", picture)
+    head, start = json.loads(picture[4 : 4 + length]), 4 + length
+    shape = len(head["columns"]), head["frames"]
+    columns = np.frombuffer(picture, "<f4", shape[0] * shape[1], start).reshape(shape)
+    start += columns.nbytes
+    cells = np.frombuffer(picture, np.int8, head["map"]["rows"] * head["map"]["columns"], start)
+    start += cells.nbytes + -cells.nbytes % 4
+    return (
+        head,
+        dict(zip(head["columns"], columns, strict=True)),
+        cells.reshape(-1, head["map"]["columns"]),
+        picture[start:],
+    )
+
+
+def sheared(run):
+    """{column: (n,)} and {field: (n, m)} in nm and GPa of the increments of a run that slide."""
+    blocks = [unpacked(packing.numbered(1, block)) for block in run.blocks]
+    columns = {name: np.concatenate([each[name] for _, _, each, _ in blocks]) for name in blocks[0][2]}
+    slides = columns["stage"] == packing.ORDER.index("shear")
+    return {name: values[slides] for name, values in columns.items()}, blocks[-1]
+
+
+def test_a_picture_is_small_and_shows_what_the_exact_run_shows(runs):
+    made = following.followed(runs[SCENE].skeleton, NEXT, 9.0)
+    assert len(made.picture) < MOST
+    head, curves, _, block = parts(made.picture)
+    exact, (_, exact_head, _, fields) = sheared(runs[NEXT])
+    assert head["values"]["delta_bar"] == 0.02
+    np.testing.assert_allclose(curves["U_x"], exact["U_x"], atol=1e-5)
+    for name in ("F_bar", "L_bar", "A_bar"):
+        largest = np.abs(exact[name]).max()
+        np.testing.assert_allclose(curves[name], exact[name], atol=following.AGREE_F * largest)
+    np.testing.assert_array_equal(curves["slip"], exact["slip"])
+    slips = exact["slip"] > 0
+    assert slips.sum() == 3
+    np.testing.assert_allclose(curves["slip_at"][slips], exact["slip_at"][slips], atol=following.AGREE_U)
+    k = head["shown"]
+    assert exact["U_x"][k] == pytest.approx(9.0)
+    _, frames_head, _, shown = unpacked(block)
+    first = frames_head["first"] - exact_head["first"]
+    within = slice(max(0, first), max(0, first) + 40)
+    ours, theirs = (
+        shown["T_z"][1][within.start - first :][:40],
+        fields["T_z"][len(fields["T_z"]) - len(slips) + k][within],
+    )
+    np.testing.assert_allclose(ours, theirs, atol=2e-3 * np.abs(fields["T_z"]).max())
+
+
+def test_a_map_of_a_picture_has_the_tractions_in_shades(runs):
+    made = following.followed(runs[SCENE].skeleton, SCENE, 9.0)
+    head, _, cells, _ = parts(made.picture)
+    place = head["map"]
+    loads = place["step"] * np.arange(place["columns"])
+    frames = pickle.loads(made.skeleton).frames(loads)
+    rows = slice(place["first"] - frames[0].first, place["first"] - frames[0].first + place["rows"])
+    T = np.array([frame.T[1][rows] for frame in frames]).T
+    shades = cells * np.where(cells > 0, place["high"], place["low"]) / following.SHADES
+    seen = cells != following.NOTHING
+    assert 0.2 < seen.mean() < 1.0
+    assert np.abs(shades - T)[seen].max() <= 0.51 * max(place["high"], place["low"]) / following.SHADES
+
+
+def test_the_skeleton_of_a_run_is_the_same_in_slices_and_in_one_go(runs):
+    checkpoint = last = None
+    slices = 0
+    while checkpoint is None or not checkpoint.done:
+        piece = worker.compute(SCENE, checkpoint, 0.02, last)
+        checkpoint, last, slices = *pickle.loads(pickle.dumps((piece.checkpoint, piece.last))), slices + 1
+    assert slices > 1
+    sliced, whole = (pickle.loads(run) for run in (piece.skeleton, runs[SCENE].skeleton))
+    np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-6, atol=1e-10)
+
+
+def test_where_nothing_can_be_followed_a_worker_says_why(runs):
+    assert (
+        following.followed(runs[SCENE].skeleton, SCENE.changed(surface="wave"), 0.0)
+        == "surface does not change continuously"
+    )
+
+
+# the session: who asks for what, and when
+
+
+class Answered(NoPool):
+    """A pool whose tasks are done when the test says so."""
+
+    def waiting(self, call):
+        """Tasks that make this call and still wait."""
+        return [task for task in self.tasks if task.call[0] is call and not task.done()]
+
+    def answer(self, page, call, result):
+        """The oldest waiting one is done."""
+        self.waiting(call)[0].set_result(result)
+        while not page.calls.empty():
+            page.calls.get()()
+
+
+@pytest.fixture
+def page(runs):
+    """A visitor who looks at the finished run of SCENE; `hand` is what was sent of pictures."""
+    shelf = Shelf()
+    shelf.put(SCENE, runs[SCENE])
+    visit = Page(Answered(), SCENE, shelf=shelf)
+    visit.hand = []
+    visit.session.wire.on_change("hand", lambda attribute, old, new: visit.hand.append(new))
+    visit.order("hello")
+    visit.pool = visit.session.pool
+    yield visit
+    visit.session.close()
+
+
+def move(page, value, at=9.0):
+    """The hand moves the slider there."""
+    order = {"do": "scene", "values": {"delta_bar": value}, "held": True, "at": at, "n": 100 * value}
+    page.session.wire.order = json.dumps(order)
+
+
+def test_the_newest_position_is_next_and_none_in_between(page):
+    for value in (0.01, 0.02, 0.03, 0.04):
+        move(page, value)
+    assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.01]
+    page.pool.answer(page, following.followed, following.Followed(b"picture", b"skeleton"))
+    assert page.hand == [struct.pack("<d", 1.0) + b"picture"]
+    (task,) = page.pool.waiting(following.followed)
+    assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04), 9.0) and task.rank == SCREEN
+    assert not page.pool.waiting(worker.compute)  # no run
+
+
+def test_a_picture_that_comes_after_another_scene_was_chosen_is_dropped(page):
+    move(page, 0.01)
+    (task,) = page.pool.waiting(following.followed)
+    page.order("preset", preset="fig7-case1")
+    assert task.cancelled() and page.pool.waiting(worker.compute)
+    while not page.calls.empty():
+        page.calls.get()()
+    assert page.hand == []
+
+
+def test_the_exact_run_comes_when_the_hand_rests_and_behind_what_moves(page, runs):
+    move(page, 0.02)
+    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
+    sent = len(page.chunks)
+    page.order("rest")
+    page.order("rest")
+    (task,) = page.pool.waiting(worker.compute)
+    assert task.call[1] == NEXT and task.rank == EXACT
+    assert page.status()["state"] == "refining"
+    before = {name: metrics.counted(name) for name in ("agreed", "disagreed")}
+    page.pool.answer(page, worker.compute, worker.compute(NEXT, None, 600.0))
+    assert page.status()["state"] == "finished" and len(page.chunks) > sent
+    (task,) = page.pool.waiting(following.compared)
+    assert task.rank == LATER
+    page.pool.answer(page, following.compared, following.compared(*task.call[1:]))
+    assert metrics.counted("agreed") == before["agreed"] + 1 and metrics.counted("disagreed") == before["disagreed"]
+    assert page.status()["notes"] == []
+
+
+def test_a_hand_that_moves_again_ends_the_exact_run(page, runs):
+    move(page, 0.02)
+    page.order("rest")
+    (task,) = page.pool.waiting(worker.compute)
+    move(page, 0.03)
+    assert task.cancelled() and page.pool.waiting(following.followed)
+
+
+def test_a_disagreement_is_counted_and_said(page, runs):
+    move(page, 0.02)
+    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
+    page.order("rest")
+    page.pool.answer(page, worker.compute, worker.compute(NEXT, None, 600.0))
+    before = metrics.counted("disagreed")
+    page.pool.answer(page, following.compared, (0.02, 0.01))
+    assert metrics.counted("disagreed") == before + 1
+    assert page.status()["notes"][0].startswith(OFF) and "0.02 nm" in page.status()["notes"][0]
+
+
+def test_what_cannot_be_followed_is_computed_coarsely_and_counted_by_its_reason(page):
+    move(page, 0.02)
+    move(page, 0.05)
+    page.pool.answer(page, following.followed, 'the contact is "lost"')
+    (task,) = page.pool.waiting(worker.compute)
+    assert task.call[1].delta_bar == 0.05 and task.call[1].du_x > SCENE.du_x  # where the hand is by now
+    assert "contact_not_followed_total{reason=\"the contact is 'lost'\"} 1\n" in metrics.text()
+    task.set_running_or_notify_cancel()
+    move(page, 0.06)
+    assert not page.pool.waiting(following.followed)  # a coarse run that has begun comes to its end
+    page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 600.0))
+    (task,) = page.pool.waiting(following.followed)
+    assert task.call[2].delta_bar == 0.06
+
+
+def test_a_lost_worker_means_a_coarse_run(page):
+    move(page, 0.02)
+    page.pool.waiting(following.followed)[0].set_exception(RuntimeError("killed"))
+    page.calls.get()()
+    assert page.pool.waiting(worker.compute)
+
+
+def test_runs_are_compared_by_their_slips_and_their_friction(runs):
+    exact, _ = sheared(runs[NEXT])
+    slips = exact["slip_at"][exact["slip"] > 0].tolist()
+    same = following.compared(runs[NEXT].skeleton, exact["U_x"], exact["F_bar"], slips)
+    other = following.compared(runs[SCENE].skeleton, exact["U_x"], exact["F_bar"], slips)
+    assert same[0] < following.AGREE_U < other[0] and same[1] < following.AGREE_F < other[1]
+    assert following.compared(runs[NEXT].skeleton, exact["U_x"], exact["F_bar"], slips[:-1]) == (np.inf, np.inf)
