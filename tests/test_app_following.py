@@ -22,7 +22,9 @@ MOST = 60_000  # bytes of a picture
 def finished(scene):
     """A whole run as the server keeps it."""
     piece = worker.compute(scene, None, 600.0)
-    return Finished(piece.blocks, piece.frames, piece.evaluations, piece.residual, piece.widest, piece.skeleton)
+    return Finished(
+        piece.blocks, piece.frames, piece.evaluations, piece.residual, piece.widest, skeleton=piece.skeleton
+    )
 
 
 @pytest.fixture(scope="module")

@@ -147,7 +147,7 @@ def test_frames_of_a_skeleton_are_equilibria(skeleton):
     for frame, load in zip(followed.frames(U_x), U_x, strict=True):
         v = frame.u.ravel()
         # interpolated between the states of a branch
-        assert problem.residual(v, problem.active_of(v, load), load, np.empty(v.size)) < 1e-3
+        assert problem.residual(v, problem.active(v, load), load, np.empty(v.size)) < 1e-3
         assert (frame.F_bar, frame.L_bar, frame.A_bar) == pytest.approx([one[0] for one in followed.curve([load])])
         assert (frame.stage, frame.U_x, frame.delta, frame.first) == ("shear", load, scene.delta, followed.first)
 

@@ -42,12 +42,12 @@ class Slice:
     evaluations: int
     residual: float  # nm, the largest of the slice
     widest: float  # part of w over which anything acts, the largest of the slice
-    safe_damping: float  # the largest of the slice's frames
     checkpoint: Any
     last: Any
     done: bool
     failure: str | None
     heavy: bool = False  # whether an increment takes, or took, longer than QUICK
+    safe_damping: float = 0.0  # the largest of the slice's frames
     skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
 
 

@@ -54,8 +54,8 @@ class Beside:
             return self._go_on(number, scene, piece, pieces)
         blocks = tuple(block for one in pieces for block in one.blocks)
         sums = [sum(one.frames for one in pieces), sum(one.evaluations for one in pieces)]
-        largest = [max(one.residual for one in pieces), max(one.widest for one in pieces)]
-        self.session.shelf.put(scene, Finished(blocks, *sums, *largest, piece.skeleton))
+        largest = [max(getattr(one, name) for one in pieces) for name in ("residual", "widest", "safe_damping")]
+        self.session.shelf.put(scene, Finished(blocks, *sums, *largest, skeleton=piece.skeleton))
         self._send(number, blocks)
 
     def _send(self, number, blocks):
