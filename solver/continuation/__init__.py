@@ -1,11 +1,11 @@
 """Following equilibria of a problem R(v; s) = 0 while its load s grows, and what happens where they end.
 
-problem      what a problem must offer: residual, tangent, and the motion whose rests are looked for
+problem      what a problem must offer: residual, tangent, and the motion whose rests are looked for, as Protocols
 state        an equilibrium, with what the next increment may use of those before it
 anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length
-stability    whether an equilibrium is a rest of the motion; if not, which mode grows, and how fast
-inverse      solves with the tangent of an equilibrium; flutter: growing waves with eigenvalues far from zero
+rest         the only judge of whether an equilibrium is a rest of the motion; if not, which mode grows, and how fast
+inverse      solves with the tangent of an equilibrium; spaces in which modes are looked for
 branch       a branch followed to the load asked for, or to its end before that
 motion       the damped motion from the end of a branch to the next rest
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion

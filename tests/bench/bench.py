@@ -147,7 +147,7 @@ def parts(row):
     contact = Contact(scene, *patch(scene, BULGE))
     problem = Equilibrium(contact, vertical(1.0))
     v = np.random.default_rng(0).normal(size=problem.size)
-    active, r = problem.active_of(v, 0.0), np.empty_like(v)
+    active, r = problem.active(v, 0.0), np.empty_like(v)
     layer = Convolution(contact.modes.compliance, contact.nodes, contact.size)
     secants = Secants(LIMITS.memory, v.size)
     for _ in range(LIMITS.memory):
