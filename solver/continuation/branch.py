@@ -50,10 +50,9 @@ def continue_branch(corrector, judge, state, target):
             break
         settled |= active != found.active
         state = _with_nodes(corrector, state, active)
-        again = state and _Arc(corrector, judge, state, target).followed()
-        if not again or (isinstance(again, LimitPoint) and not again.located):
-            break
-        found = again
+        if not state:
+            return replace(found, kind="lost")  # not the end of a branch of the nodes that interact there
+        found = _Arc(corrector, judge, state, target).followed()
     return found
 
 
@@ -92,6 +91,28 @@ def _by_load(corrector, judge, state, target):
     return on_branch(corrector, state, target, v, active, mode) if mode.rests else None
 
 
+class Stride:
+    """Step control on the arc, in units of the problem: answers how long the next step is, and whether to go on."""
+
+    def __init__(self, unit):
+        self.length, self._unit = LIMITS.short * unit, unit
+
+    def next(self, last):
+        """The length of the next step after one of length `last`, nm."""
+        self.length = min(self.length, LIMITS.growth * last)
+        return self.length
+
+    def accepts(self, before, v):
+        """Whether a point v may follow the one `before`; a longer step comes next, or a shorter one in its place."""
+        near = v is not None and np.abs(v - before).max() <= LIMITS.growth * self.length
+        self.length = min(2.0 * self.length, LIMITS.long * self._unit) if near else 0.5 * self.length
+        return near
+
+    @property
+    def too_short(self):
+        return self.length < LIMITS.shortest * self._unit
+
+
 class _Arc:
     """One increment followed by arc length."""
 
@@ -102,20 +123,15 @@ class _Arc:
 
     def followed(self):
         """The State at the target, or the LimitPoint before it."""
-        points = self._two_points()
-        step = LIMITS.short * self.unit
+        points, stride = self._two_points(), Stride(self.unit)
         for _ in range(LIMITS.points):
             length = np.abs(points[0][1] - points[1][1]).max()
-            if length == 0.0:  # no way to go on: a node at the edge of the window, or no interaction yet
+            if length == 0.0 or stride.too_short:  # a node at the edge of the window, or no interaction yet
                 return self._lost()
             chord, here = _on_chord(points)
-            step = min(step, LIMITS.growth * length)
-            ahead = here[0][0] + (here[0][0] - here[1][0]) * step / length
+            ahead = here[0][0] + (here[0][0] - here[1][0]) * stride.next(length) / length
             found = self._point_at(chord, ahead, here)
-            if found is None or np.abs(found[1] - here[0][2]).max() > LIMITS.growth * step:
-                step *= 0.5
-                if step < LIMITS.shortest * self.unit:
-                    return self._lost()
+            if not stride.accepts(here[0][2], found and found[1]):
                 continue
             points = [found, *points[:3]]
             if found[0] < points[1][0]:
@@ -125,7 +141,6 @@ class _Arc:
             ended = self._ended(points)
             if ended:
                 return ended
-            step = min(2.0 * step, LIMITS.long * self.unit)
         return self._lost()
 
     def _point_at(self, chord, arc, here):

@@ -4,6 +4,7 @@ As a rule by Anderson steps; where they fail, by Anderson steps preconditioned w
 which a few do. The problem forms that inverse; where that takes too long, iterations stand in, whose products are kept.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,7 +34,7 @@ class Sharp:
 
     v: np.ndarray
     active: np.ndarray
-    apply: object
+    apply: Callable
     formed: bool  # else by iterations, too slow for other uses
 
     def at(self, v):

@@ -1,11 +1,15 @@
 """Where a run stands: an equilibrium with what the next increment may use; slips; and how increments fail."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .anderson import Secants
 from .rest import Mode
+
+if TYPE_CHECKING:
+    from .replay import Record
 
 MOVED = 0.5  # units of the problem, and twice the load's increment: a state that moved farther has slipped
 
@@ -38,7 +42,7 @@ class State:
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
     mode: Mode | None = None  # the one that grows fastest, as judged last
     unsure: bool = False  # it may be unstable, or no equilibrium at all, under the loading to come
-    record: object = None  # what `replay.Replay` knows of the states before
+    record: "Record | None" = None  # the states before, as `replay.Replay` knows them
 
     @staticmethod
     def at_rest(load, v, active):
