@@ -119,11 +119,6 @@ def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
     assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 
-def test_a_loop_needs_no_work_elsewhere():
-    piece = worker.compute(SHORT, None, 60.0)
-    assert piece.last is None
-
-
 WAVY = "\n".join(["x, z"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.6f}" for x in range(0, 601, 3)])
 
 

@@ -87,4 +87,4 @@ def test_a_slip_known_from_the_record_lies_a_whole_number_of_periods_on():
 def test_median_evaluations_per_increment_on_a_branch():
     scene = Scene(u_x_max=10.7)
     shear = [f for f in load_path(scene) if f.stage == "shear"]
-    assert np.median([f.evaluations for f in shear]) <= 4
+    assert np.median([f.evaluations for f in shear]) <= 6  # every second one is looked at for modes that may grow

@@ -51,6 +51,8 @@ def test_it_is_so_after_a_failure_too(two):
 
 def test_a_command_has_one_thread_for_all_it_does(two, monkeypatch, tmp_path):
     seen = []
-    monkeypatch.setattr(cli, "summarize", lambda *given: seen.append(threads()) or {"converged": True})
+    monkeypatch.setattr(
+        cli, "summarize", lambda *given: seen.append(threads()) or {"converged": True, "safe_damping": 0.0}
+    )
     assert cli.main(["run", "--set", "surface=flat", "u_x_max=0", "du_z=1", "--csv", str(tmp_path / "csv")]) == 0
     assert seen == [{1}] and threads() == {2}

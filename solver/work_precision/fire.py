@@ -32,7 +32,7 @@ class MassWeighted(Gfmd):
 
     def _stiffness(self, dynamics, v, active):
         """Spectral radius of dr/du, by power iteration."""
-        product, probes = self.problem.tangent(v, active), 1
+        product, probes = self.problem.linearised(v, active).tangent, 1
         if self._direction is None or self._direction.size != v.size:
             self._direction, probes = np.random.default_rng(0).normal(size=v.size), PROBES
         for _ in range(probes):
