@@ -153,11 +153,11 @@ def test_a_look_goes_on_from_the_one_before_and_is_left_out_where_little_has_cha
     begun = problem.evaluations
     known.mode = judge.rightmost(problem, state.v, state.active)
     before = problem.evaluations
-    looked = judge.accept(problem, (state.load + 0.1, state.v + 0.3, state.active), known)
+    looked = judge.accept(problem, (state.load + 0.1, state.v + 0.21, state.active), known)
     assert looked.rests and 0 < problem.evaluations - before < before - begun
     before = problem.evaluations
     known.mode = looked
-    again = judge.accept(problem, (state.load + 0.4, state.v + 0.3, state.active), known)
+    again = judge.accept(problem, (state.load + 0.4, state.v + 0.21, state.active), known)
     assert again.rests and problem.evaluations == before
 
 

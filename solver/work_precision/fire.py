@@ -72,7 +72,7 @@ class _Engine(Motion):
         self._residual = np.empty_like(y)
         self._weight = np.full(y.shape[1], 2.0)  # of a mode and its conjugate in a sum over all wavenumbers
         self._weight[0] = 1.0
-        if dynamics.even:
+        if dynamics.problem.contact.nodes % 2 == 0:
             self._weight[-1] = 1.0
 
     def soften(self, stiffness, pace=1.0):
@@ -84,8 +84,8 @@ class _Engine(Motion):
 
     def advance(self, active, steps):
         for _ in range(steps):
-            force = self.dynamics.force(self.y, active)
-            _fire(self.y, self.change, force, *self._both, self._top, self._weight, self._engine, self._residual)
+            force = self.dynamics.force(self.y, active, self.load)
+            _fire(self.y, self.change, force, *self._both, self._weight, self._engine, self._residual)
 
 
 @njit(cache=True, nogil=True)
@@ -99,14 +99,11 @@ def _product(c, x, z, q):
 
 
 @njit(cache=True, nogil=True)
-def _residual_at(u, traction, c, top, q):
-    """(r_x, r_z) = U + C T - u of mode q."""
+def _residual_at(u, traction, c, q):
+    """(r_x, r_z) = U + C T - u of mode q, of the force T + K U."""
     r_x, r_z = _product(c, traction[0, q], traction[1, q], q)
     r_x -= u[0, q]
     r_z -= u[1, q]
-    if q == 0:
-        r_x += top[0]
-        r_z += top[1]
     return r_x, r_z
 
 
@@ -116,11 +113,11 @@ def _dot(a, b):
 
 
 @njit(cache=True, nogil=True)
-def _sums(u, v, traction, k, c, top, weight, r):
+def _sums(u, v, traction, k, c, weight, r):
     """Fill r with C F, F = T - K (u - U); returns F.v, v.K v and F.C F, sums over all modes."""
     power = speed = force = 0.0
     for q in range(u.shape[1]):
-        r_x, r_z = _residual_at(u, traction, c, top, q)
+        r_x, r_z = _residual_at(u, traction, c, q)
         f_x, f_z = _product(k, r_x, r_z, q)
         p_x, p_z = _product(k, v[0, q], v[1, q], q)
         power += weight[q] * (_dot(f_x, v[0, q]) + _dot(f_z, v[1, q]))
@@ -131,9 +128,9 @@ def _sums(u, v, traction, k, c, top, weight, r):
 
 
 @njit(cache=True, nogil=True)
-def _fire(u, v, traction, k, c, top, weight, engine, r):
+def _fire(u, v, traction, k, c, weight, engine, r):
     """One step of all modes, semi-implicit Euler; v: velocity; engine: as in `Fire`, in place; r: scratch."""
-    power, speed, force = _sums(u, v, traction, k, c, top, weight, r)
+    power, speed, force = _sums(u, v, traction, k, c, weight, r)
     keep, turn = 0.0, 0.0
     if power > 0.0:
         keep, turn = 1.0 - engine[2], engine[2] * np.sqrt(speed / force)
