@@ -26,7 +26,7 @@ class QuasiStatic:
         self.judge, self.corrector, self.film = Judge(damping), Corrector(problem), None
 
     def increment(self, state, target):
-        """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
+        """The Increment from `state` to load `target`, nm; raises NotConverged. May change the state's secant pairs."""
         slips = []
         while len(slips) <= SLIPS:
             if state.unsure:

@@ -48,6 +48,7 @@ class Frame:
     """One converged increment (paper Eq. 6 for the forces).
 
     u, T: (2, m) displacement (nm) and traction on the layer (GPa) of the patch, whose first node is `first`; read-only.
+    F_bar, L_bar: forces over w E; A_bar: length in contact over w.
     """
 
     scene: Scene  # it was computed with: of a run carried on (`carry`), not the same for all
@@ -63,7 +64,7 @@ class Frame:
     A_bar: float
     residual: float  # max |U + C T(u) - u|, nm
     evaluations: int  # force evaluations of this increment
-    slips: tuple[SlipEvent, ...] = ()  # SlipEvents in this increment
+    slips: tuple[SlipEvent, ...] = ()  # in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
     # over critical: above it no wave of the contact can flutter; 0 where all modes are known, and for gfmd, which does
     # not look
@@ -101,7 +102,7 @@ class Frame:
 
 
 def forces(scene, T):
-    """(F_bar, L_bar): tangential and normal force over w E; attraction is negative."""
+    """(F_bar, L_bar): tangential and normal force over w E, of T (2, m), GPa; attraction is negative."""
     scale = 1.0 / (scene.nodes * scene.E)
     F, L = _sums(T)
     return -F * scale, L * scale
@@ -117,7 +118,7 @@ def _sums(T):
 
 
 def contact_area(scene, T):
-    """A_bar: the length under repulsion over w, of all patches, from sign changes of T_z interpolated between nodes."""
+    """A_bar: the length under repulsion over w, from sign changes of T_z, interpolated between nodes; T (2, m), GPa."""
     # repulsion weaker than an error of the tolerance makes counts as none: on a flat at dn = 0 it would flicker
     least = scene.tolerance * scene.phi_n / scene.delta_n**2
     return _repelled(T, T.shape[1] == scene.nodes, least) / scene.nodes
@@ -154,7 +155,7 @@ def _repelled(T, closed, least):
 
 
 def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False):
-    """The Frame of a State of an Equilibrium."""
+    """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     u = on_nodes(scene, problem.surface(state.v))
     T = on_nodes(scene, problem.traction(state.v, state.active))

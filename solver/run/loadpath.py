@@ -49,7 +49,7 @@ def load_path(
 ) -> Iterator[Frame]:
     """Yield the Frames of a scene in order; raises NotConverged where an increment has no equilibrium in reach.
 
-    leave_out: the rules of `shortcuts` that the fast method may use.
+    leave_out: the rules of `shortcuts` that the fast method may use. Raises ValueError for a name not in METHODS.
     """
     checkpoint, run = Checkpoint(), Run(scene, method, leave_out)
     while not checkpoint.done:
@@ -73,7 +73,8 @@ class Run:
     def next_frame(self, checkpoint, limit=inf):
         """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
 
-        Raises OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the clock.
+        Raises NotConverged; OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the
+        clock; ValueError where another method than fast is to carry a run on.
         """
         scene = self.scene
         self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY

@@ -29,6 +29,7 @@ def advance(
 
     A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
     then checkpoint.failure says where and what to do. limit: processor time for one increment, s.
+    Raises ValueError for a method that is not in METHODS, or is not one to carry a run on.
     """
     checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
     frames: list[Frame] = []
@@ -62,7 +63,7 @@ def owned(checkpoint):
 
 
 def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
-    """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
+    """As `loadpath.Run.next_frame`, whose errors it raises; method, leave_out: as in `advance`."""
     with _borrowed(scene, method, leave_out) as run:
         return run.next_frame(checkpoint, limit)
 
