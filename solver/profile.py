@@ -19,7 +19,7 @@ HEADED = re.compile(r"[\[(/]\s*(nm|[µμu]m|Å)\b")  # a unit in the heading, as
 SEPARATOR = re.compile(r"[,;\t]")  # or any blanks, where none of these occurs
 
 
-def read_profile(source, width=None):
+def read_profile(source: str | bytes | PathLike[str], width: float | None = None) -> Profile:
     """The Profile in a CSV of x, z (nm): its mean line removed, made periodic, at equal distances; raises ProfileError.
 
     source: a path (os.PathLike), or the file's content as str or bytes. Columns are separated by comma, semicolon, tab
@@ -42,7 +42,7 @@ def read_profile(source, width=None):
     start = int(np.argmin(z))
     shift = f"shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
     notes.append(f"{shift}; with fewer nodes than {z.size} each shows the mean over the node spacing.")
-    return Profile(length, np.roll(z, -start), notes)
+    return Profile(length, np.roll(z, -start), tuple(notes))
 
 
 def _text(source):

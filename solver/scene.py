@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, replace
 from math import ceil, e, floor, pi, sqrt
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .schema import Choice, Range, SceneError, number, parameters, word
 from .surfaces import SURFACES, Profile, undeformed_gap
@@ -86,7 +88,7 @@ class Scene:
         1024, 4, 16384, "", "surface nodes over the width; the node spacing is the lattice period", LAYER, whole=True
     )
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, parameter in PARAMETERS.items():
             object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
         if not isinstance(self.measured, Profile | None):
@@ -151,7 +153,7 @@ class Scene:
                 )
 
     @property
-    def attainable(self):
+    def attainable(self) -> float:
         """Smallest residual that double precision can tell from zero, nm: round-off of u, amplified by the interface.
 
         A displacement u is known to eps u, hence its traction to eps u times the interface's stiffness. These errors
@@ -170,53 +172,53 @@ class Scene:
         return ROUNDINGS * EPSILON * largest * stiffness * h / self.shear_modulus * share
 
     @property
-    def spacing(self):
+    def spacing(self) -> float:
         """Node spacing a, nm: the period of both lattices."""
         return self.width / self.nodes
 
     @property
-    def phi_t(self):
+    def phi_t(self) -> float:
         """Tangential work of separation, N/m."""
         return self.phi_ratio * self.phi_n
 
     @property
-    def shear_modulus(self):
+    def shear_modulus(self) -> float:
         """G = E / (2 (1 + nu)), GPa."""
         return self.E / (2.0 * (1.0 + self.nu))
 
     @property
-    def delta_0(self):
+    def delta_0(self) -> float:
         """Initial distance of the surfaces, 10 delta_n, nm."""
         return 10.0 * self.delta_n
 
     @property
-    def delta(self):
+    def delta(self) -> float:
         """Indentation depth aimed at, nm."""
         return self.delta_bar * self.delta_0
 
     @property
-    def approach_increments(self):
+    def approach_increments(self) -> int:
         return ceil((self.delta + self.delta_0) / (self.du_z * self.delta_n) - 1e-9)
 
     @property
-    def shear_increments(self):
+    def shear_increments(self) -> int:
         return floor(self.u_x_max / (self.du_x * self.delta_t) + 1e-9)
 
-    def shear_at(self, k):
+    def shear_at(self, k: int) -> float:
         """U_x of shear increment k, nm."""
         return k * (self.du_x * self.delta_t)
 
     @property
-    def x(self):
+    def x(self) -> NDArray[np.float64]:
         """Undeformed node positions, nm, shape (nodes,)."""
-        return np.arange(self.nodes) * self.spacing
+        return np.arange(self.nodes, dtype=float) * self.spacing
 
     @property
-    def profile(self):
+    def profile(self) -> NDArray[np.float64]:
         """Undeformed gap at delta = 0, nm, shape (nodes,); a new array."""
         return undeformed_gap(self)
 
-    def changed(self, **values):
+    def changed(self, **values: Any) -> "Scene":
         """The same scene with other values."""
         return replace(self, **values)
 

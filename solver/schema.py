@@ -5,7 +5,7 @@ Command line, address, entries and drawer of the app, and all messages read thes
 
 from dataclasses import field, fields
 from math import inf, isfinite
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 LONGEST = 60  # characters of a value that a message repeats
 
@@ -13,7 +13,7 @@ LONGEST = 60  # characters of a value that a message repeats
 class SceneError(ValueError):
     """A parameter out of its range; the message names it, its value, the range and the remedy."""
 
-    def __init__(self, name, value, allowed, remedy):
+    def __init__(self, name: str, value: object, allowed: str, remedy: str) -> None:
         self.name = name
         self._given = name, value, allowed, remedy
         shown = repr(value)
@@ -37,11 +37,11 @@ class Range(NamedTuple):
     beyond: str = ""  # why not less, for messages
 
     @property
-    def span(self):
+    def span(self) -> str:
         """The range as text, with its unit."""
         return f"{self.low:g} .. {self.high:g}{' or inf' * self.unbounded} {self.unit}".rstrip()
 
-    def checked(self, name, value):
+    def checked(self, name: str, value: Any) -> float:
         """`value` as an int or float; raises SceneError, which calls the parameter `name`."""
         try:
             number = float("nan" if isinstance(value, (bool, str, bytes)) else value)
@@ -59,27 +59,27 @@ class Range(NamedTuple):
 class Choice(NamedTuple):
     """One word of `choices` {word: meaning}."""
 
-    choices: dict
+    choices: dict[str, str]
     meaning: str
     group: str
 
-    def checked(self, name, value):
+    def checked(self, name: str, value: Any) -> str:
         """`value`, if it is one of the choices; raises SceneError."""
         if not isinstance(value, str) or value not in self.choices:
             raise SceneError(name, value, f"allowed: {', '.join(self.choices)}", "choose one of them")
         return value
 
 
-def number(default, *declared, **more):
+def number(default: float, *declared: Any, **more: Any) -> Any:
     """A dataclass field that holds a number; the arguments are those of Range."""
     return field(default=default, metadata={"parameter": Range(*declared, **more)})
 
 
-def word(default, *declared):
+def word(default: str, *declared: Any) -> Any:
     """A dataclass field that holds one of several words; the arguments are those of Choice."""
     return field(default=default, metadata={"parameter": Choice(*declared)})
 
 
-def parameters(cls):
+def parameters(cls: type) -> dict[str, Range | Choice]:
     """{name: Range or Choice} of a dataclass, in the order of its fields."""
     return {f.name: f.metadata["parameter"] for f in fields(cls) if "parameter" in f.metadata}

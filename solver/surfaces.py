@@ -9,8 +9,10 @@ not moved: `read_profile` puts its deepest valley there, which means over the no
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 STEEPEST = 0.3  # slope of a wave or a measured profile; beyond it slopes are not small: 1 - cos of the angle is 5 %
 FEWEST_NODES = 8  # to a wavelength of a wave
@@ -23,7 +25,7 @@ EVEN = 1e-6  # of the spacing: points off by no more count as equidistant
 class ProfileError(ValueError):
     """A profile of no use; the message names the line, if there is one, and the reason; `line` is its number."""
 
-    def __init__(self, reason, line=None):
+    def __init__(self, reason: str, line: int | None = None) -> None:
         self.line = line
         super().__init__(reason if line is None else f"line {line}: {reason}")
 
@@ -38,8 +40,8 @@ class Profile:
     """
 
     length: float
-    heights: bytes = field(repr=False)
-    notes: tuple = field(default=(), compare=False)
+    heights: ArrayLike = field(repr=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self):
         object.__setattr__(self, "length", _length(self.length))
@@ -60,9 +62,9 @@ class Profile:
             raise ProfileError(reason)
 
     @property
-    def z(self):
+    def z(self) -> NDArray[np.float64]:
         """Heights, nm, (points,); read-only."""
-        return np.frombuffer(self.heights, "<f8")
+        return np.frombuffer(cast(bytes, self.heights), "<f8")
 
 
 def _length(value):
@@ -205,9 +207,9 @@ class Surface:
     """
 
     meaning: str
-    gap: Callable
-    parameters: tuple = ()
-    refused: Callable = lambda scene: None
+    gap: Callable[[Any], NDArray[np.float64]]
+    parameters: tuple[str, ...] = ()
+    refused: Callable[[Any], tuple[str, str, str] | None] = lambda scene: None
 
 
 SURFACES = {
@@ -219,7 +221,7 @@ SURFACES = {
 }
 
 
-def undeformed_gap(scene):
+def undeformed_gap(scene: Any) -> NDArray[np.float64]:
     """g0 of every node, nm, (nodes,); a new array."""
     return _kept(scene).copy()
 

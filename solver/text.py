@@ -1,8 +1,11 @@
 """Scenes as text: the one reader of numbers for the command line, the page's address and the entries of the app."""
 
 import re
+from collections.abc import Mapping
+from typing import Any
 
 from .scene import CHOICES, LIMITS, PARAMETERS, Scene, SceneError
+from .surfaces import Profile
 
 NUMBER = re.compile(r"(?P<mantissa>[+-]?(?:\d+[.,]?\d*|[.,]\d+|inf))(?P<exponent>(?:[eE][+-]?\d+)?) ?(?P<unit>.*)")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # the comma of 1,234 may part thousands; that of 0,123 does not
@@ -44,13 +47,13 @@ def number_from_text(name, text, notes=None, known=None):
     return value * units.get(found["unit"], 1.0)
 
 
-def scene_from_text(pairs, profile=None, notes=None):
+def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, notes: list[str] | None = None) -> Scene:
     """A Scene from {'name': 'text'}, as the command line gives it; raises SceneError.
 
     profile: a measured Profile; the scene then shows it, over its own length, unless `pairs` say otherwise.
     notes: a list that takes what is to be said of how a text was read.
     """
-    values = {"surface": "measured", "width": profile.length, "measured": profile} if profile else {}
+    values: dict[str, Any] = {"surface": "measured", "width": profile.length, "measured": profile} if profile else {}
     for name, text in pairs.items():
         if name not in PARAMETERS:
             raise SceneError("name", name, f"allowed: {', '.join(PARAMETERS)}", "use one of these names")

@@ -67,7 +67,7 @@ def test_a_run_that_went_on_can_go_on_again_from_before_and_after_that(page):
 
 
 def test_what_is_taken_away_of_a_run_that_went_on_is_the_whole_of_it_in_newtons_per_metre(page):
-    """TRIAL.md N1: lines, NPZ and JSON began anew with the last parameters; frames did not say what their E was."""
+    """Lines, NPZ and JSON once began anew with the last parameters; frames did not say what their E was."""
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
     legs = page.session.computing.legs

@@ -94,7 +94,7 @@ def told(page, k):
 
 
 def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increment(visit):
-    """TRIAL.md N1: after E = 200 at the sixth slip, all before was told by 200 in the punch, by 70 in the curve."""
+    """After E = 200 at the sixth slip, all before was once told by 200 in the punch, by 70 in the curve."""
     page = visit()
     finished(page)
     page.evaluate(WORDS)

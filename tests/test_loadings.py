@@ -263,7 +263,7 @@ SADDLES = [
 
 @pytest.mark.parametrize("values", SADDLES, ids=["default", "punch", "flat"])
 def test_a_saddle_under_a_held_load_is_left_to_the_same_rest_with_and_without_shortcuts(values):
-    """CHECK.md D3: round-off and shortcuts decided; the last two pulled off or not."""
+    """Round-off and shortcuts once decided which; the last two pulled off or not."""
     scene, ends = Scene(hold="load", **values), []
     for leave_out in (ALL, frozenset()):
         frames = list(load_path(scene, leave_out=leave_out))

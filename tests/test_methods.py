@@ -204,11 +204,11 @@ def test_every_increment_has_a_frame_where_lattice_and_steps_do_not_match():
 # Never an exception of another kind
 
 ODD = [
-    # CHECK.md D6: LinAlgError
+    # once ended in LinAlgError
     {"surface": "rough", "phi_n": 28.41, "phi_ratio": 0.2113, "E": 41.24, "nu": 0.35, "delta_n": 0.4753,
      "delta_t": 0.6181, "nodes": 200, "width": 228.7, "height": 6.797, "rms_slope": 0.01441, "cut_off": 0.06,
      "seed": 644, "du_z": 1.0, "tolerance": 1e-10, "damping": 0.5},
-    # D11: a runaway
+    # a runaway
     {"surface": "flat", "hold": "load", "delta_bar": 0.82, "phi_ratio": 0.0021, "E": 9637, "nu": 0.4999, "nodes": 129},
     {"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 5.0},
     {"surface": "flat", "nodes": 16, "width": 40.0, "delta_bar": 1.0, "du_x": 0.5},

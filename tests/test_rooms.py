@@ -1,6 +1,7 @@
 """What may import what: the core stands without reports, and nothing in the solver knows the app."""
 
 import ast
+import inspect
 import sys
 from pathlib import Path
 
@@ -62,3 +63,23 @@ def test_no_test_borrows_from_another():
     for path in Path(__file__).parent.rglob("*.py"):
         borrowed = [name for name in imported(path) if name.split(".")[0].startswith("test_")]
         assert not borrowed, f"{path.name}: {borrowed}"
+
+
+def exported():
+    """(name, function) of each function that `solver` exports, and of the methods and properties of its classes."""
+    for name in solver.__all__:
+        one = getattr(solver, name)
+        for member, value in vars(one).items() if inspect.isclass(one) else [("", one)]:
+            function = getattr(value, "fget", None) or getattr(value, "func", value)  # of properties, kept or not
+            if inspect.isfunction(function) and (member == "__init__" or not member.startswith("_")):
+                yield f"{name}.{member}".rstrip("."), function
+
+
+def test_all_that_the_solver_exports_is_annotated_and_says_so():
+    functions = dict(exported())
+    assert {"load_path", "SceneError.__init__", "Scene.changed", "Frame.F", "Skeleton.slips"} <= set(functions)
+    for name, function in functions.items():
+        signature = inspect.signature(function)
+        bare = [p.name for p in signature.parameters.values() if p.annotation is p.empty and p.name != "self"]
+        assert not bare and signature.return_annotation is not signature.empty, (name, bare)
+    assert (HERE / "py.typed").is_file()

@@ -53,7 +53,7 @@ def test_end_of_the_branch_does_not_depend_on_the_increment(du_x):
     ],
 )
 def test_slips_of_soft_layers_are_located_whatever_the_increment(values):
-    """CHECK.md D7: they sat on the increments, and their number depended on it."""
+    """They once sat on the increments, and their number depended on it."""
     found = [events(Scene(**values, du_x=du_x)) for du_x in (0.05, 0.1, 0.2)]
     assert all(e.located for run in found for e in run) and len(found[0]) >= 2
     for run in found[1:]:
@@ -114,14 +114,14 @@ def test_other_slips_of_the_default_punch_rest_where_gfmd_rests(values):
     ],
 )
 def test_slips_move_as_many_sites_as_gfmd_where_another_dynamics_does_not(values, sites):
-    """CHECK.md D1: the overdamped flow in the compliance metric moved 2, 3 and 1 sites here."""
+    """The overdamped flow in the compliance metric moves 2, 3 and 1 sites here."""
     ours, plain, off = against_gfmd(Scene(nodes=256, width=625.0, u_x_max=30.0, **values))
     assert (ours, plain) == (sites, sites) and off < 1e-4
 
 
 @pytest.mark.slow
 def test_the_rough_preset_slips_by_two_sites_at_19():
-    """CHECK.md D1: by one site under the compliance flow, F_bar 2.237e-3 at 20.5; GFMD's is 1.925e-3."""
+    """By one site under the compliance flow, F_bar 2.237e-3 at 20.5; GFMD's is 1.925e-3."""
     scene = Scene(surface="rough", u_x_max=20.5, tolerance=1e-5)
     shear = stage(load_path(scene))
     k = max(i for i, f in enumerate(shear) if f.slip)
@@ -135,7 +135,7 @@ def test_the_rough_preset_slips_by_two_sites_at_19():
 @pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"surface": "rough"}, {"E": 20.0, "phi_ratio": 2.0, "delta_bar": 1.0}])
 def test_slips_do_not_jump_where_damping_passes_through_critical(values):
-    """CHECK.md D1: 1 was another dynamics than 0.999."""
+    """A damping of 1 is the same dynamics as 0.999."""
     runs = [events(Scene(nodes=256, width=625.0, u_x_max=30.0, damping=d, **values)) for d in (0.999, 1.0, 1.001)]
     assert len(runs[0]) >= 2
     for run in runs[1:]:

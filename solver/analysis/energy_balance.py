@@ -12,11 +12,15 @@ NP1 has no energy, so that its tractions may do work of their own along that clo
 a slip dissipates 2% more than the top pays for (tests/test_energy_balance.py).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..run.frame import Frame
 from ..run.summary import whole_surface
+from ..scene import Scene
 
 
 @dataclass(frozen=True)
@@ -29,18 +33,18 @@ class Work:
     whole, so that it depends on the increment by a share of the branch; R - S does not.
     """
 
-    top: np.ndarray
-    stored: np.ndarray
-    surface: np.ndarray
-    released: np.ndarray
+    top: NDArray[np.float64]
+    stored: NDArray[np.float64]
+    surface: NDArray[np.float64]
+    released: NDArray[np.float64]
 
     @property
-    def defect(self):
+    def defect(self) -> NDArray[np.float64]:
         """W - (E - S + R), nN, (frames,): zero to the residual, whatever the increment, as C is symmetric."""
         return self.top - self.stored + self.surface - self.released
 
 
-def work_of(scene, frames):
+def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
     """The Work of a run's Frames in order, with their fields; of a run carried on, `top` alone is a balance."""
     top = np.zeros(len(frames))
     surface, released = np.zeros_like(top), np.zeros_like(top)

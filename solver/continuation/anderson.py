@@ -12,7 +12,7 @@ FORGET = 1.5  # factor of the regularisation from a pair to the next older one, 
 
 
 class Secants:
-    """The last `memory` pairs (du, dr) of vectors of `size` numbers, with the Gram matrix of dr."""
+    """The last `memory` pairs (du, dr) of vectors (size,), nm, with the Gram matrix of dr."""
 
     def __init__(self, memory, size):
         self.du = np.zeros((memory, size))
@@ -21,13 +21,13 @@ class Secants:
         self.rows, self.slot = 0, 0  # pairs kept so far, and where the next one goes
 
     def push(self, u, r, u_before, r_before):
-        """Keep the pair (u - u_before, r - r_before) in place of the oldest."""
+        """Keep the pair (u - u_before, r - r_before), (size,) each, in place of the oldest."""
         self.rows = max(self.rows, self.slot + 1)
         _push(self.du, self.dr, self.gram, self.rows, self.slot, u, r, u_before, r_before)
         self.slot = (self.slot + 1) % len(self.du)
 
     def move(self, r, smooth=None):
-        """The change of u that should cancel the residual r, by the tangent as the pairs know it; a new array.
+        """The change of u that should cancel the residual r (size,), by the tangent as the pairs know it; a new array.
 
         smooth (array -> array): applied to the part of r that the pairs do not span; by default that is added as it is.
         """
@@ -50,7 +50,7 @@ class Secants:
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def dot(a, b):
-    """a . b, summed in vector lanes."""
+    """a . b of two (size,), summed in vector lanes."""
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
@@ -112,7 +112,7 @@ def _coefficients(dr, gram, rows, slot, r, eps, forget):
 
 @njit(cache=True, nogil=True)
 def advance(u, move, bound):
-    """Add move to u in place, scaled down so that no component changes by more than bound; returns the scale."""
+    """Add move to u in place, (size,), scaled down so that no number changes by more than bound; returns the scale."""
     largest = 0.0
     for i in range(u.size):
         largest = max(largest, abs(move[i]))

@@ -40,7 +40,7 @@ LIMITS = Limits()
 
 
 def continue_branch(corrector, judge, state, target):
-    """The State at load `target` on the branch of `state`, or the LimitPoint that comes before it."""
+    """The State at load `target`, nm, on the branch of `state`, or the LimitPoint that comes before it."""
     found = _by_load(corrector, judge, state, target) or _Arc(corrector, judge, state, target).followed()
     settled = np.zeros(state.active.size, bool)
     while isinstance(found, LimitPoint) and found.located:
@@ -68,7 +68,7 @@ def _with_nodes(corrector, state, active):
 
 
 def on_branch(corrector, state, target, v, active, mode=None):
-    """The State v at load `target` that follows `state` on its branch."""
+    """The State v (size,) at load `target`, nm, that follows `state` on its branch."""
     older = [p for p in state.past if p[0] != target]
     past = [(target, v), *older[: LIMITS.order + 1]]
     return State(target, v, active, past, state.secants, corrector.sharp, mode or state.mode)

@@ -30,7 +30,7 @@ LIMITS = Limits()
 
 @dataclass
 class Sharp:
-    """The tangent at an equilibrium (v, active) and the function close to the inverse of -dR/dv there."""
+    """The tangent at an equilibrium (v, active) and the function, (size,) to (size,), close to -(dR/dv)^-1 there."""
 
     v: np.ndarray
     active: np.ndarray
@@ -38,7 +38,7 @@ class Sharp:
     formed: bool  # else by iterations, too slow for other uses
 
     def at(self, v):
-        """Whether it is that of the equilibrium v."""
+        """Whether it is that of the equilibrium v (size,)."""
         return self.v.shape == v.shape and bool((self.v == v).all())
 
 
@@ -47,7 +47,7 @@ class Corrector:
 
     def __init__(self, problem):
         self.problem = problem
-        self.worst = np.inf  # residual of the last solution
+        self.worst = np.inf  # residual of the last solution, nm
         self._smooth = None  # for the part of the residual that no secant pair knows: `Secants.move`
         self._sharp = None  # the Sharp that `_smooth` is of, if any
         self._known = None  # the Sharp formed last
@@ -94,7 +94,7 @@ class Corrector:
         return lambda r: -inverse.solve(r, *accuracy)
 
     def settle(self, v, active, s, secants):
-        """Solve for v, in place, together with the set of active nodes; returns that set, or None if it fails.
+        """Solve for v (size,), in place, with the set of active nodes, bool; returns that set, or None if it fails.
 
         While nodes have crossed the edge of the window, the set is changed and the solve repeated. Each node may change
         once, so that this ends, even where becoming active pushes a node out again and no set is consistent.
@@ -110,11 +110,11 @@ class Corrector:
         return None
 
     def solve(self, v, active, s, secants):
-        """Solve for v, in place, at fixed load; whether that succeeded."""
+        """Solve for v (size,), in place, at fixed load s, nm; whether that succeeded."""
         return self._solved(v, active, s, secants, self._anderson) is not None
 
     def solve_on_arc(self, v, active, s, secants, chord, arc):
-        """The load s at which v, changed in place, is an equilibrium with <chord, v> = arc; None if that fails."""
+        """The load (nm) at which v, changed in place, is an equilibrium with <chord, v> = arc, nm; None if it fails."""
         return self._solved(v, active, s, secants, self._anderson_on_arc, chord, arc)
 
     def _solved(self, v, active, s, secants, method, *arc):

@@ -34,7 +34,7 @@ class Gfmd:
         self.problem, self.damping, self.closed = problem, damping, closed
 
     def increment(self, state, target):
-        """The Increment in which the motion from `state` comes to rest at load `target`; raises NotConverged."""
+        """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
         while True:
             v, active, residual = self._settled(state, target)
             if self.problem.grown(v, active, target) is None:

@@ -17,7 +17,7 @@ def lagrange(nodes, x):
 
 
 def combine(weights, states):
-    """sum of weights[i] * states[i], a new array."""
+    """sum of weights[i] * states[i], arrays of one shape; a new one."""
     total = np.zeros_like(states[0])
     for weight, state in zip(weights, states, strict=True):
         _add(total.reshape(-1), weight, state.reshape(-1))

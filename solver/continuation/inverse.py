@@ -23,7 +23,7 @@ class Inverse:
         return self
 
     def solve(self, b, accuracy=ACCURACY):
-        """w with A w = b, to that accuracy."""
+        """w (size,) with A w = b, to |A w - b| <= accuracy |b| or as near as MOST products lead."""
         w, r = np.zeros(self.size), b.copy()
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
@@ -37,7 +37,7 @@ class Inverse:
 
 
 class Space:
-    """Orthonormal disturbances V, their images M V under M = J - K, and V^T M V."""
+    """Orthonormal disturbances V, up to `room`, their images M V under M = J - K, and V^T M V."""
 
     def __init__(self, size, room):
         self.rows, self._here = 0, None
@@ -51,15 +51,16 @@ class Space:
 
     @property
     def vectors(self):
+        """V, (rows, size)."""
         return self._v[: self.rows]
 
     @property
     def matrix(self):
-        """V^T M V."""
+        """V^T M V, (rows, rows) GPa/nm."""
         return self._matrix[: self.rows, : self.rows]
 
     def add(self, x):
-        """Add the part of x that is independent of V, if there is room."""
+        """Add the part of x (size,) that is independent of V, if there is room."""
         k = self.rows
         if not orthonormalise(self._v, k, x.copy(), self._nothing, self._nothing[0]):
             return
@@ -69,7 +70,7 @@ class Space:
         self._matrix[k, :k] = self._w[:k] @ self._v[k]
 
     def residuals(self, vectors, values):
-        """M x - mu x of the Ritz vectors x with coefficients `vectors` (rows, k), values mu (k,); (k, N)."""
+        """M x - mu x of the Ritz vectors x with coefficients `vectors` (rows, k), values mu (k,); (k, size)."""
         real = vectors.T.real @ self._w[: self.rows] - (vectors * values).T.real @ self.vectors
         if not values.imag.any():
             return real

@@ -40,7 +40,7 @@ LIMITS = Limits()
 
 
 class Motion:
-    """y (2, modes) and its change per step, from rest, under `load`, which may be changed; masses as above."""
+    """y, complex (2, modes), and its change per step, from rest, under `load`, nm, which may be changed."""
 
     def __init__(self, dynamics, y, load, damping, closed):
         """closed: stiffness of closed springs (see Limits), GPa/nm; damping: over critical."""
@@ -91,7 +91,7 @@ class Motion:
         return of_blocks(k, lambda x: mass(x) / step**2), keep, push, step
 
     def advance(self, active, steps):
-        """Make so many steps."""
+        """Make so many steps with these nodes active, bool; a force evaluation each."""
         for _ in range(steps):
             force = self.dynamics.force(self.y, active, self.load)
             _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push)

@@ -41,20 +41,20 @@ class Linearised(Protocol):
 class Dynamics(Protocol):
     """u'' = K (U - u) + T(u) - gamma u' in coordinates y, complex (2, modes)."""
 
-    stiffness: np.ndarray  # (3, modes), rows xx, zz, c of the blocks [[xx, -i c], [i c, zz]] of K
-    critical: float  # the friction gamma that is critical for the slowest mode
+    stiffness: np.ndarray  # (3, modes), GPa/nm, rows xx, zz, c of the blocks [[xx, -i c], [i c, zz]] of K
+    critical: float  # the friction gamma, 1/time, that is critical for the slowest mode
 
     def start(self, v, active, s):
-        """y at rest in v."""
+        """y, a new array, at rest in v (size of the problem,) under the load s."""
 
     def unknowns(self, y):
         """v (size of the problem,) of y, a new array."""
 
     def force(self, y, active, s):
-        """T + K U in the coordinates y, a buffer; one evaluation."""
+        """T + K U in the coordinates y, complex (2, modes), a buffer; one evaluation."""
 
     def interface(self, v, active) -> float:
-        """The largest stiffness of the interaction in v: a bound on dT/du by row sums."""
+        """The largest stiffness of the interaction in v, GPa/nm: a bound on dT/du by row sums."""
 
 
 class Problem(Protocol):
@@ -71,7 +71,7 @@ class Problem(Protocol):
 
     def active(self, v, s, before=None, settled=None):
         """The nodes that interact in v. Given those `before`: these themselves while no node has clearly crossed the
-        edge of the interaction, else a new set in which those of `settled` (bool) stay as they are."""
+        edge of the interaction, else a new set, those of `settled` (bool) as they are. May raise NotConverged."""
 
     def preconditioner(self, v, active, sharp=False) -> Callable | None:
         """A rough inverse of -dR/dv, for what no secant pair knows, or None. sharp: one close to it, or None where
@@ -84,4 +84,4 @@ class Problem(Protocol):
         """The problem linearised at an equilibrium; valid until the next call."""
 
     def motion(self) -> Dynamics:
-        """The motion."""
+        """The motion whose rests are the equilibria."""

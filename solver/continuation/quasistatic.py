@@ -26,7 +26,7 @@ class QuasiStatic:
         self.judge, self.corrector, self.film = Judge(damping), Corrector(problem), None
 
     def increment(self, state, target):
-        """The Increment from `state` to load `target`; raises NotConverged. May change the state's secant pairs."""
+        """The Increment from `state` to load `target`, nm; raises NotConverged. May change the state's secant pairs."""
         slips = []
         while len(slips) <= SLIPS:
             if state.unsure:
@@ -48,7 +48,7 @@ class QuasiStatic:
             if wide is None or state.load > target:
                 residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
                 return Increment(state, residual, tuple(slips))
-            problem, self.problem, state = self.problem, *wide
+            problem, (self.problem, state) = self.problem, wide
             self.corrector = Corrector(self.problem)
             slips = [self._carried(problem, slip) for slip in slips]
         raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")

@@ -38,7 +38,7 @@ class Branch:
     end: Slip | None = None
 
     def add(self, load, v, active):
-        """Insert a state in order of its load, unless it is there already."""
+        """Insert a state (v, active) in order of its load, nm, unless it is there already."""
         i = bisect_left(self.loads, load)
         if any(abs(other - load) < 1e-9 for other in self.loads[max(i - 1, 0) : i + 1]):
             return
@@ -86,14 +86,14 @@ class Record:
         self.branches[-1].add(increment.state.load, increment.state.v, increment.state.active)
 
     def branch_at(self, load):
-        """The ended Branch that holds that load, or None."""
+        """The ended Branch that holds that load, nm, or None."""
         for branch in reversed(self.branches):
             if branch.end is not None and branch.loads[0] - LIMITS.begins <= load <= branch.end.load:
                 return branch
         return None
 
     def resting(self, load):
-        """The next known load at which the surface rests: after a slip it may be one higher than the slip's."""
+        """The next known load, nm, at which the surface rests: after a slip it may be one higher than the slip's."""
         if load < self.home:
             return self.home
         after = [b.loads[0] for b in self.branches if b.loads[0] >= load]
@@ -101,17 +101,18 @@ class Record:
 
 
 class Replay:
-    """A stepper around another, for a load that is the displacement U_x: what repeats is moved on, not solved."""
+    """A stepper around another, for a load that is U_x, over sites `spacing` nm apart: what repeats is moved on."""
 
     def __init__(self, stepper, spacing):
         self.stepper, self.spacing = stepper, spacing
 
     @property
     def problem(self):
+        """The stepper's."""
         return self.stepper.problem
 
     def increment(self, state, target):
-        """As of the stepper."""
+        """As of the stepper; raises what that raises."""
         record = state.record if state.record is not None else Record.of(state)
         if record.period is not None:
             known = self._known(state, record, target)

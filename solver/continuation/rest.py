@@ -64,6 +64,7 @@ class Mode:
 
     @property
     def rests(self):
+        """Whether nothing grows, to `LIMITS.unstable`."""
         return self.growth <= LIMITS.unstable
 
     @property
@@ -81,7 +82,7 @@ class Judge:
     def accept(self, problem, point, before=None, smooth=None):
         """The Mode at a `point` (load, v, active) that may become a frame: that of the State before, or one looked for.
 
-        smooth: a function close to the inverse of -dR/dv, if one is at hand.
+        load: nm; smooth: a function close to the inverse of -dR/dv, if one is at hand.
         """
         load, v, active = point
         here, known = problem.linearised(v, active), before and before.mode
@@ -96,7 +97,7 @@ class Judge:
         return replace(self._looked(problem, here, v, active, known, smooth, fine=False), pace=pace)
 
     def rightmost(self, problem, v, active, known=None, smooth=None):
-        """The Mode of an equilibrium, to `fine`; arguments as in `accept`."""
+        """The Mode of an equilibrium v (size,), to `fine`; other arguments as in `accept`."""
         return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
 
     def _scale(self, problem):
@@ -131,7 +132,7 @@ class Judge:
 
 
 def rate(mu, friction):
-    """The larger Re(lambda) of lambda^2 + gamma lambda = mu; Re(mu) for infinite gamma."""
+    """The larger Re(lambda), 1/time, of lambda^2 + friction lambda = mu; Re(mu), GPa/nm, for infinite friction."""
     mu = np.asarray(mu, complex)
     return mu.real if np.isinf(friction) else np.sqrt(friction**2 / 4.0 + mu).real - friction / 2.0
 

@@ -64,8 +64,8 @@ class LimitPoint:
     real mode does, but not at a fold; "lost", where the branch could not be followed: the motion decides if it ends.
     """
 
-    load: float
-    v: np.ndarray
+    load: float  # nm
+    v: np.ndarray  # (size,)
     active: np.ndarray
     away: np.ndarray  # (size,): the motion starts from rest at v + away
     kind: str
@@ -80,8 +80,8 @@ class LimitPoint:
 class Slip:
     """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again."""
 
-    load: float
-    v: np.ndarray
+    load: float  # nm
+    v: np.ndarray  # (size,)
     active: np.ndarray
     kind: str
     located: bool

@@ -20,7 +20,7 @@ class NotFollowed(Exception):
     It has to be computed from its start. nearer: whether states nearer to those wanted might have led there.
     """
 
-    def __init__(self, reason, nearer=False):
+    def __init__(self, reason: str, nearer: bool = False) -> None:
         super().__init__(reason)
         self.nearer = nearer
 

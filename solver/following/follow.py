@@ -8,9 +8,10 @@ from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.load_control import LoadControl
 from ..run.loading import sideways, vertical
-from ..scene import LIMITS, SceneError
+from ..scene import LIMITS, Scene, SceneError
 from .branch import Crowded, NotFollowed
 from .moving import followed_branch, followed_fold
+from .skeleton import Skeleton
 from .solving import Solving
 from .telling import resolved
 from .wider import widened
@@ -24,7 +25,7 @@ NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a sli
 WIDER = 3  # how often the patch grows in one move
 
 
-def follow(skeleton, scene):
+def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     """The Skeleton of a scene that differs from that of `skeleton` in continuous parameters.
 
     Raises NotFollowed where its run is another one than that of the skeleton, as far as that can be told from here.

@@ -1,5 +1,6 @@
 """The skeleton of a run from its frames, without solving anything."""
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import pairwise
@@ -7,8 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 from ..continuation.interpolation import combine
+from ..run.frame import Frame
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
+from ..scene import Scene
 from .branch import Branch, Fold, NotFollowed, place, weights_near
 from .skeleton import Skeleton
 from .telling import TOLD, forces_between
@@ -22,7 +25,7 @@ STEP = 1e-4  # of t, over which the way of a branch at its end is told
 INTERVALS = (12, 16, 24, 36, 48, 72)  # between the states of a branch: as few as will do
 
 
-def skeleton_of(scene):
+def skeleton_of(scene: Scene) -> Skeleton:
     """The Skeleton of a scene, from a run; raises NotFollowed where it has none, NotConverged as the run does."""
     frames = []
     for frame in load_path(scene):
@@ -32,7 +35,7 @@ def skeleton_of(scene):
     return replace(skeleton_from(scene, frames), evaluations=sum(frame.evaluations for frame in frames))
 
 
-def skeleton_from(scene, frames):
+def skeleton_from(scene: Scene, frames: Sequence[Frame]) -> Skeleton:
     """The Skeleton of a scene from the Frames of its run, in order and from the first on; solves nothing.
 
     The run may stop where it begins to repeat itself. Raises NotFollowed where it has none.

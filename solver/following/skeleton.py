@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ..mechanics.cohesive_law import traction
 from ..run.frame import Frame, SlipEvent, contact_area, on_nodes
 from ..scene import Scene
-from .branch import TOLERANCE, Branch
+from .branch import TOLERANCE, Branch, Fold
 
 FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
 
@@ -26,47 +27,47 @@ class Skeleton:
     branches: tuple[Branch, ...]
     home: int = 0
     sites: int = 0
-    jumps: tuple = ()
+    jumps: tuple[Fold, ...] = ()
     evaluations: int = 0  # force evaluations spent in getting it
     lost: float = -np.inf  # delta_bar of a jump-in whose fold could not be followed on
     contact: "Skeleton | None" = None  # without contact: that in contact which comes back beyond the jump-in
 
     @property
-    def period(self):
+    def period(self) -> float | None:
         """After which everything repeats, nm, or None where that is not known."""
         return self.sites * self.scene.spacing if self.sites else None
 
     @property
-    def jumps_in(self):
+    def jumps_in(self) -> float | None:
         """delta_bar at which the surfaces jump into contact on approach, or None."""
         return self.jumps[0].load / self.scene.delta_0 if self.jumps else None
 
     @property
-    def nodes(self):
+    def nodes(self) -> int:
         """Of the patch."""
         return self.branches[0].v.shape[1] // 2
 
     @cached_property
-    def slips(self):
+    def slips(self) -> tuple[SlipEvent, ...]:
         """The SlipEvents of the shear up to u_x_max."""
         events = []
         for k, branch in enumerate(self.branches):
             if branch.fold is None:
                 continue
-            values = [float(one[0]) for one in _numbers(self.scene, self.tractions(branch.v[-1:]))]
+            F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(self.scene, self.tractions(branch.v[-1:])))
             load = float(branch.end)
             while load <= self.scene.u_x_max:
-                events.append(SlipEvent(load, *values, "shear", "fold", True))
-                if not self.sites or k < self.home:
+                events.append(SlipEvent(load, F_bar, L_bar, A_bar, "shear", "fold", True))
+                if self.period is None or k < self.home:
                     break
                 load += self.period
         return tuple(sorted(events, key=lambda event: event.load))
 
-    def curve(self, U_x):
+    def curve(self, U_x: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
         return _numbers(self.scene, self.tractions(self.unknowns(U_x)))
 
-    def frames(self, U_x):
+    def frames(self, U_x: ArrayLike) -> list[Frame]:
         """The Frames at loads U_x (k,) nm, with no slips in them and `residual` nan, as none was evaluated."""
         v, m = self.unknowns(U_x), self.nodes
         heights = v[:, -1] if self.scene.hold == "load" else np.full(len(v), -self.scene.delta)
@@ -81,7 +82,7 @@ class Skeleton:
         index = round(U_x / (scene.du_x * scene.delta_t))
         return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, T, F_bar, L_bar, A_bar, np.nan, 0)
 
-    def unknowns(self, U_x):
+    def unknowns(self, U_x: ArrayLike) -> NDArray[np.float64]:
         """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
         U_x = np.atleast_1d(np.asarray(U_x, float))
         ends = np.array([branch.end for branch in self.branches])
@@ -94,7 +95,7 @@ class Skeleton:
         v[:, : self.nodes] += shift[:, None]
         return v
 
-    def tractions(self, v):
+    def tractions(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
         """T (k, 2, m), GPa, of unknowns v (k, size)."""
         return tractions(self.scene, self.first, v)
 

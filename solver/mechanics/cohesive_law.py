@@ -20,7 +20,7 @@ _fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
 
 
 def law_constants(scene):
-    """The numbers a kernel needs: [phi_n/delta_n, 2 phi_t/delta_t, delta_n, delta_t, a/delta_t, window_t]."""
+    """What a kernel needs: [phi_n/delta_n, 2 phi_t/delta_t (GPa), delta_n, delta_t (nm), a/delta_t, window_t], (6,)."""
     return np.array(
         [
             scene.phi_n / scene.delta_n,

@@ -36,13 +36,13 @@ class Contact:
         self.evaluations, self.watch = 0, None
 
     def count(self):
-        """One more force evaluation."""
+        """One more force evaluation; raises what `watch` raises."""
         self.evaluations += 1
         if self.watch is not None and self.evaluations % LOOK == 0:
             self.watch()
 
     def response(self, u, active):
-        """C T(u), (2, size) nm: one force evaluation; a buffer, valid until the next."""
+        """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.count()
         cohesive_law.tractions(u, self.profile, active, self.law, self.work, self._layer.field, self.size)
         self._layer.apply()
@@ -60,7 +60,7 @@ class Contact:
         return out
 
     def pressure(self, traction):
-        """Mean of T_z (GPa) over the cell."""
+        """Mean of T_z over the cell, GPa, of T (2, size) GPa."""
         return float(traction[1].sum()) / (1 if self.uniform else self.nodes)
 
     def tangents(self, u, active):
@@ -77,7 +77,7 @@ class Contact:
         return self._layer.product, self._layer.field
 
     def shifted(self, sigma):
-        """The product with (I + sigma C)^-1 on the patch; sigma: GPa/nm."""
+        """The Convolution with (I + sigma C)^-1 on the patch; sigma: GPa/nm."""
         return Convolution(self.modes.shifted(sigma), self.nodes, self.size)
 
     def within_window(self, u):

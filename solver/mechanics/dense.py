@@ -33,7 +33,7 @@ class DenseInverse:
 
 
 def inverted(a):
-    """a^-1 by halves, so that nearly all work is matrix products; overwrites a. Raises numpy's LinAlgError."""
+    """a^-1 (n, n) by halves, so that nearly all work is matrix products; overwrites a. Raises numpy's LinAlgError."""
     n = len(a)
     if n <= LEAF:
         return np.linalg.inv(a)

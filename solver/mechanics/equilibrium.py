@@ -18,7 +18,7 @@ STIFF = 50.0  # interface stiffness over that of the softest wave on the patch, 
 
 
 class Equilibrium:
-    """The Contact driven along a Loading."""
+    """The Contact driven along a Loading; attributes as of `continuation.problem.Problem`."""
 
     def __init__(self, contact, loading):
         scene = contact.scene
@@ -34,6 +34,7 @@ class Equilibrium:
 
     @property
     def evaluations(self):
+        """Force evaluations so far, of the contact."""
         return self.contact.evaluations
 
     def surface(self, v):
@@ -45,7 +46,7 @@ class Equilibrium:
         return self.loading.at(s)
 
     def undeformed(self, s):
-        """The unknowns of a layer that nothing acts on."""
+        """The unknowns (size,), nm, of a layer that nothing acts on at load s, nm."""
         return np.repeat(np.array(self.loading.at(s)), self.nodes)
 
     def residual(self, v, active, s, out):

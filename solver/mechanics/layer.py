@@ -34,7 +34,7 @@ def stiffness(q, height, E, nu):
 
 
 def compliance(q, height, E, nu):
-    """(C_xx, C_zz, C_c) in nm/GPa, the inverse of `stiffness`: C_xz = +i C_c, C_zx = -i C_c."""
+    """(C_xx, C_zz, C_c) in nm/GPa, the inverse of `stiffness`, arguments as there: C_xz = +i C_c, C_zx = -i C_c."""
     y, sc_plus, sc_minus, s2, y2, b = _hyperbolic(q, height, nu)
     G, kappa = E / (2.0 * (1.0 + nu)), 3.0 - 4.0 * nu
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -82,7 +82,8 @@ def _determinant(y, kappa):
 class Modes:
     """The layer's stiffness and compliance at every wavenumber of the periodic cell, coupling dropped at Nyquist.
 
-    Attributes: stiffness (GPa/nm) and compliance (nm/GPa), (3, nodes//2 + 1) in rows xx, zz, c.
+    From width and height, nm, and E, GPa. Attributes: stiffness (GPa/nm) and compliance (nm/GPa), (3, nodes//2 + 1) in
+    rows xx, zz, c.
     """
 
     def __init__(self, nodes, width, height, E, nu):
@@ -102,7 +103,7 @@ class Modes:
         return _modes(scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu)
 
     def shifted(self, sigma):
-        """(I + sigma C)^-1 in rows xx, zz, c; sigma: stiffness of the interface, GPa/nm, the same at all nodes."""
+        """(I + sigma C)^-1, (3, nodes//2 + 1) in rows xx, zz, c; sigma: stiffness at every node, GPa/nm."""
         c_xx, c_zz, c_c = sigma * self.compliance
         det = (1.0 + c_xx) * (1.0 + c_zz) - c_c**2
         return np.array([(1.0 + c_zz) / det, (1.0 + c_xx) / det, -c_c / det])
@@ -113,7 +114,7 @@ class Modes:
         return _kernels(self.compliance, self.nodes)
 
     def displacement(self, traction_q):
-        """C T for Fourier tractions (2, nodes//2 + 1); a new array."""
+        """C T, nm, for Fourier tractions, GPa, complex (2, nodes//2 + 1); a new array."""
         out = traction_q.copy()
         multiply(out, self.compliance)
         return out

@@ -28,6 +28,7 @@ class LoadControl:
 
     @property
     def evaluations(self):
+        """Force evaluations so far, of the contact."""
         return self.contact.evaluations
 
     def surface(self, v):
@@ -35,15 +36,15 @@ class LoadControl:
         return self.inner.surface(v[:-1])
 
     def top(self, v, s):
-        """(U_x, U_z) of the top, nm."""
+        """(U_x, U_z) of the top at load s, nm."""
         return self.loading.at(s)[0], float(v[-1])
 
     def undeformed(self, s):
-        """The unknowns of a layer that nothing acts on."""
+        """The unknowns (size,), nm, of a layer that nothing acts on at load s, nm."""
         return np.append(self.inner.undeformed(s), self.loading.at(s)[1])
 
     def residual(self, v, active, s, out):
-        """Fill out (size,) with R, nm; returns its largest magnitude."""
+        """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
         worst = self.inner.residual_under(v[:-1], active, self.top(v, s), out[:-1])
         out[-1] = self.scale * (self.contact.pressure(self.contact.last_traction) - self.pressure)
         return max(worst, abs(out[-1]))
@@ -82,7 +83,7 @@ class LoadControl:
         return bordered
 
     def pressure_of(self, J, w):
-        """Mean of the normal traction J w (GPa) over the cell."""
+        """Mean of the normal traction J w over the cell, GPa, of J (4, m) GPa/nm and w (2 m,) nm."""
         x, z = self.inner.surface(w)
         return self.contact.pressure([None, J[2] * x + J[3] * z])
 
@@ -111,7 +112,7 @@ class HeldSurface(Surface):
         self.stiffness[1, 0] = 0.0
 
     def unknowns(self, y):
-        """v of y; the top is where the layer carries the load."""
+        """v (size,), nm, of y; the top is where the layer carries the load."""
         height = float(y[1, 0].real) / self.count - float(self.compliance[1, 0]) * self.problem.pressure
         return np.append(self._displacement(y), height)
 

@@ -54,7 +54,7 @@ class Surface:
         return self._u[:, self.patch]
 
     def unknowns(self, y):
-        """v of y, a new array."""
+        """v (size,), nm, of y; a new array."""
         return self._displacement(y).reshape(-1).copy()
 
     def force(self, y, active, s):

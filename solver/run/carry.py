@@ -1,5 +1,6 @@
 """Going on with a run under changed parameters, from the state it has reached in shear."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import ceil
 
@@ -9,7 +10,8 @@ from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.load_control import LoadControl
-from ..scene import SURFACES, SceneError
+from ..scene import SURFACES, Scene, SceneError
+from .frame import Frame
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
@@ -18,7 +20,7 @@ from .slices import owned
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
 
 
-def carry_on(checkpoint, scene, changed):
+def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint:
     """The Checkpoint from which the run of `scene` that stands at `checkpoint` goes on as one of the Scene `changed`.
 
     A new indentation is approached in steps of du_z at the same U_x (stage "press"). All else takes effect at once, in
@@ -50,7 +52,7 @@ def carry_on(checkpoint, scene, changed):
     return Checkpoint(ahead[0].stage, 0, checkpoint.patch, begun, load_steps=ahead, pressure=pressure, carried=True)
 
 
-def carried_path(legs):
+def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
     """Yield the Frames of a run that is carried on: [(Scene, how many), ..., (Scene, None: up to its end)].
 
     Raises NotConverged as `load_path` does, the errors of `carry_on`, and ValueError where a leg ends too early.

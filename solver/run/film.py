@@ -21,7 +21,8 @@ def through(scene, before, stage, load, most=60, limit=float("inf")):
 
     before: the Frame before it, with u right to 1e-2 nm. Frames of a motion are not at rest: `residual` says how far
     from it. They lead from the end of the branch to the next rest, at even distances of the node that moves most; there
-    are none if the branch does not end. limit: processor time of a part of the increment, s. Raises NotConverged.
+    are none if the branch does not end. limit: processor time of a part of the increment, s.
+    Raises NotConverged, and ValueError where a flat's nodes are not alike.
     """
     step, start = _step(scene, before, stage), _load(before, stage)
     step = replace(step, start=start, increment=(load - start) / PARTS, increments=PARTS, end=load, until_free=False)

@@ -1,9 +1,11 @@
 """What an increment reports: displacements and tractions of the patch, the forces, the contact area."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ..scene import Scene
 
@@ -34,7 +36,7 @@ class SlipEvent:
     kind: str = "fold"
     located: bool = True
 
-    def as_dict(self):
+    def as_dict(self) -> dict[str, Any]:
         """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
         load = STAGES[self.stage][0]
         numbers = {"F_bar": self.F_bar, "L_bar": self.L_bar, "A_bar": self.A_bar}
@@ -46,6 +48,7 @@ class Frame:
     """One converged increment (paper Eq. 6 for the forces).
 
     u, T: (2, m) displacement (nm) and traction on the layer (GPa) of the patch, whose first node is `first`; read-only.
+    F_bar, L_bar: forces over w E; A_bar: length in contact over w.
     """
 
     scene: Scene  # it was computed with: of a run carried on (`carry`), not the same for all
@@ -54,52 +57,52 @@ class Frame:
     U_x: float  # nm
     delta: float  # nm
     first: int
-    u: np.ndarray
-    T: np.ndarray
+    u: NDArray[np.float64]
+    T: NDArray[np.float64]
     F_bar: float
     L_bar: float
     A_bar: float
     residual: float  # max |U + C T(u) - u|, nm
     evaluations: int  # force evaluations of this increment
-    slips: tuple = ()  # SlipEvents in this increment
+    slips: tuple[SlipEvent, ...] = ()  # in this increment
     repeated: bool = False  # known from an earlier lattice period, moved on and verified
     # over critical: above it no wave of the contact can flutter; 0 where all modes are known, and for gfmd, which does
     # not look
     safe_damping: float = 0.0
 
     @property
-    def may_flutter(self):
+    def may_flutter(self) -> bool:
         """Whether a wave may grow unseen: the scene's damping is weaker than what is known to be safe here."""
         return self.scene.damping < self.safe_damping
 
     @property
-    def unit(self):
+    def unit(self) -> float:
         """N/m of force per unit of F_bar and L_bar, those of `slips` too."""
         return self.scene.width * self.scene.E
 
     @property
-    def F(self):
+    def F(self) -> float:
         """Friction force, N/m."""
         return self.F_bar * self.unit
 
     @property
-    def L(self):
+    def L(self) -> float:
         """Normal load, N/m."""
         return self.L_bar * self.unit
 
     @property
-    def slip(self):
+    def slip(self) -> bool:
         """Whether the branch ended within this increment."""
         return bool(self.slips)
 
     @property
-    def U_slip(self):
+    def U_slip(self) -> float | None:
         """Load at the first slip of this increment, nm, or None."""
         return self.slips[0].load if self.slips else None
 
 
 def forces(scene, T):
-    """(F_bar, L_bar): tangential and normal force over w E; attraction is negative."""
+    """(F_bar, L_bar): tangential and normal force over w E, of T (2, m), GPa; attraction is negative."""
     scale = 1.0 / (scene.nodes * scene.E)
     F, L = _sums(T)
     return -F * scale, L * scale
@@ -115,7 +118,7 @@ def _sums(T):
 
 
 def contact_area(scene, T):
-    """A_bar: the length under repulsion over w, of all patches, from sign changes of T_z interpolated between nodes."""
+    """A_bar: the length under repulsion over w, from sign changes of T_z, interpolated between nodes; T (2, m), GPa."""
     # repulsion weaker than an error of the tolerance makes counts as none: on a flat at dn = 0 it would flicker
     least = scene.tolerance * scene.phi_n / scene.delta_n**2
     return _repelled(T, T.shape[1] == scene.nodes, least) / scene.nodes
@@ -152,7 +155,7 @@ def _repelled(T, closed, least):
 
 
 def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False):
-    """The Frame of a State of an Equilibrium."""
+    """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     u = on_nodes(scene, problem.surface(state.v))
     T = on_nodes(scene, problem.traction(state.v, state.active))

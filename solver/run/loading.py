@@ -22,10 +22,10 @@ class Loading:
 
 
 def vertical(sign, U_x=0.0):
-    """Lowering (sign 1) or raising (-1) the top at fixed U_x: the load is sign delta."""
+    """Lowering (sign 1) or raising (-1) the top at fixed U_x, nm: the load is sign delta."""
     return Loading("delta" if sign > 0.0 else "-delta", (U_x, 0.0), (0.0, -sign))
 
 
 def sideways(sign, U_z):
-    """Pulling the top along x (sign 1) or back (-1) at fixed U_z: the load is sign U_x."""
+    """Pulling the top along x (sign 1) or back (-1) at fixed U_z, nm: the load is sign U_x."""
     return Loading("U_x" if sign > 0.0 else "-U_x", (0.0, U_z), (sign, 0.0))

@@ -1,8 +1,10 @@
 """The experiment as a sequence of Frames along the load steps of its path; from Checkpoints in between."""
 
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter, thread_time
+from typing import Any
 
 import numpy as np
 
@@ -14,12 +16,13 @@ from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.load_control import LoadControl
 from ..mechanics.surface import closed_stiffness
+from ..scene import Scene
 from ..threads import one_thread
-from .frame import SlipEvent, contact_area, forces, frame_of, on_nodes
-from .load_steps import HIGHEST, load_steps_of, stretched
+from .frame import Frame, SlipEvent, contact_area, forces, frame_of, on_nodes
+from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 from .shortcuts import ALL
 
-METHODS = {"fast": QuasiStatic, "gfmd": Gfmd}
+METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # delta_n; a layer deformed no more than that has come off
 BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the first patch: adhesion draws them nearer
 BUSY = 1.5  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
@@ -31,20 +34,22 @@ class Checkpoint:
 
     stage: str = "approach"
     index: int = 0  # of the next increment
-    patch: tuple | None = None  # (first node, nodes) of the patch
+    patch: tuple[int, int] | None = None  # (first node, nodes) of the patch
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
     late: bool = False  # whether that was for want of time only: see `slices.in_time`
-    load_steps: tuple | None = None  # the path, once begun
+    load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
     carried: bool = False  # whether the state rested under other parameters: in the next increment it may jump
 
 
-def load_path(scene, method="fast", leave_out=ALL):
+def load_path(
+    scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL
+) -> Iterator[Frame]:
     """Yield the Frames of a scene in order; raises NotConverged where an increment has no equilibrium in reach.
 
-    leave_out: the rules of `shortcuts` that the fast method may use.
+    leave_out: the rules of `shortcuts` that the fast method may use. Raises ValueError for a name not in METHODS.
     """
     checkpoint, run = Checkpoint(), Run(scene, method, leave_out)
     while not checkpoint.done:
@@ -68,7 +73,8 @@ class Run:
     def next_frame(self, checkpoint, limit=inf):
         """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
 
-        Raises OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the clock.
+        Raises NotConverged; OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the
+        clock; ValueError where another method than fast is to carry a run on.
         """
         scene = self.scene
         self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY

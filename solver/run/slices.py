@@ -1,26 +1,39 @@
 """A run in slices: a few Frames at a time, each from the Checkpoint that the one before left."""
 
+from collections.abc import Callable, Collection
 from contextlib import contextmanager
 from dataclasses import replace
 from math import inf
 from threading import Lock
 from time import perf_counter
+from typing import Any
 
 from ..continuation.state import NotConverged, OutOfTime
+from ..scene import Scene
+from .frame import Frame
 from .loadpath import Checkpoint, Run
 from .shortcuts import ALL
 
 KEPT = 4  # idle Runs, whose buffers are kept for the next slice
 
 
-def advance(scene, checkpoint=None, budget=0.04, method="fast", leave_out=ALL, limit=inf):
+def advance(
+    scene: Scene,
+    checkpoint: Checkpoint | None = None,
+    budget: float = 0.04,
+    method: str | Callable[..., Any] = "fast",
+    leave_out: Collection[str] = ALL,
+    limit: float = inf,
+) -> tuple[list[Frame], Checkpoint]:
     """(frames, checkpoint): the Frames that follow `checkpoint` (None: the first ones), for about `budget` seconds.
 
     A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
     then checkpoint.failure says where and what to do. limit: processor time for one increment, s.
+    Raises ValueError for a method that is not in METHODS, or is not one to carry a run on.
     """
     checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
-    frames, end = [], perf_counter() + budget
+    frames: list[Frame] = []
+    end = perf_counter() + budget
     with _borrowed(scene, method, leave_out) as run:
         while not checkpoint.done:
             try:
@@ -50,12 +63,13 @@ def owned(checkpoint):
 
 
 def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
-    """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays."""
+    """As `loadpath.Run.next_frame`, whose errors it raises; method, leave_out: as in `advance`."""
     with _borrowed(scene, method, leave_out) as run:
         return run.next_frame(checkpoint, limit)
 
 
-_idle, _lock = [], Lock()  # [(arguments, Run)]
+_idle: list[tuple[tuple[Any, ...], Run]] = []
+_lock = Lock()
 
 
 @contextmanager

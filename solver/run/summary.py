@@ -1,14 +1,18 @@
 """What is read from Frames: a run in a few numbers, and the surface away from the contact."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
-from ..scene import PARAMETERS
-from .frame import STAGES
+from ..scene import PARAMETERS, Scene
+from .frame import STAGES, Frame
 from .load_steps import load_steps_of
 
 
-def whole_surface(scene, frame):
+def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
     """Displacement of every surface node of the layer, (2, nodes) nm, from the traction on the patch."""
     compliance = Convolution(Modes.of(scene).compliance, scene.nodes, scene.nodes)
     compliance.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
@@ -22,7 +26,7 @@ def changing(frames):
     return tuple(name for name in PARAMETERS if any(getattr(s, name) != getattr(scenes[0], name) for s in scenes))
 
 
-def summarize(scene, frames):
+def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """A run in a few numbers: A_0 and slips after the approach; U_s (nm), F_s and A_s at the first slip in shear.
 
     Each is None where there is none. L_min, the least load during retraction, is there in a run with unloading only.

@@ -27,7 +27,7 @@ class Limit:
 
 
 def printed(q, height, E, nu, kind=LONG):
-    """(K_xx, K_zz, K_c) as PHYSICS.md prints them, in arithmetic of that kind; inf or nan where they overflow."""
+    """(K_xx, K_zz, K_c) GPa/nm by the textbook formulas, in arithmetic of that kind; inf or nan where they overflow."""
     q, h, E, nu = np.asarray(q, kind), kind(height), kind(E), kind(nu)
     G, kappa, y = E / (2 * (1 + nu)), 3 - 4 * nu, q * h
     with np.errstate(all="ignore"):

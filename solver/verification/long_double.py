@@ -108,7 +108,7 @@ def springs(scene, ux, gap, active):
 
 @lru_cache(maxsize=4)
 def compliance(nodes, width, height, E, nu):
-    """(C_xx, C_zz, C_c), long double (3, nodes//2 + 1), by inverting the stiffness of PHYSICS.md as it stands there."""
+    """(C_xx, C_zz, C_c), long double (3, nodes//2 + 1), by inverting the textbook stiffness as printed."""
     q = 2 * LONG("3.14159265358979323846264") * np.arange(nodes // 2 + 1, dtype=LONG) / LONG(width)
     h, nu = LONG(height) * LONG(width), LONG(nu)
     G, kappa = LONG(E) / (2 * (1 + nu)), 3 - 4 * nu
