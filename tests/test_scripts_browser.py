@@ -70,7 +70,7 @@ def test_frames_arrive_as_the_solver_computed_them(tab):
         mine = np.array([getattr(frame, name) for frame in frames], dtype=np.float32)
         assert tab.evaluate(f"run.curves.{name}") == mine.tolist(), name
     k = len(frames) - 1
-    shown = tab.evaluate(f"Object.fromEntries(['x', 'gap', 'T_n', 'T_t'].map((name) => [name, [...run.frame({k})[name]]]))")
+    shown = {name: tab.evaluate(f"[...run.frame({k}).{name}]") for name in ("x", "gap", "T_n", "T_t")}
     frame = frames[k]
     nodes = frame.first + np.arange(frame.u.shape[1])
     true = {
