@@ -82,11 +82,11 @@ export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
 // A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
 // too small, and shrinks only when far too large
-function fit(range, low, high, room = 0.08) {
+function fit(range, low, high, curves = [[low, high]], room = 0.08) {
   const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
-  if (me.dragging) { // what moves is seen against what stays, unless most of it is out of sight
-    const { start, end } = range, seen = Math.min(high, end) - Math.max(low, start)
-    if (seen < SIGHT * size) set(range, { start: Math.min(start, low - SIGHT * size), end: Math.max(end, high + SIGHT * size) })
+  if (me.dragging) { // what moves is seen against what stays, unless most of a curve is out of sight
+    const { start, end } = range, lost = ([a, b]) => Math.min(b, end) - Math.max(a, start) < SIGHT * (b - a)
+    if (curves.some(lost)) set(range, { start: Math.min(start, low - SIGHT * size), end: Math.max(end, high + SIGHT * size) })
     return
   }
   const inside = low - least >= range.start && high + least <= range.end
@@ -131,7 +131,9 @@ export function drawCurves(run, ghost, approach) {
   pointAlong(run, unit)
   say("apart", run.apart ? "The surfaces do not reach each other: no force, no contact. Press the punch farther down." : "")
   const shown = (name, factor) => [...[run, ghost].map((of) => part(of, name, factor).value), ...overlays.curves(run, part, name, factor)]
-  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F, unit.factor), ...shown(L, unit.factor)))
+  const moving = [[F, unit.factor], [L, unit.factor]].map(([name, factor]) => Array.from(part(run, name, factor).value))
+  const bounds = moving.filter((list) => list.length).map((list) => [Math.min(...list), Math.max(...list)])
+  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F, unit.factor), ...shown(L, unit.factor)), bounds)
   const areas = shown("A", 1).flatMap((list) => [...list]), least = Math.min(...areas), most = Math.max(...areas, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
   overlays.drawn(run, part, unit, approach)

@@ -26,6 +26,7 @@ export class Picture extends Run {
     const still = (value) => Array.from({ length: frames }, () => value)
     for (const name in this.curves) this.curves[name] = still(0)
     columns.forEach((name, i) => { this.curves[name] = [...new Float32Array(buffer, start + 4 * i * frames, frames)] })
+    this.curves.index = this.curves.U_x.map((U_x) => Math.round(U_x / chunk.head.step))
     for (const name of ["stage", "delta"]) this.curves[name] = still(chunk.columns[name][1])
     for (const name in REAL) {
       const [bar, unit] = REAL[name], by = unit(chunk.head)
