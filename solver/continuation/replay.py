@@ -172,7 +172,9 @@ class Replay:
             branch.add(load, v - shift * problem.direction, active)
         slips = tuple(self._slips(record, state.load, target))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        mode = state.mode and replace(state.mode, safety=record.safety)
+        mode = state.mode
+        if mode is not None and mode.safety is not record.safety:
+            mode = replace(mode, safety=record.safety)
         moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, mode=mode, record=record)
         return Increment(moved, self.stepper.corrector.worst, slips, True)
 

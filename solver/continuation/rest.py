@@ -91,9 +91,9 @@ class Judge:
         pace = np.abs(v - before.v).max() / max(abs(load - before.load), 1e-300)
         calm = known.growth < -LIMITS.clear * self._scale(problem) and pace < LIMITS.faster * known.pace
         if calm and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
-            passed = replace(known, safety=here.safe_damping(known.safety))
-            if self.damping >= passed.safety[0] or here.size > LIMITS.dense_waves:
-                return passed
+            safety = here.safe_damping(known.safety)
+            if self.damping >= safety[0] or here.size > LIMITS.dense_waves:
+                return known if safety is known.safety else replace(known, safety=safety)
         return replace(self._looked(problem, here, v, active, known, smooth, fine=False), pace=pace)
 
     def rightmost(self, problem, v, active, known=None, smooth=None):

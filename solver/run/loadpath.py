@@ -77,12 +77,14 @@ class Run:
         clock; ValueError where another method than fast is to carry a run on.
         """
         scene = self.scene
-        self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY
+        if limit < inf:
+            self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY
         load_steps = checkpoint.load_steps or load_steps_of(scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         if checkpoint.carried and not self._fast:  # the motion would start from a rest under other parameters
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
+        stepper.problem.contact.watch = self._watch if limit < inf else None
         index, load, slips, before = checkpoint.index, step.at(checkpoint.index), (), stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, load)
         try:
@@ -98,17 +100,16 @@ class Run:
         except NotConverged as failure:
             self._place = None  # the problem may have grown beyond the checkpoint's patch
             raise self._with_remedy(failure, step, load) from None
-        done = replace(done, slips=slips + done.slips)
+        if slips:
+            done = replace(done, slips=slips + done.slips)
         problem = stepper.problem
         contact = problem.contact
         events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
         spent, stage = contact.evaluations - before, step.stage
         frame = frame_of(scene, problem, done.state, stage, index, done.residual, spent, events, done.repeated)
-        here = replace(
-            checkpoint, index=index, load_steps=load_steps, patch=(contact.first, contact.size), carried=False
-        )
-        self._place = step, here.patch, here.pressure
-        return frame, self._after(here, step, problem, done)
+        where = contact.first, contact.size
+        self._place = step, where, checkpoint.pressure
+        return frame, replace(checkpoint, **self._after(checkpoint, load_steps, step, index, done), patch=where)
 
     def _watch(self):
         """Called now and then during an increment: raises OutOfTime once it has taken too long."""
@@ -159,25 +160,24 @@ class Run:
         elif where is None:
             where = patch(scene, BULGE) if "window" in leave_out else (0, scene.nodes)
         normal_only = self._fast and scene.phi_ratio == 0.0 and "friction" in leave_out
-        contact = Contact(scene, *where, normal_only=normal_only)
-        contact.watch = self._watch
-        return contact
+        return Contact(scene, *where, normal_only=normal_only)
 
-    def _after(self, checkpoint, step, problem, done):
-        """The Checkpoint after an increment: one increment on, or at the beginning of the next step."""
-        state, last = done.state, checkpoint.index >= step.increments
+    def _after(self, checkpoint, load_steps, step, index, done):
+        """What is new of the Checkpoint after increment `index`: one on, or at the beginning of the next step."""
+        problem, state, last = self._stepper.problem, done.state, index >= step.increments
         if last and step.until_free and not self._free(step, problem, state):
-            checkpoint, last = replace(checkpoint, load_steps=stretched(checkpoint.load_steps, step)), False
+            load_steps, last = stretched(load_steps, step), False
+        here = {"index": index + 1, "state": state, "load_steps": load_steps, "carried": False}
         if not last:
-            return replace(checkpoint, index=checkpoint.index + 1, state=state)
-        following = checkpoint.load_steps[checkpoint.load_steps.index(step) + 1 :]
+            return here
+        following = load_steps[load_steps.index(step) + 1 :]
         if not following:
-            return replace(checkpoint, state=state, done=True)
+            return here | {"index": index, "done": True}
         pressure = checkpoint.pressure
         if not step.held:
             pressure = problem.contact.pressure(problem.traction(state.v, state.active))
         state = _turned(problem, state, step.held, following[0])
-        return replace(checkpoint, stage=following[0].stage, index=0, state=state, pressure=pressure)
+        return here | {"stage": following[0].stage, "index": 0, "state": state, "pressure": pressure}
 
     def _free(self, step, problem, state):
         """Whether a retraction ends: the layer is undeformed, to FREE, or the top at HIGHEST."""
