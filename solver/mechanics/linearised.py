@@ -9,7 +9,6 @@ from numba import njit
 
 from .flutter import safe_friction
 
-SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
 SKEWER = 0.1  # change of J_xz - J_zx over its largest, from which on the safe damping is estimated anew
 ALIKE = 1e-7  # difference of J between nodes, over its largest, below which they count as alike: well above round-off
 
@@ -33,10 +32,8 @@ class Linearised:
         """(J - K) x, (size,), a new array; counts as a force evaluation."""
         surface, field = self.surface, x.reshape(2, -1)
         self.contact.count()
-        if self.contact.uniform:
-            out = -surface.stiffness[:2] * field
-        else:
-            out = -surface.through(field, surface.stiffness * SIGNS)
+        uniform = self.contact.uniform
+        out = -(surface.stiffness[:2] * field if uniform else surface.through(field, surface.operators[0]))
         _add_product(self.J, field[:, surface.patch], out[:, surface.patch])
         return out.reshape(-1)
 
@@ -54,12 +51,12 @@ class Linearised:
         surface, field = self.surface, f.reshape(2, -1).copy()
         w = solve(-self._load(field))
         _add_product(self.J, w[: 2 * self.m].reshape(2, -1), field[:, surface.patch])
-        return self._raised(w, surface.through(field, surface.compliance)).reshape(-1).copy()
+        return self._raised(w, surface.through(field, surface.operators[1])).reshape(-1).copy()
 
     def _load(self, field):
         """What a force on the surface, (2, n), adds to R."""
         surface = self.surface
-        return surface.through(field, surface.compliance)[:, surface.patch].reshape(-1).copy()
+        return surface.through(field, surface.operators[1])[:, surface.patch].reshape(-1).copy()
 
     def _raised(self, w, field):
         """The surface (2, n) displaced by `field` against the top."""

@@ -1,5 +1,7 @@
 """The motion of the whole surface, whose rests are the equilibria: the Dynamics of `continuation.problem`."""
 
+from functools import cached_property
+
 import numpy as np
 
 from . import cohesive_law
@@ -74,13 +76,18 @@ class Surface:
         spectrum[1, 0] += self.stiffness[1, 0] * U_z * self.count
         return spectrum
 
+    @cached_property
+    def operators(self):
+        """K and C as blocks for `through`, (3, modes) each, in rows xx, zz, c of `layer.multiply`."""
+        signs = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
+        return self.stiffness * (signs / self.count), self.compliance * (1.0 / self.count)
+
     def through(self, field, blocks):
-        """A field (2, nodes), each Fourier mode times its block, rows xx, zz, c of `layer.multiply`; a buffer."""
+        """A field (2, nodes) times one of the `operators`; a buffer."""
         self._field[:] = field
         self._forward()
         multiply(self._spectrum, blocks)
         self._backward()
-        self._u *= 1.0 / self.count
         # `force` fills the patch alone, and relies on zeros elsewhere
         self._field[:] = 0.0
         return self._u
