@@ -9,7 +9,7 @@ from numba import njit
 
 from .flutter import safe_friction
 
-SKEWER = 0.1  # change of J_xz - J_zx over its largest, from which on the safe damping is estimated anew
+SKEWER = 0.05  # of critical: change of the safe damping, estimated, from which on it is computed anew
 ALIKE = 1e-7  # difference of J between nodes, over its largest, below which they count as alike: well above round-off
 
 
@@ -68,9 +68,11 @@ class Linearised:
         `known` itself, such a pair, where J_xz - J_zx has hardly changed since.
         """
         skew, before = self.J[1] - self.J[2], known[1]
-        fits = before is not None and before.shape == skew.shape
-        if fits and np.abs(skew - before).max() <= SKEWER * np.abs(before).max():
-            return known
+        if before is not None and before.shape == skew.shape:
+            # of a wave as stiff as the interface
+            change = 0.5 * np.abs(skew - before).max() / np.sqrt(np.abs(self.J).max())
+            if change <= SKEWER * self.surface.critical:
+                return known
         contact = self.contact
         friction = safe_friction(self.J, contact.modes.stiffness, contact.nodes, contact.covers_cell)
         return friction / self.surface.critical, skew
