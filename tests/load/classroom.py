@@ -21,7 +21,7 @@ from client import Server, Tab, summary, tell
 from app.session.controls import CONTROLS
 
 PRESETS = ("fig6", "fig7-case1", "fig7-case2", "fig7-case3")
-DEAREST = {"E": 10.0, "delta_bar": 1.0, "damping": 0.05}
+DEAREST = {"E": 10.0, "delta_bar": 1.0, "damping": 0.2}
 THINK = 2.0, 5.0  # s
 PACE = 0.05  # s between two moves of a hand
 
