@@ -20,7 +20,7 @@ SAID = {"E": "slides smoothly", "phi_ratio": "slips"}  # what happens above the 
 FACTOR = 1.25  # from one value to the next, at most
 PART = 0.6  # of the way to where slips are expected to end, at most: beyond it a slip cannot be followed
 CLOSE = 0.1  # of a value: so near, and seen twice so or not to be followed, the place expected is told
-LEAST = 0.01  # of a value: with shorter steps there is no getting on
+LEAST = 0.03  # of a value: with shorter steps there is no getting on
 MOST = 20  # values on the way to L = 0
 ENOUGH = 8000  # force evaluations on the way to where slips begin or end
 
@@ -34,11 +34,11 @@ def calls(scene, skeleton):
 
 
 def key(scene, name):
-    """The scene as far as it matters for the marks of a slider: they are the same all along it; None if not known."""
+    """The scene as far as it matters for the marks of a slider: they are the same all along it."""
     try:
         return scene.changed(**{name: 0.0 if name == "delta_bar" else ENDS[name][0]})
-    except SceneError:
-        return None
+    except SceneError:  # it does not go that far
+        return scene
 
 
 def of_skeleton(skeleton, name):
