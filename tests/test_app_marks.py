@@ -1,61 +1,104 @@
-"""Marks beside the sliders: what a worker finds, against exact results and against runs of their own."""
+"""Marks beside the sliders: what is told by following, against exact results and against runs of their own."""
+
+import pickle
 
 import pytest
 
-from app.service import marks, worker
-from app.service.tasks import Part
-from solver import Scene, load_path
+from app.service import marks
+from app.session.marks import Marks
+from solver import Scene, follow, load_path, skeleton_of
 from solver.analysis.friction_laws import critical_modulus
 from solver.presets import preset
 
+OFF = 1.1  # a factor: within it slips begin or end, as the mark is extrapolated over up to CLOSE of its value
 
-def found(scene, name):
+
+def pickled(scene):
+    return pickle.dumps(skeleton_of(scene))
+
+
+@pytest.fixture(scope="module")
+def default():
+    return pickled(Scene())
+
+
+def moved(skeleton, **changes):
+    here = pickle.loads(skeleton)
+    return follow(here, here.scene.changed(**changes))
+
+
+def found(skeleton, name):
     """{what happens: value} on a slider."""
-    kept = None
-    while isinstance(result := marks.of_slider(marks.key(scene, name), name, kept), Part):
-        kept = result.kept
-    return {said: value for value, said in result}
+    return {said: value for value, said in marks.of_skeleton(skeleton, name)}
 
 
-@pytest.fixture
-def patient(monkeypatch):
-    """However slow the machine, nothing is left out."""
-    monkeypatch.setattr(marks, "ENOUGH", 600.0)
-    monkeypatch.setattr(worker, "SLOW", 60.0)
+def slips(scene):
+    return any(frame.slips for frame in load_path(scene.changed(u_x_max=15.0, du_x=0.5)) if frame.stage == "shear")
 
 
 def test_on_the_flat_the_marks_are_the_exact_border_of_smooth_sliding():
     flat = preset("fig4a-blue").scene
-    border = found(flat, "E")["slides smoothly"]
-    assert border == pytest.approx(critical_modulus(flat))
-    ratio = found(flat, "phi_ratio")["slips"]
-    assert critical_modulus(flat.changed(phi_ratio=ratio)) == pytest.approx(flat.E)
+    told = marks.calls(flat, None)
+    function, *arguments = told["E"]
+    assert function(*arguments) == ((pytest.approx(critical_modulus(flat)), "slides smoothly"),)
+    function, *arguments = told["phi_ratio"]
+    ((ratio, said),) = function(*arguments)
+    assert said == "slips" and critical_modulus(flat.changed(phi_ratio=ratio)) == pytest.approx(flat.E)
 
 
 @pytest.mark.slow
-def test_a_punch_slips_above_its_mark_on_friction_and_not_below(patient):
-    scene = Scene()
-    ratio = found(scene, "phi_ratio")["slips"]
-    for factor, expected in ((1.5, True), (1 / 1.5, False)):
-        frames = load_path(scene.changed(phi_ratio=ratio * factor, u_x_max=15.0, du_x=0.5))
-        assert any(frame.slip for frame in frames if frame.stage == "shear") is expected
+@pytest.mark.parametrize(("name", "said", "above"), [("phi_ratio", "slips", True), ("E", "slides smoothly", False)])
+def test_a_punch_slips_on_one_side_of_its_mark_and_not_on_the_other(default, name, said, above):
+    value = found(default, name)[said]
+    assert slips(Scene(**{name: value * OFF})) is above
+    assert slips(Scene(**{name: value / OFF})) is not above
 
 
 @pytest.mark.slow
-def test_a_soft_punch_has_its_marks_on_indentation(patient):
-    scene = Scene(E=10.0)
-    at = found(scene, "delta_bar")
-    assert at["jumps in"] < 0.0 < at["L = 0"] and "lets go" not in at  # that is beyond the end of the slider
+def test_the_mark_is_the_same_from_wherever_on_the_slider_it_is_looked_for(default):
+    near = found(pickled(Scene(E=2500.0)), "E")
+    assert near["slides smoothly"] == pytest.approx(found(default, "E")["slides smoothly"], rel=0.05)
+
+
+@pytest.mark.parametrize("start", [-0.1, 0.6])
+def test_marks_on_indentation_say_where_there_is_no_load_and_where_it_jumps_in(start):
+    """Wherever on the slider they are looked for."""
+    scene = Scene(E=30.0, du_x=0.5, u_x_max=40.0)
+    at = found(pickled(scene.changed(delta_bar=start)), "delta_bar")
     frames = list(load_path(scene.changed(delta_bar=at["L = 0"], u_x_max=0.0)))
-    approach = [frame.L_bar for frame in frames if frame.stage == "approach"]
-    assert abs(approach[-1]) < 0.02 * max(map(abs, approach))
+    approach = [frame for frame in frames if frame.stage == "approach"]
+    largest = max(abs(frame.L_bar) for frame in approach)
+    assert abs(approach[-1].L_bar) < 0.01 * largest
+    (jump,) = (slip for frame in approach for slip in frame.slips)
+    assert at["jumps in"] * scene.delta_0 == pytest.approx(jump.load, abs=1e-3)
 
 
-def test_where_a_run_does_not_get_through_what_it_reached_is_told(monkeypatch):
-    monkeypatch.setattr(marks, "ENOUGH", 0.0)
-    assert "lets go" not in found(Scene(), "delta_bar") and found(Scene(), "phi_ratio") == {}
+@pytest.mark.slow
+def test_left_of_the_jump_in_the_marks_of_the_contact_remain(default):
+    apart = found(pickle.dumps(moved(default, delta_bar=-0.5)), "delta_bar")
+    assert apart == pytest.approx(found(default, "delta_bar"), abs=1e-3)
 
 
-def test_where_nothing_slides_nothing_is_marked():
-    assert marks.key(preset("unload").scene, "E") is None
-    assert found(Scene(delta_bar=0.4), "E") == {}  # it still slips at the stiff end of the slider
+def test_where_the_border_is_not_reached_nothing_is_marked(default, monkeypatch):
+    monkeypatch.setattr(marks, "ENOUGH", 500)
+    assert found(default, "E") == found(default, "phi_ratio") == {}
+    assert marks.calls(preset("unload").scene, None) == {}  # a path that is not followed
+
+
+def test_along_a_slider_its_marks_are_looked_for_once(default):
+    """And those of the others anew."""
+
+    class Page:
+        pool = None
+
+        def publish(self):
+            pass
+
+    page = Marks(Page())
+    asked = []
+    page.sweep.add = lambda calls: [asked.append(call[2]) or page._take(call, call[0](*call[1:])) for call in calls]
+    page.seek(Scene(), default)
+    assert sorted(asked) == sorted(marks.SLIDERS)
+    asked.clear()
+    page.seek(Scene(delta_bar=0.1), pickle.dumps(moved(default, delta_bar=0.1)))
+    assert sorted(asked) == ["E", "phi_ratio"]

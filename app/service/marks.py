@@ -1,116 +1,127 @@
-"""Where on a slider something changes, as marks beside it: estimates from a few coarse runs, nothing is assumed."""
+"""Where on a slider something changes, as marks beside it: the run on screen is followed there, nothing is assumed."""
 
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from time import thread_time
-from typing import Any
+import pickle
+from dataclasses import replace
 
-from app.service import worker
-from app.service.tasks import SLICE, Part
-from solver import advance
+import numpy as np
+
+from solver import NotFollowed, SceneError, follow
 from solver.analysis.friction_laws import critical_modulus
+from solver.following.branch import Branch
 from solver.run.load_steps import lifts
 
 SLIDERS = ("delta_bar", "phi_ratio", "E")
-INDENTING, SLIDING = 0.2, 0.5  # delta_n, delta_t: of the increments; with larger ones soft punches jump too far at once
-DEEPEST = 1.0  # delta_bar up to which the slider goes
-BEYOND = 0.02  # delta_bar: so far beyond L = 0 goes a punch that could not be pressed deeper
-PERIODS = 5  # of the lattice, over which it is seen whether sliding is smooth
-ENDS = {
-    "E": (3000.0, 10.0),
-    "phi_ratio": (0.002, 2.0),
-}  # of these sliders: where sliding is smooth if anywhere, and the other
+STRIDE = 0.2  # delta_bar from one state to the next on the way to L = 0, at most
+BEGINNING = 0.1  # delta_t of shear that go along: a Skeleton needs some
+INTERVALS = 6  # between the states of these
+NO_LOAD = 1e-3  # of the largest |L| met, which is none
+ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # of these sliders: the smoother end, and the other
 SAID = {"E": "slides smoothly", "phi_ratio": "slips"}  # what happens above the mark
-FACTOR = 4.0  # from one value to the next, until a run slips
-CLOSE = 1.2  # between one that slips and one that does not
-ENOUGH = 10.0  # s of processor time: better fewer marks than a server that is busy with them
+FACTOR = 1.25  # from one value to the next, at most
+PART = 0.6  # of the way to where slips are expected to end, at most: beyond it a slip cannot be followed
+CLOSE = 0.1  # of a value: so near, and seen twice so or not to be followed, the place expected is told
+LEAST = 0.03  # of a value: with shorter steps there is no getting on
+MOST = 20  # values on the way to L = 0
+ENOUGH = 8000  # force evaluations on the way to where slips begin or end
 
 
-@dataclass(frozen=True)
-class Search:
-    """What has been found on one slider: frames of the run under way, and which values of it slip."""
-
-    used: float = 0.0  # s
-    checkpoint: Any = None
-    rows: tuple = ()  # (stage, delta, L_bar, F_bar, loads of slips) of every frame
-    value: float = 0.0  # of the slider, in the run under way
-    smooth: float | None = None
-    slipping: float | None = None
+def calls(scene, skeleton):
+    """{slider: (function, *arguments) that tells its marks} of a Scene and its pickled Skeleton or None."""
+    found = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
+    if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
+        found |= {name: (of_flat, scene, name) for name in ENDS}
+    return found
 
 
 def key(scene, name):
-    """The scene as far as it matters for the marks of a slider: they are the same all along it; raises SceneError.
+    """The scene as far as it matters for the marks of a slider: they are the same all along it."""
+    try:
+        return scene.changed(**{name: 0.0 if name == "delta_bar" else ENDS[name][0]})
+    except SceneError:  # it does not go that far
+        return scene
 
-    None if there is nothing to be marked: on a path without shear nothing slides.
-    """
+
+def of_skeleton(skeleton, name):
+    """((value, what happens there), ...) along slider `name`, from a pickled Skeleton."""
+    there = pickle.loads(skeleton)
     if name == "delta_bar":
-        return scene.changed(delta_bar=DEEPEST, u_x_max=0.0, path="unload", hold="delta", du_z=INDENTING)
-    if lifts(scene):
-        return None
-    far = PERIODS * scene.spacing
-    changes = {"path": "shear", "u_x_max": far, "du_x": SLIDING, "du_z": INDENTING, name: ENDS[name][0]}
-    return scene.changed(**changes)
+        found = (_no_load(there), "L = 0"), (there.jumps_in, "jumps in")
+        return tuple((value, said) for value, said in found if value is not None and -1.0 <= value <= 1.0)
+    border = _border(there, name)
+    return () if border is None else ((border, SAID[name]),)
 
 
-def of_slider(scene, name, kept=None):
-    """((value, what happens there), ...) along slider `name` for a scene made by `key`; or Part of it."""
-    if name != "delta_bar" and scene.surface == "flat" and scene.delta_bar == 0.0:
-        return _of_flat(scene, name)
-    search, begun = kept or Search(value=getattr(scene, name)), thread_time()
-    frames, checkpoint = advance(scene.changed(**{name: search.value}), search.checkpoint, SLICE, limit=worker.SLOW)
-    new = ((f.stage, f.delta, f.L_bar, f.F_bar, [slip.load for slip in f.slips]) for f in frames)
-    used = search.used + thread_time() - begun
-    search = replace(search, used=used, checkpoint=checkpoint, rows=search.rows + tuple(new))
-    return _of_indentation(scene, search) if name == "delta_bar" else _of_sliding(name, search)
-
-
-def _of_indentation(scene, search):
-    """No load, jump into contact, and, on the way back, out of it: as many of these as were reached."""
-    approach = [row for row in search.rows if row[0] == "approach"]
-    zero = [
-        (low + (high - low) * L_low / (L_low - L_high), "L = 0")
-        for (_, low, L_low, *_), (_, high, L_high, *_) in pairwise(approach)
-        if L_low < 0.0 <= L_high
-    ]
-    lost = search.checkpoint.failure or search.used > ENOUGH
-    if lost and search.rows[-1][0] == "approach" and zero and search.value == DEEPEST:
-        depth = zero[-1][0] / scene.delta_0 + BEYOND
-        return Part(replace(search, used=0.0, checkpoint=None, rows=(), value=depth))
-    if not (lost or search.checkpoint.done or search.rows[-1][0] == "reload"):
-        return Part(search)
-    jumps = [(row[-1][0], "jumps in") for row in approach if row[-1]]
-    out = [(row[-1][-1], "lets go") for row in search.rows if row[0] == "unload" and row[-1]]
-    found = zero[-1:] + jumps[:1] + ([] if lost else out[-1:])
-    return tuple((value / scene.delta_0, said) for value, said in found if abs(value) <= scene.delta_0)
-
-
-def _of_sliding(name, search):
-    """Where slips end and sliding is continuous: bisected in the logarithm, by whether a run slips, or still holds."""
-    shear = [row for row in search.rows if row[0] == "shear"]
-    slips = any(row[-1] for row in shear)
-    if not slips and (search.checkpoint.failure or search.used > ENOUGH):
-        return ()
-    if not slips and not search.checkpoint.done:
-        return Part(search)
-    holds = not slips and shear[-1][3] >= max(row[3] for row in shear)
-    search = replace(search, **{"slipping" if slips or holds else "smooth": search.value})
-    smooth, slipping, (_, last) = search.smooth, search.slipping, ENDS[name]
-    if smooth is None or search.used > ENOUGH:
-        return ()
-    if slipping is None:
-        following = smooth * (FACTOR if last > smooth else 1.0 / FACTOR)
-        following = min(following, last) if last > smooth else max(following, last)
-        if following == smooth:
-            return ()
-    elif max(smooth / slipping, slipping / smooth) < CLOSE:
-        return (((smooth * slipping) ** 0.5, SAID[name]),)
-    else:
-        following = (smooth * slipping) ** 0.5
-    return Part(replace(search, value=following, checkpoint=None, rows=()))
-
-
-def _of_flat(scene, name):
+def of_flat(scene, name):
     """The same on the flat, where it is known exactly: the ratio of stiffness to strength alone counts."""
     part = scene.E / critical_modulus(scene)
     value = scene.E / part if name == "E" else scene.phi_ratio * part
     return ((value, SAID[name]),) if min(ENDS[name]) <= value <= max(ENDS[name]) else ()
+
+
+def _no_load(skeleton):
+    """delta_bar at which, before it slides, the contact carries no load; None where the way there ends."""
+    here, known = _at_rest(skeleton.contact or skeleton), []
+    for _ in range(MOST):
+        if here.contact:  # where it would be, the surfaces are apart
+            return None
+        known.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
+        at, L = known[-1]
+        if abs(L) <= NO_LOAD * max(abs(load) for _, load in known):
+            return at
+        following = at - STRIDE * np.sign(L)
+        drawn, pressed = ([x for x, load in known if load * sign > 0.0] for sign in (-1.0, 1.0))
+        if drawn and pressed:
+            (x0, y0), low, high = known[-2], max(drawn), min(pressed)
+            following = at - L * (at - x0) / (L - y0) if y0 != L else low
+            following = following if low < following < high else 0.5 * (low + high)
+        try:
+            here = follow(here, here.scene.changed(delta_bar=float(following)))
+        except (NotFollowed, SceneError):
+            return None
+    return None
+
+
+def _at_rest(skeleton):
+    """The Skeleton of the same scene with hardly any shear: all that it takes to tell the load."""
+    reach, first = BEGINNING * skeleton.scene.delta_t, skeleton.first
+    scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
+    branch = Branch(0.0, reach, np.zeros((INTERVALS + 1, 0)), None)
+    v = skeleton.unknowns(branch.loads)
+    m = skeleton.nodes
+    active = scene.profile[first : first + m] + v[:, m : 2 * m] <= scene.window_n * scene.delta_n
+    return replace(skeleton, scene=scene, branches=(replace(branch, v=v, active=active),), home=0, sites=0)
+
+
+def _border(skeleton, name):
+    """Value of a slider at which the slips of a Skeleton end; None where following ends before it.
+
+    From smooth sliding it is not told: its states, solved for at given loads, cross over to those beyond a slip.
+    """
+    if skeleton.contact or not (skeleton.sites and skeleton.branches[-1].fold):
+        return None
+    end, way = np.log(ENDS[name][0]), 1.0 if ENDS[name][0] > ENDS[name][1] else -1.0
+    here, at, left = skeleton, np.log(getattr(skeleton.scene, name)), _slip_squared(skeleton)
+    ahead, stride, spent = np.inf, np.log(FACTOR), 0  # expected to be ahead; both of the logarithm
+    while spent < ENOUGH and (step := min(stride, PART * ahead, way * (end - at))) > LEAST:
+        try:
+            here = follow(here, here.scene.changed(**{name: float(np.exp(at + way * step))}))
+        except (NotFollowed, SceneError):
+            if ahead < CLOSE:
+                break
+            stride = 0.5 * step
+            continue
+        spent, at = spent + here.evaluations, at + way * step
+        before, left, expected = left, _slip_squared(here), ahead - step
+        ahead = left * step / (before - left) if left < before else np.inf
+        if ahead < CLOSE and abs(ahead - expected) < CLOSE:
+            break
+    return float(np.exp(at + way * ahead)) if ahead < min(CLOSE, way * (end - at)) else None
+
+
+def _slip_squared(skeleton):
+    """The largest distance that a node moves in a slip, squared, nm^2.
+
+    Where slips end, fold and landing meet as those of load = p x - x^3 do: it vanishes in proportion to p.
+    """
+    ends = np.array([branch.end for branch in skeleton.branches if branch.fold])
+    return float(np.abs(skeleton.unknowns(np.nextafter(ends, np.inf)) - skeleton.unknowns(ends)).max() ** 2)

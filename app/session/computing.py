@@ -198,7 +198,7 @@ class Computing:
         """After a run with coarse increments one with its own follows, when the hand rests; then the sliders' marks."""
         run = self.run
         if run.state == "finished" and not run.coarse:
-            self.session.marks.seek(run.scene)
+            self.session.marks.seek(run.scene, self.following.skeleton)
         elif run.state == "finished" and not self.held:
             self._begin(run.wish, run.after or None, refines=True)
 

@@ -61,8 +61,7 @@ CONTROLS = (
         "δ/δ₀",
         "",
         "Indentation: how far the punch is pressed down, over δ₀ = 10 δₙ. Marks beside the slider"
-        " show where the surfaces jump into contact, where the load turns from pulling to pushing (L = 0), and where a"
-        " punch that is lifted again lets go.",
+        " show where the surfaces jump into contact, and where the load turns from pulling to pushing (L = 0).",
         _even(-1.0, 1.0, 0.01),
     ),
     Control(

@@ -1,8 +1,7 @@
-"""The marks beside a visitor's sliders: looked for in the background once a run has ended."""
+"""The marks beside a visitor's sliders: followed in the background once a run has ended."""
 
 from app.service import marks
 from app.service.sweep import Sweep
-from solver import SceneError
 
 
 class Marks:
@@ -10,35 +9,25 @@ class Marks:
 
     def __init__(self, session):
         self.session, self.sweep = session, Sweep(session, self._take)
-        self.calls, self.told = [], {}
+        self.calls, self.keys, self.told = {}, {}, {}
 
-    def seek(self, scene):
-        """Look for the marks that belong to a scene, unless that is done."""
-        calls = []
-        for name in marks.SLIDERS:
-            try:
-                key = marks.key(scene, name)
-            except SceneError:  # no such run is possible: no marks
-                continue
-            if key is not None:
-                calls.append((marks.of_slider, key, name))
-        if calls != self.calls:
-            self.sweep.cancel()
-            kept = {call[2] for call in calls if call in self.calls}
-            self.told = {name: found for name, found in self.told.items() if name in kept}
-            self.calls = calls
-            self.sweep.add(calls)
+    def seek(self, scene, skeleton):
+        """Look for the marks of a scene, whose run left this pickled Skeleton or None, unless they are known."""
+        self.sweep.cancel()
+        keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
+        self.told = {name: found for name, found in self.told.items() if found and keys[name] == self.keys[name]}
+        calls, self.keys = marks.calls(scene, skeleton), keys
+        self.calls = {call: name for name, call in calls.items() if name not in self.told}
+        self.sweep.add(list(self.calls))
 
     def pause(self):
         """A hand moves: look for nothing more until its run has ended."""
         self.sweep.cancel()
-        self.calls = [call for call in self.calls if call[2] in self.told]
 
     def close(self):
         """Look for nothing any longer."""
         self.sweep.cancel()
 
     def _take(self, call, found):
-        if call in self.calls:
-            self.told[call[2]] = () if isinstance(found, Exception) else found
-            self.session.publish()
+        self.told[self.calls[call]] = () if isinstance(found, Exception) else found
+        self.session.publish()
