@@ -69,9 +69,7 @@ class Linearised:
         """
         skew, before = self.J[1] - self.J[2], known[1]
         if before is not None and before.shape == skew.shape:
-            change = (
-                0.5 * np.abs(skew - before).max()
-            )  # over the root of its stiffness: of a wave as stiff as the interface
+            change = 0.5 * np.abs(skew - before).max()  # of Im mu, here for a wave as stiff as the interface
             if change <= SKEWER * self.surface.critical * np.sqrt(np.abs(self.J).max()):
                 return known
         contact = self.contact
