@@ -28,11 +28,7 @@ def cautions(scene, widest=0.0, safe_damping=0.0):
             f"Node spacing a = {ratio:.2g} δₜ is above {FAR:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes move"
             " sideways, out of reach of their springs, and the contact grows too wide."
         )
-    if scene.damping < safe_damping:
-        found.append(
-            f"At damping {scene.damping:g} waves of the contact may flutter unseen: increments said to rest may not"
-            f" do so. From {safe_damping:.2g} on none can."
-        )
+    found += flutter(scene, safe_damping)
     softness = scene.phi_t / (scene.E * scene.delta_t)
     if softness > SOFT and scene.surface != "flat":
         found.append(
@@ -49,6 +45,16 @@ def cautions(scene, widest=0.0, safe_damping=0.0):
     elif scene.surface != "flat":
         found += _of_the_profile(scene)
     return found
+
+
+def flutter(scene, safe_damping):
+    """[a sentence] where waves may flutter in frames that nobody has looked at for that, else []."""
+    if scene.damping >= safe_damping:
+        return []
+    return [
+        f"At damping {scene.damping:g} waves of the contact may flutter unseen: increments said to rest may not"
+        f" do so. From {safe_damping:.2g} on none can."
+    ]
 
 
 def _of_the_profile(scene):

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from solver import Scene, SceneError
+from solver.cautions import flutter
 from solver.continuation.rest import Judge, rate
 from solver.continuation.state import State
 from solver.run.loadpath import Checkpoint, Run, load_path
 from solver.verification import spectrum
+from solver.work_precision import verdict
 
 SOFT = Scene(E=10.0, delta_bar=0.6, phi_ratio=0.3, u_x_max=22.4)
 FLUTTER = 22.2718524  # nm, its first slip; the fold of the branch lies at 22.4396
@@ -177,3 +179,14 @@ def test_rates_of_the_quadratic():
     assert rate(-1.0, 2.0) == pytest.approx(-1.0)
     assert rate(0.0, 2.0) == 0.0
     assert rate(3.0 + 1j, np.inf) == 3.0
+
+
+def test_the_accuracy_report_says_where_waves_may_flutter():
+    scene = Scene(damping=0.3)
+    (sentence,) = flutter(scene, 0.4)
+    assert "From 0.4 on none can" in sentence and flutter(scene, 0.3) == []
+    report = SimpleNamespace(scene=scene, safe_damping=0.4, steps=(0.1, 0.1), horizon=1.0, slips=1, quick=True)
+    report.tolerance, report.seconds, report.judgement, report.known_slips = 1e-8, 1.0, None, ()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verdict, "judged", lambda report: [])
+        assert sentence in verdict.notes(report)

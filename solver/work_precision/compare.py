@@ -47,12 +47,14 @@ class Curves:
     states: dict = field(default_factory=dict)  # `place` in shear: (first node, u)
     seconds: float = 0.0
     evaluations: int = 0
+    safe_damping: float = 0.0  # the largest of the frames
     failure: str | None = None
     stopped: bool = False  # for taking too long
 
     def take(self, frame, keep):
         """Add one Frame, its field too if `keep`."""
         self.evaluations += frame.evaluations
+        self.safe_damping = max(self.safe_damping, frame.safe_damping)
         self.slips += [(frame.stage, event) for event in frame.slips]
         if frame.stage == "shear":
             self.rows.append((frame.F_bar, frame.L_bar, frame.A_bar))

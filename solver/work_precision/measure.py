@@ -53,6 +53,7 @@ class Report:
     seconds: float  # of the reference
     known_slips: tuple
     judgement: Judgement  # of the reference, by GFMD
+    safe_damping: float = 0.0  # the largest of the reference's frames
     points: tuple = ()
 
     def of(self, sweep, series=None):
@@ -114,7 +115,9 @@ def _report(scene, quick, slips, short, known, judgement):
     fine = known.scene
     events = tuple((stage, event.load, event.F_bar) for stage, event in known.slips)
     steps = (fine.du_x, fine.du_z)
-    return Report(scene, quick, short.u_x_max, slips, fine.tolerance, steps, known.seconds, events, judgement)
+    return Report(
+        scene, quick, short.u_x_max, slips, fine.tolerance, steps, known.seconds, events, judgement, known.safe_damping
+    )
 
 
 def shortened(scene, slips):

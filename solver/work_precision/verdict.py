@@ -2,6 +2,7 @@
 
 from dataclasses import asdict
 
+from ..cautions import flutter
 from ..scene import LIMITS
 from ..text import changes
 from .compare import QUANTITIES, SAME_BRANCH
@@ -169,6 +170,7 @@ def notes(report):
         f"Reference: fast, tolerance {report.tolerance:g} nm, du_x = {du_x:g}, du_z = {du_z:g}, {report.seconds:.2g} s;"
         " for the window sweeps also with that window widened until it cuts nothing off.",
         *judged(report),
+        *flutter(report.scene, report.safe_damping),
         "F, L, A: largest error before the first slip over the largest value. slip: farthest slip off its place in"
         " the reference (du_z: in approach; others: in shear). F_s: error of F there over the largest F.",
         f"same branch: as gfmd's; states right after a slip, at the same load, differ by less than {SAME_BRANCH:g} of"
