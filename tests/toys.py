@@ -82,7 +82,7 @@ class Disturbed:
     """The Linearised of a Toy: the unknowns, of unit mass."""
 
     def __init__(self, problem, v):
-        self.problem, self.size = problem, problem.size
+        self.problem, self.v, self.size = problem, v, problem.size
         self._matrix = problem.J(v) - problem.k * np.eye(problem.size)
 
     def product(self, x):
@@ -95,6 +95,9 @@ class Disturbed:
 
     def inverse(self, solve, f):
         return solve(-f / self.problem.k)
+
+    def projected(self, basis):
+        return basis @ self.problem.J(self.v) @ basis.T
 
     def seen(self, x):
         return x.copy()

@@ -26,6 +26,9 @@ class Linearised(Protocol):
     def inverse(self, solve: Callable, f):
         """x (N,) with (K - J) x = f; solve: the function that gives w for dR/dv w. For N > `rest.LIMITS.dense`."""
 
+    def projected(self, basis):
+        """X J X^T (k, k) of disturbances X (k, N). For N > `rest.LIMITS.dense`."""
+
     def seen(self, x):
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""
 

@@ -33,9 +33,11 @@ class Limits:
     sure: float = 4.0  # errors by which a growth must differ from zero to be told from it
     others: int = 3  # vectors of no known symmetry that an exact look begins with; with one a mode was missed
     most: int = 60  # vectors that a look may add to the space
-    # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no unknown has moved
-    # farther since the last look, in units of the problem, and states move with the load at most so many times as fast:
-    # towards a fold at a distance d in load they move as d^-1/2
+    # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no carried mode is as
+    # soft as `near` (a mode of that margin was a fold two states on), no unknown has moved farther than `far` since the
+    # last look, in units of the problem, and states move with the load at most `faster` times as fast: towards a fold
+    # at a distance d in load they move as d^-1/2
+    near: float = 0.2
     far: float = 0.2
     faster: float = 1.15
 
@@ -60,6 +62,7 @@ class Mode:
     )  # damping over critical above which no wave can flutter, and `Linearised.safe_damping`'s
     basis: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     v: np.ndarray | None = None  # (size,) where it was looked for, and
+    margin: float = 0.0  # of the carried modes from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J
     pace: float = 0.0  # how far the unknown that moved most did per load there
 
     @property
@@ -89,8 +92,8 @@ class Judge:
         if not _fits(known, v):
             return self._looked(problem, here, v, active, None, smooth, fine=True)
         pace = np.abs(v - before.v).max() / max(abs(load - before.load), 1e-300)
-        calm = known.growth < -LIMITS.clear * self._scale(problem) and pace < LIMITS.faster * known.pace
-        if calm and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
+        calm = known.growth < -LIMITS.clear * self._scale(problem) and known.margin > LIMITS.near
+        if calm and pace < LIMITS.faster * known.pace and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
             safety = here.safe_damping(known.safety)
             if self.damping >= safety[0] or here.size > LIMITS.dense_waves:
                 return known if safety is known.safety else replace(known, safety=safety)
@@ -118,8 +121,10 @@ class Judge:
             return _dense(here, friction)
         space, inverse = self._emptied(problem, here, v, active, smooth)
         radius, start = LIMITS.radius * 0.25 * critical**2, known.basis if fits else ()
-        growth, mu, x, basis = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
-        return Mode(growth, mu, here.seen(x), basis=basis, v=v, safety=safety)
+        growth, mu, x, basis, M = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
+        J = here.projected(basis)
+        margin = 1.0 - float(np.linalg.eigvals(np.linalg.solve(J - M, J)).real.max())
+        return Mode(growth, mu, here.seen(x), basis=basis, v=v, margin=margin, safety=safety)
 
     def _emptied(self, problem, here, v, active, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""
@@ -177,7 +182,7 @@ def _of_waves(here, mu, shown, friction):
 
 
 def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
-    """(growth, mu, x, basis (k, size) to go on from) of the fastest mode with |mu| < radius, GPa/nm.
+    """(growth, mu, x, basis (k, size) to go on from, J - K on it) of the fastest mode with |mu| < radius, GPa/nm.
 
     start: vectors to begin with; scale: of growths; space: an empty Space. Unless `fine`, the search ends once it is
     told whether a mode lies outside the parabola.
@@ -207,7 +212,7 @@ class _Ritz:
 
     def __init__(self, space, friction, radius, scale):
         self.values, self.vectors, strange = _ritz_pairs(space, radius)
-        self.scale, self.known = scale, space.vectors
+        self.scale, self.known, self.matrix = scale, space.vectors, space.matrix
         self.depth, rates = inside(self.values, friction), rate(self.values, friction)
         self.residuals = space.residuals(self.vectors, self.values)
         miss = np.sqrt((np.abs(self.residuals) ** 2).sum(axis=1))
@@ -237,11 +242,11 @@ class _Ritz:
         return self.growth - 2.0 * self.error if doubtful else self.growth
 
     def carried(self):
-        """(mu and x of the fastest mode, an orthonormal basis (k, size) of the modes nearest to growing)."""
+        """(mu and x of the fastest mode; an orthonormal basis (k, size) of those nearest to growing, and J - K on it)."""
         parts = [part for k in np.argsort(self.depth) for part in _parts(self.vectors[:, k])]
-        basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T @ self.known
+        basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T
         x = _largest_phase(self.vectors[:, self.fastest] @ self.known)
-        return complex(self.values[self.fastest]), x, basis
+        return complex(self.values[self.fastest]), x, basis @ self.known, basis @ self.matrix @ basis.T
 
 
 def _ritz_pairs(space, radius):

@@ -62,6 +62,12 @@ class Linearised:
         """The surface (2, n) displaced by `field` against the top."""
         return field
 
+    def projected(self, basis):
+        """X J X^T, (k, k) GPa/nm, of disturbances X (k, size)."""
+        J = self.J
+        x, z = basis.reshape(len(basis), 2, -1)[:, :, self.surface.patch].transpose(1, 0, 2)
+        return x @ (J[0] * x + J[1] * z).T + z @ (J[2] * x + J[3] * z).T
+
     def safe_damping(self, known=(0.0, None)):
         """(damping over critical above which no wave can flutter, J_xz - J_zx (m,) that it is for), by `flutter`.
 
