@@ -242,7 +242,7 @@ class _Ritz:
         return self.growth - 2.0 * self.error if doubtful else self.growth
 
     def carried(self):
-        """(mu and x of the fastest mode; an orthonormal basis (k, size) of those nearest to growing, and J - K on it)."""
+        """(mu and x of the fastest mode; an orthonormal basis (k, size) of those nearest to growing; J - K on it)."""
         parts = [part for k in np.argsort(self.depth) for part in _parts(self.vectors[:, k])]
         basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T
         x = _largest_phase(self.vectors[:, self.fastest] @ self.known)
