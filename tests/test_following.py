@@ -152,6 +152,12 @@ def test_frames_of_a_skeleton_are_equilibria(skeleton):
         assert (frame.stage, frame.U_x, frame.delta, frame.first) == ("shear", load, scene.delta, followed.first)
 
 
+def test_a_run_that_does_not_slide_has_no_skeleton():
+    scene = SMALL.changed(u_x_max=0.0)
+    with pytest.raises(NotFollowed, match="has not slid"):
+        skeleton_from(scene, list(load_path(scene)))
+
+
 def test_a_skeleton_is_small_and_picklable(skeleton):
     packed = pickle.dumps(follow(skeleton, SMALL.changed(E=75.0)))
     assert len(packed) < 200_000

@@ -43,7 +43,7 @@ def skeleton_from(scene: Scene, frames: Sequence[Frame]) -> Skeleton:
     if scene.path != "shear":
         raise NotFollowed(f"path {scene.path!r} is computed")
     sheared = [f for f in frames if f.stage == "shear"]
-    if not sheared:
+    if len(sheared) < 2:
         raise NotFollowed("the run has not slid yet")
     reader = _Reader(scene, frames)
     lines = _lines(sheared)
