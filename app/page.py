@@ -117,6 +117,7 @@ def _html(doc, files):
         "unit": lambda name: LIMITS[name].unit if name in LIMITS else "",
         "choices": CHOICES,
         "presets": _grouped(),
+        "row": [preset for preset in presets().values() if preset.short],
         "pages": {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()},
         "schema": schema,
         "speeds": SPEEDS,

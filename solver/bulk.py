@@ -1,6 +1,5 @@
-"""The commands that compute many scenes, on this machine or on a cluster: `stability` and `map`."""
+"""The commands that compute many scenes, on this machine or on a cluster: `stability`, and of flats `map`."""
 
-import argparse
 import csv
 import os
 import sys
@@ -11,7 +10,6 @@ from .command import (
     NOT_CONVERGED,
     InputError,
     check_writable,
-    parameter_table,
     progress,
     scene_of,
     settings,
@@ -69,24 +67,8 @@ def stability(arguments):
     return NOT_CONVERGED if atlas_report.failed(*report) else 0
 
 
-def add_map(commands):
-    """Adds `map` to the subcommands."""
-    text = "Friction of flats over stiffness E and strength phi_t (Figs. 4, 5), from runs and in closed form, as CSV."
-    epilog = "columns: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max), reason\n\n"
-    raw = argparse.RawDescriptionHelpFormatter
-    add = commands.add_parser
-    parser = add(
-        "map", help="regimes of flats", description=text, epilog=epilog + parameter_table(), formatter_class=raw
-    )
-    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="as in run")
-    parser.add_argument("--points", type=int, default=12, metavar="N", help="N x N points, 2 .. 100, default 12")
-    add_scheduler(parser)
-    parser.add_argument("--csv", metavar="FILE", required=True, help="write a row per point")
-    parser.set_defaults(command=regime_map)
-
-
-def regime_map(arguments):
-    """Computes the map and writes it; 1 if a point has no result but a reason."""
+def flats(arguments):
+    """Computes the map of regimes of flats and writes it; 1 if a point has no result but a reason."""
     from .analysis.regimes import COLUMNS, LIMIT, points, regime  # what `run` does not need
 
     if not 2 <= arguments.points <= 100:

@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, summarize
-from .bulk import add_map, add_stability
+from .bulk import add_stability
 from .cautions import cautions
 from .cluster import ClusterError
 from .command import (
@@ -24,7 +24,9 @@ from .command import (
     scene_of,
     settings,
 )
+from .derivatives import add_fit, add_sensitivities, add_spread
 from .files import write_csv, write_json, write_npz
+from .mapping import add_map
 from .presets import PresetError, preset, presets
 from .run.load_steps import load_steps_of
 from .run.shortcuts import account
@@ -52,7 +54,7 @@ def main(argv=None):
         parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
         parser.add_argument("--version", action="version", version=__version__)
         commands = parser.add_subparsers(required=True, metavar="COMMAND")
-        for add in (add_run, add_accuracy, add_stability, add_map):
+        for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread):
             add(commands)
         arguments = parser.parse_args(argv)
         with one_thread():

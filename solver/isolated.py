@@ -110,15 +110,32 @@ def outcomes(call, items, workers, limit):
 
     workers: how many processes of this machine, or the address of a dask cluster's scheduler; then raises ClusterError.
     """
+    with crew(workers) as outcomes_of:
+        yield from outcomes_of(call, items, limit)
+
+
+@contextmanager
+def crew(workers):
+    """A function (call, items, limit) as `outcomes`, whose processes stay from one use to the next."""
     if isinstance(workers, str):
         from . import cluster  # which makes use of what is here
 
-        yield from cluster.outcomes(call, items, workers, limit)
+        yield lambda call, items, limit: cluster.outcomes(call, items, workers, limit)
         return
-    waiting, found, callers, over = deque(enumerate(items)), SimpleQueue(), [], Event()
+    callers, idle = [], deque()
+    try:
+        yield lambda call, items, limit: _outcomes(call, items, workers, limit, callers, idle)
+    finally:
+        for caller in list(callers):
+            caller.end()
+
+
+def _outcomes(call, items, workers, limit, callers, idle):
+    """The same by processes of which `callers` lists all, and `idle` those that wait for a call."""
+    waiting, found, over = deque(enumerate(items)), SimpleQueue(), Event()
     count = len(waiting)
     threads = [
-        Thread(target=_work_off, args=(call, waiting, found, callers, over, limit), daemon=True)
+        Thread(target=_work_off, args=(call, waiting, found, callers, idle, over, limit), daemon=True)
         for _ in range(min(workers, count))
     ]
     try:
@@ -126,15 +143,18 @@ def outcomes(call, items, workers, limit):
             thread.start()
         for _ in range(count):
             yield found.get()
-    finally:
+    except BaseException:  # nobody wants the rest
         over.set()
         for caller in list(callers):
             caller.end()
+        idle.clear()
+        raise
+    finally:
         for thread in threads:
             thread.join()
 
 
-def _work_off(call, waiting, found, callers, over, limit):
+def _work_off(call, waiting, found, callers, idle, over, limit):
     """Make calls in a process, and in a new one after each that was lost."""
     caller = None
     while waiting and not over.is_set():
@@ -142,8 +162,7 @@ def _work_off(call, waiting, found, callers, over, limit):
             index, item = waiting.popleft()
             try:
                 if caller is None:
-                    caller = Caller()
-                    callers.append(caller)
+                    caller = _idle_or_new(callers, idle)
                     if over.is_set():
                         break
                 outcome = caller.call(call, item, limit=limit)
@@ -154,7 +173,14 @@ def _work_off(call, waiting, found, callers, over, limit):
                     caller = None
             found.put((index, outcome))
     if caller is not None:
-        caller.end()
+        idle.append(caller)
+
+
+def _idle_or_new(callers, idle):
+    with suppress(IndexError):
+        return idle.popleft()
+    callers.append(Caller())
+    return callers[-1]
 
 
 def _serve(pipe):

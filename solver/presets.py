@@ -10,7 +10,7 @@ from .scene import Scene, SceneError
 
 FILE = "presets.toml"
 TEXTS = ("title", "group", "look")
-WORDS = (*TEXTS, "figure")
+WORDS = (*TEXTS, "figure", "short")
 
 
 class PresetError(ValueError):
@@ -21,7 +21,7 @@ class PresetError(ValueError):
 class Preset:
     """A named Scene: `title` for menus, under `group`; `look` says in a sentence what to look for.
 
-    figure: of the paper, or "".
+    figure: of the paper, or ""; short: its phenomenon in two words, where it is among the first to be shown, or "".
     """
 
     name: str
@@ -30,6 +30,7 @@ class Preset:
     figure: str
     look: str
     scene: Scene
+    short: str = ""
 
     @property
     def label(self):
@@ -81,6 +82,7 @@ def _preset(name, table):
         if key not in allowed:
             raise PresetError(f"{where}, key {key!r}: allowed: {', '.join((*WORDS, *allowed))}; use one of these")
     try:
-        return Preset(name, table["title"], table["group"], table.get("figure", ""), table["look"], Scene(**values))
+        texts = [table["title"], table["group"], table.get("figure", ""), table["look"]]
+        return Preset(name, *texts, Scene(**values), table.get("short", ""))
     except SceneError as error:
         raise PresetError(f"{where}, key {error.name!r}: {error}") from None

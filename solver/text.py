@@ -19,11 +19,12 @@ UNITS = {  # that may follow a number of that unit, and what they are of it
 }
 
 
-def number_from_text(name, text, notes=None, known=None):
+def number_from_text(name, text, notes=None, known=None, whole=None):
     """The number that `text` gives for parameter `name`, within its range or not; raises SceneError where it is none.
 
     '−0.5' with a true minus, '0,3' with a decimal comma (said in the list `notes`), '70 GPa', '2.5 µm' with a unit.
-    known: a Range to name in messages, narrower than that of Scene.
+    known: a Range to name in messages, narrower than that of Scene. whole: the length in nm that the parameter is a
+    part of; then a length may be given as well, '4 nm' of 10 nm for 0.4.
     """
     given = " ".join(str(text).split())  # thin spaces as well
     for other, usual in (("−", "-"), ("∞", "inf"), ("μ", "µ")):  # the last: Greek mu, and the micro sign
@@ -31,6 +32,8 @@ def number_from_text(name, text, notes=None, known=None):
     found = NUMBER.fullmatch(given)
     known = known or LIMITS[name]
     units = UNITS.get(known.unit, {known.unit: 1.0})
+    if whole:
+        units = units | {unit: nm / whole for unit, nm in UNITS["nm"].items()}
     remedy = "give a number in that range"
     if found and THOUSANDS.fullmatch(found["mantissa"]):
         other = given.replace(",", "")

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 from collections import Counter
+from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads that wait for each other eat both cores
 
@@ -52,7 +53,7 @@ def browser(chromium):
 
     with sync_playwright() as playwright:
         # Containers run as root and with a small /dev/shm; the pages opened here are our own.
-        arguments = ["--no-sandbox", "--disable-dev-shm-usage"]
+        arguments = ["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--disable-background-networking"]
         opened = playwright.chromium.launch(executable_path=chromium, args=arguments)
         yield opened
         opened.close()
@@ -79,6 +80,8 @@ class Tabs:
         context = self.browser.new_context(viewport=DESKTOP, **options)
         self.contexts.append(context)
         context.set_default_timeout(PATIENCE)
+        # as for one who was in the laboratory last, where all tools are in sight; ?view=hero shows the first screen
+        context.add_init_script("localStorage.getItem('view') ?? localStorage.setItem('view', 'lab')")
         page = context.new_page()
         page.on("console", lambda message: self.problems.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self.problems.append(str(error)))
@@ -104,6 +107,26 @@ def visit(server, browser):
     yield tabs.open
     tabs.close()
     tabs.check()
+
+
+STATIC = Path(__file__).parent.parent / "app" / "static"
+
+
+@pytest.fixture(scope="module")
+def tab(browser):
+    """A blank page at an address of its own from which the modules can be imported; no server, nothing else."""
+    page = browser.new_page()
+    kinds = {".js": "text/javascript", ".html": "text/html"}
+
+    def answer(route):
+        path = route.request.url.removeprefix("http://scripts/")
+        body = "<!doctype html>" if path == "blank.html" else (STATIC / path).read_text(encoding="utf-8")
+        route.fulfill(body=body, content_type=kinds[Path(path).suffix])
+
+    page.route("http://scripts/**", answer)
+    page.goto("http://scripts/blank.html")
+    yield page
+    page.close()
 
 
 @pytest.fixture(scope="module")

@@ -55,8 +55,8 @@ def test_the_default_position_of_every_slider_is_the_default_scene():
 def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, text):
     scene, errors = changed_scene(SHORT, {name: text})
     assert scene == SHORT
-    control = next(control for control in CONTROLS if control.name == name)
-    assert name in errors[name] and f"{control.low:g} .. {control.high:g}" in errors[name]
+    low, high = LIMITS[name][:2]  # beyond the slider's own
+    assert name in errors[name] and f"{low:g} .. {high:g}" in errors[name]
 
 
 def test_entries_are_read_as_people_write_them_and_a_comma_is_said(page):

@@ -6,7 +6,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from served import PATIENCE, finished, laid_out
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 # in a sentence a word is as low as its line (WCAG 2.5.8)
 TOUCHED = "button:not(p .term), select, input:not([type=checkbox]), label:has([type=checkbox])"
 SMALL = f"""() => [...document.querySelectorAll('{TOUCHED}')]
@@ -202,7 +202,7 @@ def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
         raise AssertionError("the tab key does not leave the page")
     assert 40 < len(stops) < 60
     assert not [stop for stop in stops if not (stop["name"] and stop["ring"] >= 2)]
-    wanted = ["tour", "open-theory", "more", "projector", "preset", "pin", "take", "delta_bar", "lens", "play", "scrub"]
+    wanted = ["tour", "projector", "open-theory", "more", "preset", "pin", "take", "delta_bar", "lens", "play", "scrub"]
     found = [stop["id"] for stop in stops if stop["id"] in wanted]
     assert found == wanted  # in the order of the page
     page.keyboard.press("Shift+Tab")

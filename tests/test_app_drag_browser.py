@@ -3,7 +3,7 @@
 import pytest
 from served import PATIENCE, finished
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map((name) => {
     const { x_range, y_range } = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === name)
     return [name, [x_range.start, x_range.end, y_range.start, y_range.end]]

@@ -3,7 +3,7 @@
 import pytest
 from served import FAULTS, PATIENCE, finished, laid_out
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
 
 

@@ -3,7 +3,7 @@
 import pytest
 from served import finished
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 
 

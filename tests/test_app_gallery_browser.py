@@ -5,7 +5,7 @@ from served import FAULTS, PATIENCE, finished, laid_out, values_are
 
 from solver.presets import presets
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 
 def test_a_preset_is_chosen_by_its_picture_with_the_keyboard(visit):
@@ -23,7 +23,7 @@ def test_a_preset_is_chosen_by_its_picture_with_the_keyboard(visit):
     )
     assert sorted(map(tuple, shown)) == sorted(cards)
     assert gallery.locator("h3").all_inner_texts() == list(dict.fromkeys(one.group for one in presets().values()))
-    page.locator(".picture svg").first.wait_for(timeout=PATIENCE)
+    page.locator("#gallery .picture svg").first.wait_for(timeout=PATIENCE)
     page.keyboard.press("Escape")
     gallery.wait_for(state="hidden")
     assert opener.evaluate("(e) => e === document.activeElement")
@@ -48,7 +48,8 @@ def test_every_preset_gets_its_picture_and_the_gallery_fits_every_screen(visit):
     page.get_by_role("button", name="Gallery").click()
     gallery = page.get_by_role("dialog", name="Presets")
     page.wait_for_function(
-        f"document.querySelectorAll('.picture svg').length === {len(presets())}", timeout=len(presets()) * PATIENCE
+        f"document.querySelectorAll('#gallery .picture svg').length === {len(presets())}",
+        timeout=len(presets()) * PATIENCE,
     )
     for width, height in ((1440, 900), (1024, 768), (844, 390), (390, 844)):
         page.set_viewport_size({"width": width, "height": height})

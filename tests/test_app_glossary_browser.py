@@ -5,7 +5,7 @@ from served import FAULTS, finished, laid_out
 
 from app.glossary import forms
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('glossary.html')).length"
 
 

@@ -5,7 +5,7 @@ import re
 import pytest
 from served import PATIENCE, finished, values_are
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 
 def enter(page, name, text):
@@ -101,9 +101,10 @@ def test_an_embedded_page_shows_the_views_alone_paused_with_their_parameters(vis
     page = visit("?embed=1&delta_bar=0.1&k=150")
     finished(page)
     page.wait_for_function("punch.drawn === 150 && !punch.playing")
-    for part in ("header", ".about", ".controls", ".player"):
+    for part in ("header", ".about", ".controls"):
         assert not page.locator(part).first.is_visible()
-    assert page.locator("figure:visible").count() == 5
+    assert page.locator(".player button:visible").count() == 1 and page.locator("#scrub").is_visible()
+    assert page.locator("figure:visible").count() == 4
     assert "δ/δ₀ = 0.1" in page.inner_text("#caption")
     assert "embed" not in page.get_attribute("#whole-app", "href")
     assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")

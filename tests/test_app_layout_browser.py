@@ -3,7 +3,7 @@
 import pytest
 from served import FAULTS, PATIENCE, finished, laid_out
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 SIZES = (
     (360, 740),
@@ -42,15 +42,16 @@ def faults_at_every_size(page, whole=False):
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("query", ["", "?view=projector"])
-def test_the_experiment_fits_every_screen(look, query):
-    page = look(query)
+@pytest.mark.parametrize("view", ["hero", "lab", "projector"])
+def test_the_experiment_fits_every_screen(visit, view):
+    page = visit(f"?view={view}")
+    finished(page)
     page.keyboard.press("End")  # the longest readout
     assert not faults_at_every_size(page, whole=True)
 
 
 def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(visit):
-    page = visit()
+    page = visit("?view=hero")
     page.set_viewport_size({"width": 390, "height": 844})
     finished(page)
     punch, player = (page.locator(what).bounding_box() for what in ("#punch-view", ".player"))
@@ -78,25 +79,48 @@ def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
     assert page.evaluate(widths) == before
 
 
+SHARES = {(1440, 900): 0.55, (1280, 720): 0.55, (390, 844): 0.45}  # of the first screen that is the hero's
+
+
 @pytest.mark.thorough
-def test_on_a_low_screen_sliders_punch_forces_and_map_are_in_sight_and_the_rest_below(look):
-    page = look()
-    for width, height in ((900, 600), (960, 640), (1024, 600), (1024, 700), (1180, 600), (1280, 640), (1366, 657)):
+def test_the_hero_has_its_share_of_every_screen_and_a_curve_is_always_in_sight(visit):
+    page = visit("?view=hero")
+    finished(page)
+    for width, height in (*SHARES, (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657), (844, 390)):
         page.set_viewport_size({"width": width, "height": height})
         laid_out(page)
+        hero, curve = (page.locator(what).bounding_box() for what in (".hero", ".view[data-view=forces]"))
+        assert hero["width"] * hero["height"] >= SHARES.get((width, height), 0.4) * width * height, (width, height)
         player = page.locator(".player").bounding_box()["y"]
-        views = ("#punch-view", "[data-view=forces]", "[data-view=map]")
-        boxes = [page.locator(f"div.view{view}").bounding_box() for view in views]
-        lowest = max(box["y"] + box["height"] for box in boxes)
-        assert lowest <= player and not page.evaluate(FAULTS), (width, height)
-        assert page.locator("div.view[data-view=traction]").bounding_box()["y"] >= lowest
+        assert max(box["y"] + box["height"] for box in (hero, curve)) <= player, (width, height)
+
+
+CONTROLS = """() => {
+    const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden]')
+    const all = [...document.querySelectorAll('button, input, select, a[href], summary')].filter(seen)
+    return all.filter((e) => e.getBoundingClientRect().width > 1).map((e) => e.name || e.id)
+}"""
+
+
+def test_the_first_screen_has_twelve_controls(visit):
+    page = visit("?view=hero")
+    finished(page)
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.keyboard.press("Home")
+    laid_out(page)
+    shown = page.evaluate(CONTROLS)
+    entries = {
+        name for name in shown if name.endswith("-entry")
+    }  # a slider and its entry are one, as is a group of choices
+    assert len(set(shown) - entries) <= 12, sorted(set(shown))
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])
 def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
-    page = visit()
+    page = visit("?view=hero")
     finished(page)
+    page.get_by_role("button", name="Menu").click()
     page.get_by_role("button", name=title).click()
     page.wait_for_function("() => document.querySelector('.sheet:not([hidden]):not([data-drawing])')")
     if title == "Area laws":
@@ -105,11 +129,11 @@ def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
 
 
 @pytest.mark.thorough
-def test_on_a_phone_held_sideways_punch_and_sliders_are_side_by_side(look):
-    page = look()
+def test_on_a_phone_held_sideways_punch_and_curve_are_side_by_side(visit):
+    page = visit("?view=hero")
+    finished(page)
     page.set_viewport_size({"width": 844, "height": 390})
     laid_out(page)
-    punch, slider, play = (page.locator(what).bounding_box() for what in ("figure >> nth=0", "#delta_bar", "#play"))
-    assert punch["x"] + punch["width"] <= slider["x"]
-    assert punch["height"] > 200
+    punch, curve, play = (page.locator(what).bounding_box() for what in ("#punch-view", "#chosen", "#play"))
+    assert punch["x"] + punch["width"] <= curve["x"]
     assert play["y"] + play["height"] <= 390

@@ -1,14 +1,14 @@
 """Pinned runs: kept in the browser, overlaid, in numbers, in a link; in a real Chromium."""
 
 import pytest
-from peeling import peel_asymmetry
 from served import FAULTS, MODEL, PATIENCE, finished, laid_out, values_are
 
 from solver import Scene, load_path, summarize
 from solver.analysis.friction_laws import friction_force
+from solver.analysis.peeling import peel_asymmetry
 from solver.presets import preset
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 
 def lines(page, view):

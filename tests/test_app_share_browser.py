@@ -13,7 +13,7 @@ from served import PATIENCE, finished
 
 from solver.cli import main as command_line
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 
 @pytest.fixture

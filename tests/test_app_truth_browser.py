@@ -5,7 +5,7 @@ import time
 import pytest
 from served import PATIENCE, Server, finished, patient
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 GREY = "document.querySelector('.page').dataset.stale === 'true'"
 SAID = "document.getElementById('stale').textContent"
 
@@ -25,9 +25,9 @@ def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_th
     finished(page, run=2)
     assert {tuple(said) for said in page.evaluate("window.said")} == {(1, "computed for E = 20")}
     assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
-    page.fill("#E-entry", "7000")  # refused: the run on screen is that of the sliders
+    page.fill("#E-entry", "7000000")  # refused: the run on screen is that of the sliders
     page.keyboard.press("Enter")
-    page.wait_for_function("document.getElementById('E-error').textContent.includes('7000')")
+    page.wait_for_function("document.getElementById('E-error').textContent.includes('7000000')")
     assert not page.evaluate(GREY)
 
 

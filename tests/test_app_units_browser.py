@@ -5,7 +5,7 @@ import re
 import pytest
 from served import finished
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 MODELS = "[...Bokeh.documents[0]._all_models.values()]"
 
 

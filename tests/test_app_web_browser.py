@@ -6,7 +6,7 @@ import threading
 import pytest
 from served import PATIENCE, Server, finished, patient
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
 
 @pytest.mark.thorough

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from peeling import edges, peel_asymmetry
 
 from solver import Scene
+from solver.analysis.peeling import edges, peel_asymmetry
 from solver.run.frame import contact_area, forces
 
 SCENE = Scene(nodes=100, width=250.0)

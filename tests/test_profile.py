@@ -6,9 +6,9 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
-from peeling import edges
 
 from solver import Profile, ProfileError, Scene, SceneError, load_path, read_profile
+from solver.analysis.peeling import edges
 from solver.profile import FEWEST_POINTS, MOST_BYTES, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
 from solver.surfaces import LENGTHS

@@ -18,23 +18,6 @@ WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
 LOOP = SHORT.changed(path="loop", u_x_max=6.0)
 
 
-@pytest.fixture(scope="module")
-def tab(browser):
-    """A blank page at an address of its own from which the modules can be imported; no server, nothing else."""
-    page = browser.new_page()
-    kinds = {".js": "text/javascript", ".html": "text/html"}
-
-    def answer(route):
-        path = route.request.url.removeprefix("http://scripts/")
-        body = "<!doctype html>" if path == "blank.html" else (STATIC / path).read_text(encoding="utf-8")
-        route.fulfill(body=body, content_type=kinds[Path(path).suffix])
-
-    page.route("http://scripts/**", answer)
-    page.goto("http://scripts/blank.html")
-    yield page
-    page.close()
-
-
 def run_of(tab, scene):
     """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
     frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time

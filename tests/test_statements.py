@@ -8,11 +8,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from peeling import edges
 
 from solver import Scene, load_path
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, figure_8, onset
+from solver.analysis.peeling import edges
 from solver.presets import preset
 
 pytestmark = pytest.mark.slow  # they share the runs of Figs. 7 and 8

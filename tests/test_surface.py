@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from peeling import edges, peel_asymmetry
 
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text
+from solver.analysis.peeling import edges, peel_asymmetry
 from solver.mechanics.contact import patch
 from solver.run.loadpath import BULGE
 from solver.run.shortcuts import ALL

@@ -3,7 +3,9 @@
 from collections import OrderedDict, deque
 from concurrent.futures import Future
 
-PATIENCE = 5.0  # s without a result, beyond what a task asks for, after which its process is killed
+PATIENCE = (
+    20.0  # s without a result, beyond what a task asks for, after which its process is killed: a busy server is slow
+)
 # what a task is for: somebody's screen; the exact run of what is on one already; a screen, but it takes long; the rest
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 

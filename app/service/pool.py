@@ -24,7 +24,7 @@ __all__ = ["EXACT", "HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
 HOPE = 60.0  # s since a worker was last ready, before which they are not told
-SILENT = 30.0  # s without an answer of any worker, after which the pool counts as dead
+SILENT = 60.0  # s without an answer of any worker, after which the pool counts as dead
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed
 
 

@@ -11,10 +11,15 @@ import numpy as np
 from app.service import worker
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
+from solver.analysis.interior import shear_factors, wavenumbers
+from solver.analysis.maps import Tile, points_of
 from solver.analysis.raster import fringes, mesh, picture
+from solver.analysis.sensitivities import sensitivities
 from solver.cli import report_of
 from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
+from solver.following.branch import NotFollowed
+from solver.following.reading import skeleton_of
 from solver.run.load_steps import lifts
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
@@ -102,6 +107,68 @@ def onset_of(scene, kept=None):
     curves = {name: getattr(found, name)[keep].astype(np.float32) for name in ("F", "A")}
     numbers = {name: getattr(found, name) for name in ("U_s", "F_s", "A_s", "A_0")}
     return numbers | curves | {"L_0": float(found.L[0])}
+
+
+def what_matters(scene):
+    """What moves the first slip of a scene, as the page "What matters" draws it; or a sentence why there is nothing.
+
+    bars: {parameter: [U_s, F_s, A_s]}, change in per cent for one per cent more of the parameter, for 0.01 of one that
+    is zero; None of what is zero itself. nodes: change of F_s by the strength of each node from `first` on, over F_s.
+    """
+    try:
+        found = sensitivities(skeleton_of(scene))
+    except (NotConverged, NotFollowed) as error:
+        return f"{error}".rstrip(".")
+    if not found.slips:
+        return "nothing slips up to the end of the run"
+    slip = found.slips[0]
+    now = np.array([slip.event.load, slip.event.F_bar, slip.event.A_bar])
+    values = {name: getattr(scene, name) for name in slip.by}
+    bars = {}
+    for name, by in slip.by.items():
+        change = by[[0, 1, 3]] * (values[name] or 1.0)
+        bars[name] = [float(f"{d / v:.4g}") if v else None for d, v in zip(change, now, strict=True)]
+    held = slip.nodes[1] / (slip.event.F_bar or 1.0)
+    acting = np.flatnonzero(held)
+    first, last = (acting[0], acting[-1] + 1) if acting.size else (0, 0)
+    nodes = [float(f"{share:.3g}") for share in held[first:last]]
+    return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
+
+
+def map_row(scene, x, y, row, kept=()):
+    """[Point] of a row of a map over the Axes x and y: both ends are run, the others lie between two known ones.
+
+    Or Part of it.
+    """
+    there = {(point.i, point.j) for point, _ in kept}
+    asked = tuple(one for one in between(x.count, row) if one[0] not in there)
+    begun, kept = perf_counter(), list(kept)
+    for found in points_of(Tile(scene, x, y, asked, tuple(kept))):
+        kept.append(found)
+        if perf_counter() - begun > SLICE and len(kept) < x.count:
+            return Part(tuple(kept))
+    return [point for point, _ in kept]
+
+
+def between(count, row):
+    """((i, row), {neighbour: weight}) of all places of a row: its ends, then always the middle of two known ones."""
+    yield from (((i, row), {}) for i in (0, count - 1))
+    spans = [(0, count - 1)]
+    for low, high in spans:
+        if high - low < 2:
+            continue
+        middle = (low + high) // 2
+        part = (middle - low) / (high - low)
+        yield (middle, row), {(low, row): 1.0 - part, (high, row): part}
+        spans += [(low, middle), (middle, high)]
+
+
+def shear_table(scene, depth, rows, modes):
+    """float32 bytes (rows, modes, 4) of `interior.shear_factors` at the middles of rows down to `depth`, nm."""
+    table = np.empty((rows, modes, 4))
+    z = (np.arange(rows) + 0.5) * (depth / rows)
+    shear_factors(wavenumbers(scene, modes), z, scene.height * scene.width, scene.nu, table)
+    return table.astype("<f4").tobytes()
 
 
 def stress_picture(scene, first, traction, quantity, window, size, per_fringe, deformed):

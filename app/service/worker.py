@@ -23,7 +23,7 @@ from solver.run.slices import in_time, next_frame, owned
 
 NICENESS = 10  # the event loop must win against the physics
 LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (`solver.mechanics.layer.fft_size`)
-QUICK, SLOW = 0.3, 2.5  # s of processor time for an increment: of a run that must not be in the way of others, of any
+QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as width that acts
 

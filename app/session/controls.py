@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from difflib import get_close_matches
 from math import inf
 
 import numpy as np
@@ -84,11 +85,10 @@ CONTROLS = (
     ),
 )
 NAMES = tuple(control.name for control in CONTROLS)
-RANGES = (  # of the numbers, in the app
-    LIMITS
-    | {control.name: LIMITS[control.name]._replace(low=control.low, high=control.high) for control in CONTROLS}
-    | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}
-)
+LABELS = {control.name: control.label for control in CONTROLS}
+RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # of the numbers, in the app
+WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # unit: the length of Scene that it is
+BESIDE = ("preset", "profile", "v", "k", "page", "theme", "embed", "tour", "view", "pin", "force")  # in an address
 STAYS = " The run on screen stays."
 
 
@@ -122,11 +122,21 @@ def applies(name):
     return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x") else {}
 
 
-def read(name, text, notes=None):
-    """What was entered for parameter `name`, checked against its range in the app; raises SceneError."""
+def read(name, text, notes=None, scene=None):
+    """What was entered for parameter `name`, checked against its range in the app; raises SceneError.
+
+    scene: of whose lengths the number may be a part; then '4 nm' is as good as 0.4.
+    """
     if name in CHOICES:
         return PARAMETERS[name].checked(name, text)
-    return RANGES[name].checked(name, number_from_text(name, text, notes, RANGES[name]))
+    unit = "δ₀" if name == "delta_bar" else RANGES[name].unit
+    whole = getattr(scene, WHOLES[unit]) if scene and unit in WHOLES else None
+    return RANGES[name].checked(name, number_from_text(name, text, notes, RANGES[name], whole))
+
+
+def told(name, error):
+    """A message about an entry in the page's words: 'Press depth: delta_bar = ...'."""
+    return f"{LABELS[name]}: {error}" if name in LABELS else f"{error}"
 
 
 def changed_scene(scene, entries, notes=None):
@@ -138,9 +148,9 @@ def changed_scene(scene, entries, notes=None):
     for name in PARAMETERS:
         if name in entries:
             try:
-                values[name] = read(name, entries[name], notes)
+                values[name] = read(name, entries[name], notes, scene)
             except SceneError as error:
-                errors[name] = f"{error}.{STAYS}"
+                errors[name] = f"{told(name, error)}.{STAYS}"
     try:
         if values.get("surface") == "measured" and scene.measured is None:
             raise SceneError("surface", "measured", "it needs a profile", "choose a file under profile")
@@ -149,7 +159,7 @@ def changed_scene(scene, entries, notes=None):
         return changed, errors
     except SceneError as error:
         where = error.name if error.name in PARAMETERS else next(iter(values), NAMES[0])
-        return scene, errors | {where: f"{error}.{STAYS}"}
+        return scene, errors | {where: f"{told(where, error)}.{STAYS}"}
 
 
 def with_profile(scene, profile):
@@ -185,7 +195,7 @@ DEFAULT = next(iter(presets()))
 def scene_from_address(arguments):
     """(scene, preset, notes) asked for in the page's address {name: [bytes]}; a note per value that is of no use."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
-    known, notes = presets(), []
+    known, notes = presets(), [_unknown(name) for name in entries if name not in PARAMETERS and name not in BESIDE]
     name = entries.get("preset", DEFAULT)
     if name not in known:
         notes.append(f"preset = “{name[:40]}” is unknown; allowed: {', '.join(known)}. The default is shown.")
@@ -209,6 +219,12 @@ def scene_from_address(arguments):
         for entry, message in errors.items()
     ]
     return scene, name, notes
+
+
+def _unknown(name):
+    """What is said of a name in an address that means nothing."""
+    close = get_close_matches(name, PARAMETERS, 1)
+    return f"“{name[:40]}” in the address means nothing here{f'; {close[0]}?' if close else '.'}"
 
 
 def shown(value):

@@ -24,6 +24,7 @@ from app.session.controls import (
 )
 from app.session.film import Film
 from app.session.gallery import Gallery
+from app.session.layer import Layer
 from app.session.marks import Marks
 from app.session.share import Share
 from app.session.wire import Wire
@@ -50,6 +51,7 @@ class Session:
         self.pages = Pages(self)
         self.beside, self.share = Beside(self), Share(self)
         self.film, self.marks, self.gallery = Film(self), Marks(self), Gallery(self)
+        self.layer = Layer(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
         self.reading = None  # the task that reads a profile
@@ -70,6 +72,7 @@ class Session:
             self.beside.close()
             self.share.close()
             self.film.close()
+            self.layer.close()
             self.marks.close()
             self.gallery.close()
             visitors.discard(self)
@@ -111,6 +114,8 @@ class Session:
             todo |= {"take": self.share.take}
             todo[name](values)
             self.publish()
+        elif name == "layer":
+            self.layer.want(values)
         elif name == "ask":
             self.pages.order(values)
         elif name == "page":

@@ -107,6 +107,6 @@ def _said(scene):
     sigma = scene.phi_n / scene.delta_n / np.e
     tau = scene.phi_t / scene.delta_t * np.sqrt(2.0 / np.e)
     return (
-        f"One spring (Eq. 5): σ_max = φₙ/(e δₙ) = {sigma:.3g} GPa, τ_max = √(2/e) φₜ/δₜ = {tau:.3g} GPa at zero gap."
+        f"One spring (Eq. 5): σₘₐₓ = φₙ/(e δₙ) = {sigma:.3g} GPa, τₘₐₓ = √(2/e) φₜ/δₜ = {tau:.3g} GPa at zero gap."
         f" A node feels all sites within reach, a = {scene.spacing / scene.delta_t:.3g} δₜ apart."
     )

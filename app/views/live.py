@@ -32,7 +32,7 @@ FRAME = {
     # px beside the frame, the same in every view so that shared axes line up
     **{"min_border_left": 76, "min_border_right": 14, "min_border_top": 6, "min_border_bottom": 4},
     "output_backend": "canvas",  # a lecture hall's laptops may lack WebGL
-    **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 80},
+    **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 40},
 }
 ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
 AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
@@ -76,14 +76,14 @@ def traction(x):
 
 def forces(x):
     """Friction and load along the path, those of the run before pale behind."""
-    ways = Scatter(x="U_x", y="value", angle="angle", marker="triangle", size=11)
-    heads = _drawn("ways", ways, "--text", data={"U_x": [], "value": [], "angle": []})  # of arrows
-    return _figure("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)", [_zero(), _pins(), *_curves("N/m", "F", "L"), heads])
+    return _figure(
+        "forces", x, Range1d(-1, 2), TOP, "F, L (N/m)", [_zero(), _pins(), *_curves("N/m", "F", "L"), _ways()]
+    )
 
 
 def area(x):
     """Contact area along the path."""
-    return _figure("area", x, Range1d(0, 100), TOP, "A (nm)", [_pins(), *_curves("nm", "A")])
+    return _figure("area", x, Range1d(0, 100), TOP, "A (nm)", [_pins(), *_curves("nm", "A"), _ways()])
 
 
 def contact_map(x):
@@ -95,7 +95,8 @@ def contact_map(x):
     stripes = VBar(x="x", width="width", bottom="bottom", top="top", fill_alpha=0.15, line_alpha=0)
     stripes.update(hatch_pattern="right_diagonal_line", hatch_color="#808080", hatch_weight=2, hatch_scale=8)
     unrested = _drawn("unrested", stripes, "--free", data={name: [] for name in ("x", "width", "bottom", "top")})
-    parts = [_drawn("map", image, "", said, data=blank), unrested, _pins()]
+    branch = _drawn("branch", Line(x="U_x", y="x", line_dash="dashed"), "--text")  # edges, on the way that is not shown
+    parts = [_drawn("map", image, "", said, data=blank), unrested, branch, _pins()]
     parts += [_drawn("slips_map", slips, "--slip"), _cursor()]
     return _figure("map", x, Range1d(-250, 250), TOP, UNDEFORMED, parts)
 
@@ -115,6 +116,12 @@ def _curve(name, x, y, along, unit):
     curve = CURVES[name]
     said = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
     return _drawn(name, Line(x=x, y=y, line_width=2, line_dash=curve.dash), curve.colour, said, "vline")
+
+
+def _ways():
+    """Heads of arrows along a curve."""
+    ways = Scatter(x="U_x", y="value", angle="angle", marker="triangle", size=11)
+    return _drawn("ways", ways, "--text", data={"U_x": [], "value": [], "angle": []})
 
 
 def _pins():

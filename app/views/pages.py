@@ -22,6 +22,8 @@ PAGES = {  # name: (title, where its figures go)
     "stickslip": ("Stick-slip", ("forces", "mean", "map")),
     "arealaws": ("Area laws", ("runs", "threshold")),
     "solid": ("Inside the solid", ("field",)),
+    "matters": ("What matters", ()),
+    "regimes": ("Map", ("map",)),
 }
 SECTIONS = Path(__file__).parents[1] / "html" / "pages"
 FIGURE = '<figure><figcaption></figcaption><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'

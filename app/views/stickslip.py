@@ -25,8 +25,8 @@ MEASURED = 9  # runs beside it
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
 U_X = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm")
 FORCE = hv.Dimension("F", label="F/(w·70 GPa)", unit="10⁻³")
-RATIO = hv.Dimension("ratio", label="E/τ_max")
-MEAN = hv.Dimension("mean", label="⟨F⟩/(w τ_max)")
+RATIO = hv.Dimension("ratio", label="E/τₘₐₓ")
+MEAN = hv.Dimension("mean", label="⟨F⟩/(w τₘₐₓ)")
 LOG_E = hv.Dimension("E", label="E", unit="GPa")
 LOG_PHI = hv.Dimension("phi_t", label="φₜ", unit="N/m")
 
@@ -42,7 +42,7 @@ def compose():
         {name: flat.colour for name, flat in FLATS.items()} | {"own": "--text", "zero": "--grid"},
         x=(0, END),
     )
-    said = [("E/τ_max", "@ratio{0}"), ("⟨F⟩/(w τ_max)", "@mean{0.000}")]
+    said = [("E/τₘₐₓ", "@ratio{0}"), ("⟨F⟩/(w τₘₐₓ)", "@mean{0.000}")]
     mean = rendered(
         "stickslip_mean",
         [
@@ -61,7 +61,7 @@ def _map():
     """Mean friction over stiffness and strength, on axes of logarithms: a Bokeh image knows no others."""
     bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
     image = hv.Image(np.zeros((2, 2), dtype=np.float32), [LOG_E, LOG_PHI], "mean", bounds=bounds, label="map")
-    image.opts(default_tools=[], cmap="cividis", tools=["hover"], hover_tooltips=[("⟨F⟩/(w τ_max)", "@image{0.00}")])
+    image.opts(default_tools=[], cmap="cividis", tools=["hover"], hover_tooltips=[("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")])
     figure = rendered(
         "stickslip_map",
         [

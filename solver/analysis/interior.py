@@ -83,6 +83,21 @@ def lateral(shape):
 
 
 @njit(cache=True, nogil=True)
+def shear_factors(q, z, height, nu, out):
+    """Factors by which modes q (k,) of the tractions make up the shear stress at depths z (r,), into out (r, k, 4).
+
+    sigma_zz - sigma_xx = out[..., 0] T_z + i out[..., 1] T_x and 2 sigma_xz = out[..., 2] T_x + i out[..., 3] T_z,
+    q in 1/nm, z and height in nm: what photoelastic fringes show, for whoever sums the modes elsewhere.
+    """
+    for r in range(z.size):
+        for k in range(q.size):
+            shape = shape_of(q[k], z[r], height, nu)
+            zz, xx, xz = normal(shape), lateral(shape), shear(shape)
+            out[r, k, 0], out[r, k, 1] = zz[0] - xx[0], zz[1] - xx[1]
+            out[r, k, 2], out[r, k, 3] = 2.0 * xz[0], 2.0 * xz[1]
+
+
+@njit(cache=True, nogil=True)
 def displacement(q, z, height, G, nu):
     """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, above the top's; four numbers.
 

@@ -18,7 +18,7 @@ class DenseInverse:
         self._contact, self._nodes = contact, np.flatnonzero(active)
         self._tangents = contact.tangents(u, active)
         matrix = np.empty((2 * self._nodes.size,) * 2, np.float32)
-        _fill(contact.modes.kernels, self._nodes, self._tangents, matrix)
+        fill(contact.modes.kernels, self._nodes, self._tangents, matrix)
         self._inverse = inverted(matrix)
         self._rows = np.concatenate([self._nodes, contact.size + self._nodes])
 
@@ -51,7 +51,7 @@ def inverted(a):
 
 
 @njit(cache=True, nogil=True)
-def _fill(kernels, nodes, t, out):
+def fill(kernels, nodes, t, out):
     """out = I - C J of the active nodes, t (4, size): J = dT/du, kernels as of `layer.Modes`."""
     k, n = nodes.size, kernels.shape[1]
     for i in range(k):

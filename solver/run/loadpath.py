@@ -25,7 +25,7 @@ from .shortcuts import ALL
 METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # delta_n; a layer deformed no more than that has come off
 BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the first patch: adhesion draws them nearer
-BUSY = 1.5  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
+BUSY = 10.0  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
 
 
 @dataclass(frozen=True)

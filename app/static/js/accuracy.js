@@ -52,8 +52,8 @@ function tellBench() {
   by(other).disabled = false
   if (document.activeElement === by(pressed)) by(other).focus() // a disabled button would lose the keyboard
   by(pressed).disabled = true
-  by("sentence").hidden = by("others").hidden = !sentence
-  by("sentence").textContent = sentence ?? ""
+  by("bench-sentence").hidden = by("others").hidden = !sentence
+  by("bench-sentence").textContent = sentence ?? ""
   by("others").replaceChildren(...(others ?? []).map((line) => Object.assign(document.createElement("li"), { textContent: line })))
 }
 

@@ -38,7 +38,7 @@ export function forget(name) {
 
 // While a hand moves a slider: of these views what changes is sketched, the run before stays, and the rest is not drawn
 const SKETCHED = ["forces", "area", "map", "traction", "punch"]
-const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested)$/ // of these, what stays; what no picture has
+const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested|branch)$/ // of these, what stays; what no picture has
 let sketching = false, hidden = false
 const fresh = new Set() // views whose sketches are over
 
@@ -128,8 +128,9 @@ export function drawCurves(run, ghost, approach) {
   const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
   set(figures.forces.x_range, { start: start - room, end: end + room })
   nameAxis(run.normal || approach)
-  pointAlong(run, unit)
-  say("apart", run.apart ? "The surfaces do not reach each other: no force, no contact. Press the punch farther down." : "")
+  pointAlong(run, "forces", run.curves[run.normal ? L : F], unit.factor)
+  pointAlong(run, "area", run.curves.A, 1)
+  say("apart", run.apart ? "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. Press the punch farther down." : "")
   const shown = (name, factor) => [...[run, ghost].map((of) => part(of, name, factor).value), ...overlays.curves(run, part, name, factor)]
   const moving = [[F, unit.factor], [L, unit.factor]].map(([name, factor]) => Array.from(part(run, name, factor).value))
   const bounds = moving.filter((list) => list.length).map((list) => [Math.min(...list), Math.max(...list)])
@@ -152,8 +153,8 @@ function nameGhost({ scene }, ghost) {
 }
 
 // Which way each part of a loop is walked: heads of arrows at its thirds
-function pointAlong(run, { names, factor }) {
-  const heads = { U_x: [], value: [], angle: [] }, along = run.along, value = run.curves[run.normal ? names.L : names.F]
+function pointAlong(run, view, value, factor) {
+  const heads = { U_x: [], value: [], angle: [] }, along = run.along
   const stages = run.normal || run.head.span[0] < 0 ? [...new Set(run.curves.stage)].filter((stage) => stage > 0) : []
   for (const stage of stages) {
     const first = run.curves.stage.indexOf(stage), last = run.curves.stage.lastIndexOf(stage)
@@ -165,7 +166,7 @@ function pointAlong(run, { names, factor }) {
       heads.angle.push(along[last] > along[first] ? -Math.PI / 2 : Math.PI / 2)
     }
   }
-  fill("forces", "ways", heads)
+  fill(view, "ways", heads)
 }
 
 // The unit of forces, on the axis and beside the mouse
@@ -211,6 +212,7 @@ export function drawMap(run, shown) {
   const bottom = unrested.map(() => low), top = unrested.map(() => low + rows * spacing)
   fill("map", "unrested", { x: unrested.map(([x]) => x), width: unrested.map(([, width]) => width), bottom, top })
   by("unrested").hidden = !unrested.length
+  fill("map", "branch", run.otherEdges(shown))
   const [U_x] = run.slips("F_bar", 1, run.stageOfMap(shown), run.approaching(shown))
   fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figures.map.y_range.start) })
 }
@@ -242,10 +244,15 @@ export function drawFrame(run, k) {
   const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
   if (!me.dragging) setPunches("y_range", { end: top })
   for (const punch of punches) drawPunch(punch, top)
-  fill("traction", "T_n", { x, T: T_n })
-  fill("traction", "T_t", { x, T: T_t })
+  if (figureShown("traction")) {
+    fill("traction", "T_n", { x, T: T_n })
+    fill("traction", "T_t", { x, T: T_t })
+  }
   for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.curves[run.part(run.approaching(k)).abscissa][k] })
 }
+
+// What is not in sight is not drawn
+const figureShown = (view) => document.querySelector(`.view[data-view="${view}"]`).checkVisibility()
 
 function drawPunch({ view, run, frame }, top) {
   const { x, gap, T_n, T_t } = frame, n = x.length
@@ -313,7 +320,7 @@ export function tellStretch() {
 let written = 0 // px of the text in figures, as it was told
 export function rewrite() { // another size of screen, another size of text
   if (parseFloat(colour("--plot-text")) !== written) paint()
-  else namePlace()
+  else { namePlace(); shareAxis() }
 }
 
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
@@ -334,6 +341,15 @@ export function paint() {
     }
   }
   namePlace()
+  shareAxis()
+}
+
+// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
+function shareAxis() {
+  const lab = document.documentElement.dataset.view === "lab"
+  const stacked = ["forces", "area", "map"].filter((view) => document.querySelector(`.view[data-view="${view}"]`).checkVisibility())
+  for (const view of stacked) set(figures[view].below[0], { visible: lab || view === stacked.at(-1) })
+  for (const view of ["punch", "twin"]) if (figures[view]) set(figures[view].below[0], { visible: lab || !document.getElementById("bands").checkVisibility() })
 }
 
 // In full where there is room

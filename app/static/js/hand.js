@@ -1,11 +1,11 @@
 // Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation.
 
 import { by } from "./dom.js"
-import { figures } from "./figures.js"
 import { goto } from "./player.js"
 import { me } from "./state.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
+const PART = 0.5 // of the path for the width of the view
 const DEEP = 0.02 // of delta_bar per px: the whole slider in some 100 px
 
 export function connectHand(positions) {
@@ -22,6 +22,7 @@ export function connectHand(positions) {
       from.way = Math.abs(dx) > Math.abs(dy) || event.pointerType === "touch" ? "along" : "down"
       view.setPointerCapture(event.pointerId)
       view.dataset.dragged = from.way
+      by("grab").hidden = true
     }
     if (from.way === "along") pull(from.along, dx)
     else if (from.way === "down") push(from.delta + DEEP * dy)
@@ -34,10 +35,10 @@ export function connectHand(positions) {
     })
   }
 
-  // the top follows the hand: a nanometre of the path for one on the screen
+  // the top follows the hand, at a pace that shows every slip
   function pull(along, dx) {
-    const { start, end } = figures.punch.x_range
-    goto(me.run.nearest(along + (dx * (end - start)) / view.clientWidth, Math.max(me.at, me.run.sheared)))
+    const { along: path, sheared } = me.run, long = Math.abs(path.at(-1) - path[sheared]) || 1
+    goto(me.run.nearest(along + (dx * PART * long) / view.clientWidth, Math.max(me.at, sheared)))
   }
 
   // as if the slider were moved

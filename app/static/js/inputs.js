@@ -9,11 +9,10 @@ import { by, offerTable, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, redraw, reset, show, toSlip } from "./player.js"
-import { projected } from "./large.js"
-import { fillScreen, project } from "./projector.js"
 import { exact, leaveBehind, me, QUIET } from "./state.js"
 import { tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
+import { chooseNext, connectViews, fillScreen, look } from "./view.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
 const BURST = 900 // ms between two moves of one slider that are one drag, with what was on screen before it behind both
@@ -134,19 +133,20 @@ function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)")
   if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
   const at = (what) => event.target.matches?.(what)
-  const taken = at("input[type=text], input[type=search]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rRpPfFmM".includes(event.key)) || (at("button") && event.key === " ")
+  const taken = at("input[type=text], input[type=search]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rRpPfFmMlLcC".includes(event.key)) || (at("button") && event.key === " ")
   if (event.ctrlKey || event.metaKey || event.altKey || taken || open) return
   const jump = event.shiftKey ? 10 : 1
   const keys = {
     " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
     Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(),
-    p: project, P: project, m: slowMotion, M: slowMotion, f: fillScreen, F: fillScreen,
+    p: project, P: project, l: laboratory, L: laboratory, c: chooseNext, C: chooseNext, m: slowMotion, M: slowMotion, f: fillScreen, F: fillScreen,
   }
   if (!keys[event.key]) return
   event.preventDefault()
   keys[event.key]()
 }
 
+const project = () => look("projector"), laboratory = () => look("lab")
 const slowMotion = async () => me.run?.followed || (await import("./later/film.js")).slowMotion()
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
@@ -159,17 +159,20 @@ function connectCurve(figure) {
 
 const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
+function choosePreset(preset) {
+  leaveBehind(false)
+  order("preset", { preset })
+  checkTruth()
+}
+
 export function connect(positions, usual) {
   onHeard(sendNext)
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
     entry.addEventListener("change", () => enter(entry.id.replace("-entry", ""), entry.value))
   }
-  on("preset", "change", (event) => {
-    leaveBehind(false)
-    order("preset", { preset: event.target.value })
-    checkTruth()
-  })
+  on("preset", "change", (event) => choosePreset(event.target.value))
+  for (const radio of document.querySelectorAll("#row input")) radio.addEventListener("change", () => choosePreset(radio.value))
   on("profile", "change", readProfile)
   on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
   on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))
@@ -180,6 +183,7 @@ export function connect(positions, usual) {
     unfold(false)
     by("menu").focus()
   }, true)
+  document.addEventListener("pointerdown", (event) => { if (!event.target.closest("header, dialog")) unfold(false) })
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint, .term)")?.blur() })
@@ -208,8 +212,7 @@ export function connect(positions, usual) {
     offerTable(figure, view, figure.getAttribute("aria-label"), (tables) => tables.openTable(view))
   })
   on("theme", "click", switchTheme)
-  on("projector", "click", project)
-  if (projected()) project(true)
+  connectViews()
   document.addEventListener("keydown", onKey)
   document.addEventListener("keydown", onUndo)
   for (const name of ["forces", "area", "map"]) connectCurve(figures[name])

@@ -3,17 +3,21 @@
 import { by, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { size, write } from "./pen.js"
+import { FILM } from "./run.js"
 import { me } from "./state.js"
 
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
-const lens = { place: null, shown: true } // nm along the interface, null: at the trailing edge; whether it is wanted
+const lens = { place: null, shown: true, moving: null } // nm along the interface, null: at the trailing edge; whether it is wanted; in slow motion where most moves
+const EASE = 0.15 // of the way to where most moves, in each picture of a slow motion
 
 // Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip held,
 // if any
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
+  if (run.number > FILM) return follow(run, k, frame)
+  lens.moving = null
   const edges = run.edges(k), { first } = run.headOf(k), { x, gap } = frame
   if (!edges) {
     const dip = gap.findIndex((g, i) => g <= gap[i - 1] && g < gap[i + 1] && frame.state(i) === "adhering")
@@ -22,10 +26,18 @@ function focus({ run, k, frame }) {
   return frame.x[Math.max(0, Math.floor(run.stage(k) === "back" ? edges[1] - first : edges[0] - first))]
 }
 
+// Where the surface has moved most since the state of the motion before, eased, so that it can be watched
+function follow(run, k, { x, T_n }) {
+  const before = run.frame(k - 1).x, moved = (i) => (T_n[i] === 0 ? 0 : Math.abs(x[i] - before[i]))
+  const most = before.length === x.length ? x.reduce((best, _, i) => (moved(i) > moved(best) ? i : best), 0) : 0
+  lens.moving = lens.moving === null ? x[most] : lens.moving + EASE * (x[most] - lens.moving)
+  return lens.moving
+}
+
 export function drawLens(view) {
   const { pen, box, X, Y, frame, ink } = view
   const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width), at = focus(view)
-  by("lens").hidden = !lens.shown || radius < 40 || at === null
+  by("lens").hidden = !lens.shown || view.narrow || radius < 40 || at === null
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
@@ -60,7 +72,7 @@ export function drawLens(view) {
 }
 
 // Substrate, sites, springs and nodes between two places; x and y give pixels of lengths in nm
-function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
+export function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
   const { spacing, middle, delta_t, delta_n } = run.headOf(k), dot = Math.min(9, 0.28 * spacing * scale)
   pen.fillStyle = ink.grid
   pen.fillRect(x(from) - 1, y(0), x(to) - x(from) + 2, 1000)

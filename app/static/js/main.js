@@ -7,6 +7,7 @@ import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
 import { adopt, paint, rewrite, tellStretch, useNodes } from "./figures.js"
+import { connectFringes } from "./fringes.js"
 import { connectHand } from "./hand.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
@@ -16,7 +17,18 @@ import * as print from "./print.js"
 import { me } from "./state.js"
 import * as status from "./status.js"
 import * as glossary from "./terms.js"
+import { drawRow } from "./view.js"
 import * as units from "./units.js"
+
+const CALM = 1500 // ms after the first run
+
+function onFirstRun(call) {
+  channel.listen("status", () => {
+    if (me.status.state !== "finished" || !call) return
+    call()
+    call = null
+  })
+}
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
 // looks: {preset: text}; usual: {preset: values} as JSON; nodes: {state: how it is drawn}; terms: {form of a word: term} as JSON; positions: {slider: values}; index: Bokeh's index of views
@@ -34,6 +46,7 @@ export function start({ wire, figures, slots, looks, nodes, terms, usual, positi
   inputs.connect(positions, usual)
   connectLens(player.show)
   connectHand(positions)
+  connectFringes(player.show)
   address.connect(player)
   print.connect()
   channel.listen("chunk", player.receive)
@@ -58,6 +71,7 @@ export function start({ wire, figures, slots, looks, nodes, terms, usual, positi
   requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()
+  onFirstRun(() => setTimeout(drawRow, CALM))
   const stop = Number(new URLSearchParams(location.search).get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
 }

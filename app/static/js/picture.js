@@ -5,7 +5,7 @@ import { opened } from "./channel.js"
 import { REAL, Run, unpack } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
-const KEPT = ["T_high", "T_low", "T_most", "T_least", "lowest", "reach"] // what the views extend over stays while a hand moves
+const KEPT = ["T_high", "T_low", "T_most", "T_least", "T_out", "T_back", "lowest", "reach"] // what the views extend over stays while a hand moves
 
 let count = 0
 

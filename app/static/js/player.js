@@ -1,15 +1,17 @@
 // Receives frames, and plays and scrubs them without asking the server.
 
+import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
 import { by, fixed, minus } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
-import { tellLarge } from "./large.js"
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
 import { Picture } from "./picture.js"
 import { exact, me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
+import { drawFringes } from "./fringes.js"
+import { tellNow } from "./saying.js"
 import { checkTruth } from "./truth.js"
 import { areaSaid, forceSaid, forceUnit } from "./units.js"
 import { value as named } from "./words.js"
@@ -117,6 +119,7 @@ function showFrame() {
   if (!run?.length) return
   const k = Math.max(0, Math.min(Math.floor(me.preview ?? me.at), run.length - 1))
   drawFrame(run, k)
+  drawFringes(run, k)
   drawStory(run, k)
   me.drawn = k
   if (run.sheared >= 0 && me.begun === run.number) {
@@ -128,7 +131,8 @@ function showFrame() {
   for (const draw of me.also) draw(run, k)
   if (me.preview === null) by("scrub").value = k
   tellFrame(run, k)
-  tellLarge(run, k)
+  drawBands(run, k)
+  tellNow(run, k)
   tellStretch()
 }
 

@@ -6,14 +6,12 @@ import { figures } from "./figures.js"
 import { embedded, me } from "./state.js"
 import { described } from "./words.js"
 
-// What is drawn in a view now: its figure and the canvases over it
-export function canvasOf(name) {
-  const canvas = pictureOf(figures[name]), pen = canvas.getContext("2d")
-  pen.setTransform(1, 0, 0, 1, 0, 0)
-  for (const over of holderOf(figures[name])?.querySelectorAll(":scope > canvas:not(.printed)") ?? []) {
-    if (over.width) pen.drawImage(over, 0, 0, canvas.width, canvas.height)
+// The canvases over a view
+export function drawOver(pen, holder, width, height) {
+  for (const over of holder.querySelectorAll(":scope > canvas:not(.printed)")) {
+    pen.globalAlpha = Number(getComputedStyle(over).opacity)
+    if (over.width) pen.drawImage(over, 0, 0, width, height)
   }
-  return canvas
 }
 
 function before() {
@@ -22,7 +20,9 @@ function before() {
   for (const name in figures) {
     const holder = holderOf(figures[name])
     if (!holder?.clientWidth || !holder.clientHeight) continue
-    const canvas = canvasOf(name)
+    const canvas = pictureOf(figures[name]), pen = canvas.getContext("2d")
+    pen.setTransform(1, 0, 0, 1, 0, 0)
+    drawOver(pen, holder, canvas.width, canvas.height)
     canvas.className = "printed"
     canvas.removeAttribute("style")
     holder.append(canvas)

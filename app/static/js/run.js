@@ -47,6 +47,8 @@ export class Run {
     this.T_low = 0
     this.T_most = 0 // GPa, strongest traction of either kind, and the most negative
     this.T_least = 0
+    this.T_out = 0 // GPa, the strongest tangential traction against +x, and along it
+    this.T_back = 0
     this.strongestForce = 0 // N/m, of F and L
     this.lowest = 0 // nm, the smallest gap
     this.reach = 0 // nm from the middle within which anything acts while sheared
@@ -99,8 +101,10 @@ export class Run {
     }
     this.T_high = Math.max(this.T_high, high * scales.T_z)
     this.T_low = Math.min(this.T_low, low * scales.T_z)
-    this.T_most = Math.max(this.T_most, this.T_high, -held * scales.T_x)
-    this.T_least = Math.min(this.T_least, this.T_low, -pulled * scales.T_x)
+    this.T_out = Math.max(this.T_out, -held * scales.T_x)
+    this.T_back = Math.min(this.T_back, -pulled * scales.T_x)
+    this.T_most = Math.max(this.T_most, this.T_high, this.T_out)
+    this.T_least = Math.min(this.T_least, this.T_low, this.T_back)
     if (right >= 0) {
       const from = (first + left) * spacing - middle, to = (first + right) * spacing - middle
       this.reach = Math.max(this.reach, -from, to)
@@ -143,13 +147,22 @@ export class Run {
     return u_x.subarray(row * nodes, (row + 1) * nodes).reduce((a, b) => Math.min(a, b)) * scales.u_x
   }
 
-  // Outermost places of repulsion in frame k, as numbers of nodes with fractions; null where nothing is repelled
-  edges(k) {
+  // Stretches of repulsion in frame k, [from, to] as numbers of nodes with fractions
+  patches(k) {
     const [{ head: { nodes, first }, fields: { T_z } }, row] = this.places[k], T = T_z.subarray(row * nodes, (row + 1) * nodes)
-    const left = T.findIndex((value) => value > 0), right = T.findLastIndex((value) => value > 0)
-    if (left < 0) return null
-    const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0)
-    return [first + left - beyond(left, left - 1), first + right + beyond(right, right + 1)]
+    const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0), found = []
+    T.forEach((value, i) => {
+      if (value <= 0) return
+      if (!(T[i - 1] > 0)) found.push([first + i - beyond(i, i - 1), 0])
+      if (!(T[i + 1] > 0)) found.at(-1)[1] = first + i + beyond(i, i + 1)
+    })
+    return found
+  }
+
+  // Outermost places of repulsion in frame k; null where nothing is repelled
+  edges(k) {
+    const found = this.patches(k)
+    return found.length ? [found[0][0], found.at(-1)[1]] : null
   }
 
   // Largest of F and L after the approach, N/m
@@ -227,7 +240,7 @@ export class Run {
   takeOver(other, k) {
     this.places = other.places.slice(0, k + 1)
     for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
-    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "strongestForce", "lowest", "reach"]) this[name] = other[name]
+    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "T_out", "T_back", "strongestForce", "lowest", "reach"]) this[name] = other[name]
     this.worked = this.curves.work.at(-1)
   }
 
@@ -292,6 +305,26 @@ export class Run {
       if (missed > 0.6 * step && this.curves.slip[k]) found.push([(a + b) / 2, missed])
     })
     return found
+  }
+
+  // Edges of what is repelled (place along the path, x, nm) in the stages that the map does not show: the other branches of
+  // a loop, each edge a line that ends with NaN
+  otherEdges(shown) {
+    const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown)), { spacing, middle } = this.head
+    const lines = { U_x: [], x: [] }
+    for (const other of new Set(this.curves.stage.slice(from, to))) {
+      if (other === stage || this.head.stages[other] === "press") continue
+      for (const side of [0, 1]) {
+        for (let k = from; k < to; k++) {
+          if (this.curves.stage[k] !== other) continue
+          lines.U_x.push(this.curves[abscissa][k])
+          lines.x.push((this.edges(k)?.[side] ?? NaN) * spacing - middle)
+        }
+        lines.U_x.push(NaN)
+        lines.x.push(NaN)
+      }
+    }
+    return lines
   }
 
   stageOfMap(shown) {

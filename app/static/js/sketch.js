@@ -13,7 +13,7 @@ export function put(view, label, columns) {
   sheet.changed = true
 }
 
-function over(view) {
+export function over(view) {
   const canvas = Object.assign(document.createElement("canvas"), { className: "story" })
   const place = document.querySelector(`.view[data-view="${view}"]`) ?? document.getElementById(`${view}-view`)
   place.insertBefore(canvas, place.querySelector(".story")) // under what is written there

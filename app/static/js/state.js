@@ -8,7 +8,7 @@ export const me = {
   coming: null, // the run that takes the place of what is on screen once it is whole
   origin: null, from: null, // the run, and [its number, frame], that a change carries on from
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
-  playing: !reduced && !embedded, following: true, speed: 0, status: {},
+  playing: !reduced, following: true, speed: 0, status: {},
   lost: false, stale: false, place: null, // no server; the sliders say another scene; the place of the path to go to once it is there
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   rests: 400, // ms without a move, after which a hand rests although it holds on

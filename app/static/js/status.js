@@ -74,6 +74,7 @@ function namePreset() {
   const title = menu.querySelector(`[value="${preset}"]`).textContent
   menu.options[0].textContent = `${title} – changed`
   menu.value = changes().length ? "" : preset
+  for (const radio of document.querySelectorAll("#row input")) radio.checked = radio.value === menu.value
 }
 
 function tellLook(text) {
@@ -93,6 +94,7 @@ function presetSaid() {
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped
+const TRUSTED = 0.1 // of the increments, before their pace says anything
 const SLIP = 1.5 // s without news: it is at a slip, all else is quick
 
 let newsAt = 0 // ms
@@ -105,7 +107,7 @@ function doing() {
   const k = run.length - 1, normal = run.normal || run.sheared < 0
   const slip = normal ? `a jump near δ = ${fixed(run.curves.delta[k], 1)} nm` : `a slip near ${fixed(run.curves.U_x[k], 1)} nm`
   const left = (seconds / frames) * (total - frames) - waited()
-  const time = left > 1 ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left` : ""
+  const time = left > 1 && frames > TRUSTED * total ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left` : ""
   return `${waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""}${time}`
 }
 

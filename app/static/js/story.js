@@ -4,7 +4,8 @@ import { frameBox } from "./bokeh.js"
 import { by, fixed, minus } from "./dom.js"
 import { figures, overlays } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
-import { arrow, cleared, inks, size, wide, write } from "./pen.js"
+import { movedSites } from "./sites.js"
+import { arrow, cleared, inks, size, write } from "./pen.js"
 import { me } from "./state.js"
 
 const LINES = 24 // of the mesh in the body, from the surface to the top
@@ -12,7 +13,9 @@ const BAR = 9 // px, height of the top of the layer
 const ARROW = 90 // px, the longest
 const MARKED = 1.0 // nm of the path for which a slip stays marked
 const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
-const LENS = 0.47 // of the width, beyond which the lens does not reach as the page opens
+const LENS = 0.5 // of the width, beyond which the lens does not reach as the page opens
+const WIDE = 52 // times the size of the text, from which there is room for whole sentences
+const PATCHES = 8 // with a bracket each; more are told in words
 const GAIN = 0.005 // a change of the area by less is not told
 
 // Draw everything that belongs to frame k of a run: over the punch, or over that of a pinned run
@@ -59,7 +62,7 @@ function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
 
 // The rigid top: a bar whose marks move with it, and what it does
 function drawTop({ pen, box, X, run, k, slip, main, ink }) {
-  const U_x = run.curves.U_x[k], delta = run.curves.delta[k], { x_range } = figures.punch
+  const U_x = run.curves.U_x[k], { x_range } = figures.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
   pen.strokeStyle = ink.page
@@ -71,38 +74,26 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
     pen.lineTo(X(x + shift) + 3, box.top)
   }
   pen.stroke()
-  const told = {
-    approach: `pushed down: δ = ${fixed(delta, 1)} nm ↓`, reload: `pushed down: δ = ${fixed(delta, 1)} nm ↓`,
-    unload: `lifted: δ = ${fixed(delta, 1)} nm ↑`, back: `← pulled back: Uₓ = ${fixed(U_x, 1)} nm`,
-  }[run.stage(k)] ?? `pulled: Uₓ = ${fixed(U_x, 1)} nm →`
-  const y = box.top + BAR + 12
-  if (main || !slip) write({ pen, ink, box }, told, box.left + box.width - 8, y, { align: "right", bold: true })
-  else write({ pen, ink, box }, slipSaid(run, slip.at), box.left + 8, y, { of: ink.slip, align: "left", bold: true })
+  if (!main && slip) write({ pen, ink, box }, slipSaid(run, slip.at), box.left + 8, box.top + BAR + 12, { of: ink.slip, align: "left", bold: true })
 }
 
-// What the hand must do, at the top: F to the side, L down or up, in lengths over the largest of the runs in view
+// What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest in view
 function drawForces(view) {
   const { box, narrow, run, k, ink } = view
   const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest))
-  const long = Math.min(ARROW, 0.3 * box.height)
-  if (!(full > 0) || run.apart) return
-  const F = run.curves.F[k], L = run.curves.L[k]
-  const top = box.top + BAR, line = 1.25 * size()
-  const x = box.left + 0.82 * box.width, y = top + (narrow ? 2.1 : 2.6) * line
-  arrow(view, [x - (F / full) * long * 0.5, y], [(F / full) * long, 0], ink.shear)
-  const [left] = write(view, `${narrow ? "F" : "friction F"} = ${Math.abs(F) < 1e-6 * full ? "0" : said(F)}`, x, y + line, { of: ink.shear })
-  if (Math.abs(L) < 1e-6 * full) return
-  const text = narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "pushes" : "pulls"}`
-  const below = narrow ? write(view, text, x, y + 2 * line, { of: ink.normal })[0] : left // in a column with F, its arrow beside that
-  const at = narrow ? Math.min(left, below, x - 0.5 * long) - 12 : box.left + 0.55 * box.width
-  const from = narrow ? y : top + 3, deep = (Math.abs(L) / full) * long
+  const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), line = 1.3 * size()
+  const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * line, right = box.left + box.width - 12
+  const moves = { approach: `pushed down ${fixed(delta, 1)} nm`, reload: `pushed down ${fixed(delta, 1)} nm`, unload: `lifted to ${fixed(delta, 1)} nm`,
+    back: `pulled back: ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `pulled ${fixed(U_x, 1)} nm`
+  const pull = none(F) || run.apart ? 0 : (F / full) * long
+  arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
+  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, `}F = ${said(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
+  if (none(L) || run.apart) return
+  const deep = (Math.abs(L) / full) * long, at = box.left + (narrow ? 0.06 : LENS) * box.width, from = box.top + BAR + 3
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
-  if (narrow) return
-  // beside the lens where it is at first and what is said of F; where there is no room for that, below
-  const half = wide(view, text) / 2, low = box.left + LENS * box.width + half, high = left - 8 - half
-  const [x_L, y_L] = low < high ? [Math.min(Math.max(at, low), high), y] : [Math.max(at, low), y + 2.1 * line]
-  write(view, text, x_L, Math.max(from + deep + line, y_L), { of: ink.normal })
+  const text = narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "presses" : "holds it up"}`
+  write(view, text, at + 12, from + Math.max(2.1 * line, 0.5 * deep), { of: ink.normal, align: "left" })
 }
 
 // A force per depth in the unit that needs the fewest digits
@@ -111,32 +102,34 @@ export function said(force) {
   return `${minus(Number((small ? 1000 * force : force).toPrecision(3)))} ${small ? "mN/m" : "N/m"}`
 }
 
-// Under the surface: the width that is repelled, how far either edge has peeled, and what only attracts
+// Under the surface: friction on the punch, a bracket for each stretch that is repelled, and how far either edge has peeled
 function drawEdges(view) {
-  const { pen, box, narrow, X, Y, frame, run, k, ink } = view
-  const edges = run.edges(k), bottom = box.top + box.height
-  let y = Math.min(Math.max(Y(0), Y(Math.min(...frame.gap))) + 12, bottom - 1.6 * size())
-  const back = run.stage(k) === "back"
-  if (!edges) {
+  const { box, narrow, X, Y, frame, run, k, ink } = view, line = 1.3 * size()
+  const patches = run.patches(k), bottom = box.top + box.height
+  const y = Math.min(Math.max(Y(0), Y(Math.min(...frame.gap))) + 12, bottom - 1.8 * size())
+  if (!patches.length) {
     const held = frame.T_n.some((_, i) => frame.state(i) === "adhering")
-    write(view, !held ? "the surfaces do not reach each other" : narrow ? "A = 0: attraction alone" : "nothing is repelled: A = 0, held by attraction alone", X(0), y + size())
-    return
+    const text = !held ? "the surfaces do not reach each other" : narrow ? "attraction alone" : "no contact, A = 0: held by attraction alone"
+    return drawFriction(view, ...write(view, text, X(0), y + size()), y + size())
   }
   const place = (edge) => {
-    const { first } = run.headOf(k), i = Math.floor(edge - first), t = edge - first - i
+    const i = Math.floor(edge - run.headOf(k).first), t = edge - run.headOf(k).first - i
     return X(frame.x[i] * (1 - t) + frame.x[Math.min(i + 1, frame.x.length - 1)] * t)
   }
-  const [left, right] = edges.map(place), A = run.curves.A[k]
-  const repelled = narrow ? `A ${fixed(A, 0)} nm` : `A = ${fixed(A, 0)} nm is repelled`
-  const start = run.sheared >= 0 && k >= run.sheared ? run.edges(run.sheared) : null
-  const peeled = start ? [edges[0] - start[0], start[1] - edges[1]] : [0, 0]
-  const names = back ? ["leading", "trailing"] : ["trailing", "leading"]
-  const told = peeled.map((sites, i) => `${names[i]}${narrow ? "" : " edge"}${Math.abs(sites) < 0.05 ? "" : ` ${sites > 0 ? "−" : "+"}${Math.abs(sites).toFixed(1)}${narrow ? "" : " sites"}`}`)
-  // between what is said of the edges, which stays in sight; or on a line of its own, where there is room for two
-  const from = Math.max(left, box.left + wide(view, told[0]) + 12), to = Math.min(right, box.left + box.width - wide(view, told[1]) - 12)
-  const half = wide(view, repelled) / 2 + 6, fits = 2 * half < to - from, deep = bottom - Y(0) > 2.6 * size()
-  if (!fits && deep) y = Math.min(y, bottom - 2.65 * size())
-  view.told = y - 6
+  const drawn = patches.map((ends) => ends.map(place)), left = drawn[0][0], right = drawn.at(-1)[1]
+  if (drawn.length <= PATCHES) for (const ends of drawn) bracket(view, ends, y)
+  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${patches.length > 1 ? ` in ${patches.length} places` : ""}`
+  const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
+  drawFriction(view, Math.min(left, from), Math.max(right, to), y)
+  const start = run.sheared >= 0 && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
+  if (!start || y + 0.8 * size() + line > bottom) return
+  const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b], low = y + 0.8 * size() + line
+  const told = peeled.map((sites) => Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go by" : "gained"} ${Math.abs(sites).toFixed(1)} sites`)
+  if (told[0]) write(view, told[0], Math.min(left, X(0) - 20), low, { align: "right" })
+  if (told[1]) write(view, told[1], Math.max(right, X(0) + 20), low, { align: "left" })
+}
+
+function bracket({ pen, ink }, [left, right], y) {
   pen.strokeStyle = ink.area
   pen.lineWidth = 2
   pen.beginPath()
@@ -145,28 +138,15 @@ function drawEdges(view) {
   pen.lineTo(right, y)
   pen.lineTo(right, y - 6)
   pen.stroke()
-  const middle = fits ? Math.min(Math.max((left + right) / 2, from + half), to - half) : (left + right) / 2
-  if (fits || deep) write(view, repelled, middle, y + (fits ? 0.8 : 2.1) * size(), { of: ink.area })
-  write(view, told[0], left - 8, y + 0.8 * size(), { align: "right" })
-  write(view, told[1], right + 8, y + 0.8 * size(), { align: "left" })
-  if (!narrow && y > Y(0)) drawAttracted(view, edges)
 }
 
-// The zones that pull, on either side, where there is room for the words
-function drawAttracted(view, [left, right]) {
-  const { X, Y, frame, run, k, ink } = view, { first } = run.headOf(k)
-  const zones = [[0, left - first], [right - first, frame.x.length]]
-  for (const [from, to] of zones) {
-    let total = 0, weight = 0
-    for (let i = Math.max(0, Math.ceil(from)); i < to && i < frame.x.length; i++) {
-      if (frame.state(i) !== "adhering") continue
-      total += -frame.T_n[i] * frame.x[i]
-      weight -= frame.T_n[i]
-    }
-    if (!(weight > 0)) continue
-    const x = total / weight, out = x < 0 ? -1 : 1
-    write(view, "attracts: not in A", X(x) + out * size(), Y(0) - size(), { of: ink.adhering, align: out < 0 ? "right" : "left" })
-  }
+// What the substrate does to the punch: as large as the pull, against it, beside the contact
+function drawFriction(view, left, right, y) {
+  const { box, narrow, run, k, ink } = view, F = run.curves.F[k], full = run.strongest
+  if (!(Math.abs(F) > 1e-6 * full)) return
+  const long = (F / full) * Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), from = F > 0 ? left - 10 : right + 10
+  arrow(view, [from, y], [-long, 0], ink.shear)
+  if (!narrow) write(view, "friction", from - long + (F > 0 ? -8 : 8), y, { of: ink.shear, align: F > 0 ? "right" : "left", bold: true })
 }
 
 // The slip that led to frame k or to one shortly before: {at: its frame, age: 0 .. 1}, or null
@@ -175,14 +155,6 @@ function lastSlip(run, k) {
   const { slip } = run.curves, reach = Math.max(1, Math.round(MARKED / run.head.step))
   for (let at = k; at > 0 && at > k - reach; at--) if (slip[at]) return { at, age: (k - at) / reach }
   return null
-}
-
-// By how many sites every node of frame `at` has moved since the frame before; the same node in either
-export function movedSites(run, at) {
-  const [now, before] = [at, at - 1].map((k) => ({ head: run.headOf(k), x: run.frame(k).x }))
-  const shift = now.head.first - before.head.first, { spacing, flat } = now.head
-  if (flat) return Float32Array.from(now.x, () => Math.round((run.u(at) - run.u(at - 1)) / spacing))
-  return now.x.map((x, i) => (i + shift in before.x ? Math.round((x - before.x[i + shift]) / spacing) : 0))
 }
 
 // The nodes that slipped flash, and fade as the top goes on
@@ -219,11 +191,9 @@ export function slipSaid(run, at, brief = false) {
   return `slip: ${part}${far}${run.head.flat ? "" : area}`
 }
 
-// told: how high what is said under the surface begins
-function tellSlip({ run, slip, narrow, told = Infinity, Y }) {
-  const low = Math.min(Y(0) - (narrow ? 0.5 : 2.2) * size(), told - 2)
-  by("event").style.top = `${Math.max(low, 5 * size())}px` // never over the caption
-  by("slip").hidden = by("slow").hidden = !slip
+function tellSlip({ run, k, slip, narrow }) {
+  by("slip").hidden = !slip
+  by("slow").hidden = run.followed || slipAt(run, k) === null
   if (slip) by("slip").textContent = slipSaid(run, slip.at, narrow)
 }
 

@@ -1,62 +1,21 @@
-// The tour: six stops, each with a prediction before the run draws itself. Loaded when it is asked for.
+// The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
 import { frameBox } from "./bokeh.js"
 import { order } from "./channel.js"
 import { colour } from "./colours.js"
-import { by, readdress } from "./dom.js"
+import { by, fixed, minus, readdress } from "./dom.js"
 import { figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
+import { firstSlip } from "./sentence.js"
 import { me } from "./state.js"
 import { explain } from "./terms.js"
+import { PICTURES } from "./tour/pictures.js"
+import { STOPS } from "./tour/stops.js"
+import { choose, isLab, look } from "./view.js"
 
-// preset and values: the scene; to: nm of the path at which a stop ends; answers: the right one first, shown shuffled
-// in an order of its own; sketch: the view on which the curve may be drawn beforehand; turn: the slider to play with
-const STOPS = [
-  {
-    name: "Stick", preset: "fig6", values: {}, to: 10, order: [1, 0, 2],
-    question: "The top is pulled sideways, slowly. What will the friction force do first?",
-    answers: ["grow in proportion to the pull", "stay zero until the punch slides", "jump to its full value at once"],
-    why: "Nothing slides yet: the punch leans over, and its surface clings to the lattice sites. The force is that of a spring.",
-    turn: "E", ask: "Move the stiffness: how does the slope change?",
-  },
-  {
-    name: "Peel", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2],
-    question: "Still no slip, but the edges of the contact begin to let go. Which one more?",
-    answers: ["the trailing edge, behind", "the leading edge, in front", "both the same"],
-    why: "The pull opens the gap behind the contact and closes it in front, so that the trailing edge peels by several sites, the leading one by one.",
-    turn: "delta_bar", ask: "Pull instead of pushing (indentation below zero): are the edges more alike?",
-  },
-  {
-    name: "Slip and reattach", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], sketch: "area",
-    question: "The pull goes on until the punch slips. What will the contact area do at the slip?",
-    answers: ["grow: contact comes back", "fall", "stay as it is"],
-    why: "A slip by one lattice site releases most of the lean that had peeled the edges: they close again, and the next stick begins.",
-    turn: "phi_ratio", ask: "Weaken the grip: how far does the area come back then?",
-  },
-  {
-    name: "Pull instead of push", preset: "fig7-case1", values: {}, to: 16, order: [1, 2, 0],
-    question: "The top is held above the surface, so that the punch hangs on its adhesion. Will there be friction?",
-    answers: ["yes, even when nothing is repelled any more", "no: friction needs a load", "only as long as the area is not zero"],
-    why: "Attraction holds the surfaces in registry as well: the friction force is there at L < 0, and even where A = 0.",
-    turn: "delta_bar", ask: "Pull farther: when does it let go for good?",
-  },
-  {
-    name: "Oil it", preset: "fig7-case3", values: {}, to: 12, order: [0, 2, 1],
-    question: "A lubricant leaves a tenth of the grip. What will the slips be like?",
-    answers: ["early, and nearly all of the area comes back", "late and large", "there will be none"],
-    why: "Little lean is stored before the grip gives way, so little has been peeled, and all of it can come back.",
-    turn: "phi_ratio", ask: "Where do the slips disappear altogether?",
-  },
-  {
-    name: "Stiffen it", preset: "fig6", values: { E: 700 }, to: 20, order: [2, 1, 0],
-    question: "A punch ten times stiffer. How large is the force at which it slips, in newtons per metre?",
-    answers: ["larger", "the same", "smaller"],
-    why: "The force rises, though over the stiffness (F/(wE)) it falls: a stiff punch hardly leans, so that all of the contact gives way together.",
-    turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
-  },
-]
-
+let before = null // {U, F} of the first slip of the usual scene, to compare with
+let unseen = {}, hands = [0, 0, 0] // the scene that nobody has seen; hands raised for each answer
 let at = 0, phase = "ask", chosen = null, sketch = [], card = null, watching = 0
 
 export function openTour(stop = 1) {
@@ -64,6 +23,7 @@ export function openTour(stop = 1) {
   card ??= makeCard()
   card.hidden = false
   if (document.querySelector(".page").dataset.page) openPage("")
+  if (isLab()) look("hero")
   begin()
   cancelAnimationFrame(watching)
   watching = requestAnimationFrame(watch)
@@ -89,7 +49,8 @@ function makeCard() {
   const made = make("section", { id: "tour-card" })
   made.setAttribute("aria-label", "Tour")
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  document.querySelector(".page").append(made)
+  document.addEventListener("keydown", onDigit)
+  document.querySelector("main").append(made)
   const canvas = make("canvas", { id: "tour-sketch", hidden: true })
   figureOf("area").append(canvas)
   connectSketch(canvas)
@@ -104,21 +65,47 @@ function begin() {
   phase = "wait"
   chosen = null
   sketch = []
+  hands = [0, 0, 0]
+  unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : {}
   readdress((asked) => asked.set("tour", at + 1))
+  choose(stop.curve)
   order("preset", { preset: stop.preset })
-  if (Object.keys(stop.values).length) order("scene", stop.values)
+  const values = { ...stop.values, ...unseen }
+  if (Object.keys(values).length) order("scene", values)
   write()
 }
 
 const there = () => {
-  const { preset, values, state } = me.status, stop = STOPS[at]
-  return state === "finished" && preset === stop.preset && me.run?.whole
-    && Object.entries(stop.values).every(([name, value]) => Number(values[name]) === value)
+  const { preset, values, state } = me.status, stop = STOPS[at], wanted = Object.entries({ ...stop.values, ...unseen })
+  return state === "finished" && preset === stop.preset && me.run?.whole && me.run.scene && !me.stale
+    && wanted.every(([name, value]) => Number(values[name]) === value)
+}
+
+// With the usual scene, what others are compared with; the last stop begins again once that is known
+function learn() {
+  if (me.status.preset !== "fig6" || Object.keys({ ...STOPS[at].values, ...unseen }).length) return false
+  before = firstSlip(me.run)
+  return Boolean(STOPS[at].unseen)
+}
+
+// The places of the right answer first: of a scene that nobody has seen, from its run
+function right() {
+  if (!STOPS[at].unseen) return 0
+  const now = firstSlip(me.run)
+  return !now || now.U > before.U + 0.1 ? 1 : now.U < before.U - 0.1 ? 0 : 2
+}
+
+const NAMES = { E: ["a stiffness of", "GPa"], delta_bar: ["a press depth of", "δ₀"], phi_ratio: ["a grip of", "times the adhesion"] }
+function filled(text) {
+  const [[name, value] = ["E", 70]] = Object.entries(unseen), [head, unit] = NAMES[name]
+  const now = phase === "wait" ? null : firstSlip(me.run)
+  return text.replaceAll("{change}", `${head} ${minus(value)} ${unit}`).replaceAll("{before}", before ? fixed(before.U, 1) : "").replaceAll("{after}", now ? fixed(now.U, 1) : "no place")
 }
 
 function watch() {
   watching = requestAnimationFrame(watch)
   if (phase === "wait" && there()) {
+    if (learn()) return begin()
     phase = "ask"
     goto(me.run.sheared)
     write()
@@ -153,27 +140,30 @@ function hideFuture() {
     cover(view).hidden = hidden
     if (hidden) continue
     const now = phase === "wait" || me.run.sheared < 0 ? start : me.run.along[Math.max(me.run.sheared, me.drawn)]
-    const x = box.left + ((now - start) / (end - start)) * box.width + 1, right = box.left + box.width + 2
-    Object.assign(cover(view).style, { left: `${x}px`, top: `${box.top}px`, width: `${Math.max(0, right - x)}px`, height: `${box.height}px` })
+    const x = box.left + ((now - start) / (end - start)) * box.width + 1, far = box.left + box.width + 2
+    Object.assign(cover(view).style, { left: `${x}px`, top: `${box.top}px`, width: `${Math.max(0, far - x)}px`, height: `${box.height}px` })
   }
 }
 
 function write() {
   const stop = STOPS[at]
   document.documentElement.dataset.tour = phase
-  const title = make("h2", { textContent: `${at + 1} of ${STOPS.length}: ${stop.name}` })
+  const title = make("h2", { textContent: `${at + 1} of ${STOPS.length}: ${stop.name}` }), truth = phase === "wait" ? 0 : right()
   const end = make("button", { type: "button", textContent: "End tour", onclick: close })
   card.replaceChildren(make("div", { className: "top" }, title, end))
   if (phase === "wait") card.append(make("p", { textContent: "getting ready …" }))
   else if (phase !== "turn") {
-    const question = make("p")
-    explain(question, stop.question)
+    const question = make("p", { className: "question" })
+    explain(question, filled(stop.question))
+    if (stop.said && phase === "ask") card.append(make("ul", {}, ...stop.said.map((text) => make("li", { textContent: text }))))
     card.append(question)
-    if (stop.sketch && phase === "ask") card.append(make("p", { className: "said", textContent: "Draw the curve you expect into the view “Contact area” if you like, then choose:" }))
+    if (stop.sketch && phase === "ask") card.append(make("p", { className: "said", textContent: "Draw the curve you expect below if you like, then choose:" }))
     const row = make("div", { className: "answers" })
     for (const i of stop.order) {
+      if (phase === "why" && i !== chosen && i !== truth) continue
       const button = make("button", { type: "button", className: "answer", textContent: stop.answers[i], disabled: phase !== "ask", onclick: () => answer(i) })
-      if (phase !== "ask" && (i === chosen || i === 0)) button.dataset.mark = i === 0 ? "right" : "wrong"
+      if (hands[i]) button.append(make("span", { className: "hands", textContent: ` ${hands[i]} hand${hands[i] > 1 ? "s" : ""}` }))
+      if (phase !== "ask" && (i === chosen || i === truth)) button.dataset.mark = i === truth ? "right" : "wrong"
       if (phase === "show" && i !== chosen) delete button.dataset.mark
       if (phase === "show" && i === chosen) button.dataset.mark = "chosen"
       row.append(button)
@@ -183,17 +173,28 @@ function write() {
   if (phase === "show") card.append(make("p", { className: "said", textContent: "Watch …" }))
   if (phase === "why") {
     const why = make("span")
-    explain(why, stop.why)
-    const said = make("p", {}, make("b", { textContent: chosen === 0 ? "Yes. " : "Not so. " }), why)
+    explain(why, filled(stop.why))
+    const said = make("p", {}, make("b", { textContent: chosen === truth ? "Yes. " : "Not so. " }), why), picture = make("canvas", { className: "picture-of" })
     said.setAttribute("role", "status")
-    card.append(said)
+    card.append(said, picture)
+    PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
   }
   if (phase !== "why" && phase !== "turn") return
   const ways = [make("span", { className: "said", textContent: stop.ask })]
   if (phase === "why") ways.push(make("button", { type: "button", textContent: "Your turn", onclick: takeTurn }))
   if (at + 1 < STOPS.length) ways.push(make("button", { type: "button", textContent: `Next: ${STOPS[at + 1].name}`, onclick: () => openTour(at + 2) }))
-  card.append(make("div", { className: "answers" }, ...ways))
-  if (phase === "why") ways.at(-1).focus()
+  card.append(make("div", { className: "answers ways" }, ...ways))
+  if (phase === "why") ways.at(-1).focus({ preventScroll: true })
+}
+
+// 1 to 3 choose an answer; with Shift they count a class's raised hands
+function onDigit(event) {
+  const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = STOPS[at].order[place]
+  if (place < 0 || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey || event.target.matches?.("input[type=text]")) return
+  event.preventDefault()
+  if (!event.shiftKey) return answer(i)
+  hands[i]++
+  write()
 }
 
 // Sliders and player are the visitor's, who begins at that of the stop

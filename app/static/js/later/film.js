@@ -1,16 +1,22 @@
 // Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
 
-import { set } from "../bokeh.js"
+import { drawBands } from "../bands.js"
+import { frameBox, set } from "../bokeh.js"
 import { listen, order } from "../channel.js"
 import { by } from "../dom.js"
 import { drawFrame, figures, painted } from "../figures.js"
-import { tellLarge } from "../large.js"
+import { drawFringes } from "../fringes.js"
+import { cleared, inks, size, write } from "../pen.js"
 import { goto, show, tellFrame } from "../player.js"
 import { FILM, Run } from "../run.js"
+import { tellNow } from "../saying.js"
+import { over } from "../sketch.js"
 import { me } from "../state.js"
 import { drawStory, nextSlip, slipAt } from "../story.js"
+import { forceUnit } from "../units.js"
 
 const SECONDS = 5 // of a film
+const TRACE = 90 // px, the length of a film in the curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
 let film = null // {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
@@ -76,17 +82,37 @@ function step(now) {
     film.at = at
     painted(() => {
       drawFrame(frames, at)
+      drawFringes(frames, at)
       drawStory(frames, at)
-      tell("slow motion, not at rest")
+      tell("slow motion")
+      tellNow(frames, at)
+      drawTrace(frames, k, at)
       tellFrame(frames, at)
-      tellLarge(frames, at)
+      drawBands(frames, at)
       by("slip").hidden = true
     })
   }
   requestAnimationFrame(step)
 }
 
+// F of the motion, from where the slip is in the curve on to the right: there its axis is time
+function drawTrace(frames, k, at) {
+  const box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
+  if (!pen) return
+  const { x_range, y_range } = figures.forces, { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
+  const x = box.left + ((frames.along[k - 1] - x_range.start) / (x_range.end - x_range.start)) * box.width
+  const long = Math.min(TRACE, box.left + box.width - x), of = (i) => x + ((i - k + 1) / (frames.length - k)) * long
+  const Y = (value) => box.top + ((y_range.end - value * factor) / (y_range.end - y_range.start)) * box.height
+  pen.strokeStyle = ink.slip
+  pen.lineWidth = 2.5
+  pen.beginPath()
+  for (let i = k - 1; i <= at; i++) pen.lineTo(of(i), Y(F[i]))
+  pen.stroke()
+  write({ pen, ink, box }, "F in slow motion", of(at), Y(F[at]) - size(), { of: ink.slip })
+}
+
 function leave() {
+  film.canvas?.remove()
   if (film.range) set(figures.traction.y_range, film.range)
   film = null
   tell("")

@@ -52,7 +52,7 @@ function card(option) {
 
 function drawn(text) {
   const { preset, drawn: found } = JSON.parse(text)
-  by("gallery").querySelector(`[data-preset="${preset}"] .picture`)?.replaceChildren(found ? picture(found) : "no picture")
+  for (const place of document.querySelectorAll(`[data-preset="${preset}"] .picture`)) place.replaceChildren(found ? picture(found) : "no picture")
 }
 
 function fill() {
@@ -60,12 +60,17 @@ function fill() {
     made("section", {}, made("h3", { textContent: group.label }), made("div", { className: "cards" }, ...[...group.children].map(card))))))
 }
 
-export function openGallery() {
+// Ask for the pictures that are missing, also what a busy server had no time for
+export function wantPictures() {
   if (!by("gallery-groups").children.length) {
     fill()
     listen("thumbnail", drawn)
   }
-  if (by("gallery").querySelector(".picture:not(:has(svg))")) order("gallery") // also what a busy server had no time for
+  if (by("gallery").querySelector(".picture:not(:has(svg))")) order("gallery")
+}
+
+export function openGallery() {
+  wantPictures()
   const cards = [...by("gallery").querySelectorAll(".card")], now = cards.find(({ dataset }) => dataset.preset === me.status.preset)
   for (const one of cards) one.ariaCurrent = one === now ? "true" : null
   by("gallery").showModal()

@@ -6,8 +6,10 @@ import { listen, opened, order } from "../channel.js"
 import { colour } from "../colours.js"
 import { by } from "../dom.js"
 import { figures } from "../figures.js"
-import { canvasOf } from "../print.js"
+import { sharpen } from "../pen.js"
+import { drawOver } from "../print.js"
 import { me } from "../state.js"
+import { drawStory } from "../story.js"
 import { described } from "../words.js"
 
 const NAME = "mixed-mode-contact"
@@ -68,12 +70,14 @@ function download(blob, name) {
   say(`saved ${name}`)
 }
 
-export function png(name) {
-  const holder = holderOf(figures[name]), view = canvasOf(name), ratio = window.devicePixelRatio || 1
-  const width = view.width / ratio, height = view.height / ratio, place = layout(holder, width, height)
-  const canvas = Object.assign(document.createElement("canvas"), { width: view.width, height: Math.round(place.whole * ratio) })
-  const pen = canvas.getContext("2d")
-  pen.scale(ratio, ratio)
+// A view with its title, key and caption, in so many pixels for each of the page
+export async function png(name, scale = 1) {
+  const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect(), place = layout(holder, width, height)
+  const canvas = Object.assign(document.createElement("canvas"), { width: Math.round(width * scale), height: Math.round(place.whole * scale) })
+  const plot = new Image(), pen = canvas.getContext("2d")
+  plot.src = `data:image/svg+xml,${encodeURIComponent(svgOf(figures[name]))}`
+  await plot.decode()
+  pen.scale(scale, scale)
   pen.fillStyle = colour("--page")
   pen.fillRect(0, 0, width, place.whole)
   pen.fillStyle = colour("--text")
@@ -88,8 +92,14 @@ export function png(name) {
     pen.fillStyle = colour("--text")
     pen.fillText(text, x + 24, y)
   }
-  pen.drawImage(view, 0, place.top, width, height)
   place.lines.forEach((line, i) => pen.fillText(line, MARGIN, place.top + height + LINE * (i + 0.5)))
+  pen.translate(0, place.top)
+  pen.drawImage(plot, 0, 0, width, height)
+  sharpen(scale)
+  if (me.run) drawStory(me.run, me.drawn)
+  drawOver(pen, holder, width, height)
+  sharpen(null)
+  if (me.run) drawStory(me.run, me.drawn)
   return new Promise((done) => canvas.toBlob(done, "image/png"))
 }
 
@@ -160,7 +170,7 @@ function connect() {
   listen("taken", taken)
   by("copy-link").addEventListener("click", () => copy(by("share-link"), "link"))
   by("copy-python").addEventListener("click", () => copy(by("share-python"), "Python lines"))
-  by("save-png").addEventListener("click", async () => download(await png(by("share-view").value), `${NAME}-${by("share-view").value}.png`))
+  by("save-png").addEventListener("click", async () => download(await png(by("share-view").value, Number(by("share-scale").value)), `${NAME}-${by("share-view").value}.png`))
   by("save-svg").addEventListener("click", () => {
     download(new Blob([svg(by("share-view").value)], { type: "image/svg+xml" }), `${NAME}-${by("share-view").value}.svg`)
   })

@@ -1,4 +1,4 @@
-"""Edges of contact in a Frame, and how far they peeled between two: what tests claim about them."""
+"""Edges of contact in a Frame, and how far they peeled between two: from behind, from the front or from both."""
 
 import numpy as np
 

@@ -1,0 +1,69 @@
+// The page "What matters": a bar for each parameter, and in the hero which nodes hold the contact until the first slip.
+
+import { frameBox } from "../bokeh.js"
+import { order } from "../channel.js"
+import { by, minus } from "../dom.js"
+import { figures } from "../figures.js"
+import { inks } from "../pen.js"
+import { leaveBehind, me } from "../state.js"
+
+const MORE = 1.05 // times the value, that a click asks for
+const OF_ZERO = 0.05 // of the depth, where that is zero
+const HIGH = 26 // px, the mark of the node that holds most
+const COLUMNS = { U_s: 0, F_s: 1, A_s: 2 }
+
+let found = null // {values: {parameter: now}, bars: {parameter: [U_s, F_s, A_s]}, first, nodes: shares of F_s}
+
+export function connect() {
+  by("matters-of").addEventListener("change", draw)
+}
+
+export function told({ matters }) {
+  if (matters === found) return
+  found = matters ?? null
+  draw()
+}
+
+export const closed = () => { found = null }
+
+const said = (name) => document.querySelector(`label[for="${name}-entry"]`)?.firstChild.textContent.trim() || name
+const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ? "0" : Math.abs(value).toFixed(2)} %`
+
+function draw() {
+  const column = COLUMNS[document.querySelector("#matters-of :checked").value]
+  const rows = Object.entries(found?.bars ?? {}).map(([name, all]) => [name, all[column]]).filter(([, value]) => value !== null)
+  rows.sort(([, a], [, b]) => Math.abs(b) - Math.abs(a))
+  const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9)
+  by("matters-bars").replaceChildren(...rows.map(([name, value]) => {
+    const row = Object.assign(document.createElement("button"), { type: "button", title: `${minus(found.values[name])}, five per cent more` })
+    const [label, bar, number] = ["span", "i", "b"].map((tag) => document.createElement(tag))
+    label.textContent = said(name) + (found.values[name] === 0 ? " (by 0.01)" : "")
+    bar.style.setProperty("--part", Math.abs(value) / most)
+    bar.className = value < 0 ? "less" : "more"
+    number.textContent = signed(value)
+    row.append(label, bar, number)
+    row.addEventListener("click", () => raise(name))
+    return row
+  }))
+}
+
+function raise(name) {
+  const now = Number(me.status.values[name])
+  leaveBehind()
+  order("scene", { [name]: `${Number((now === 0 ? OF_ZERO : now + Math.abs(now) * (MORE - 1)).toPrecision(5))}` })
+}
+
+// Over the punch, with every frame: how much each node holds
+export function frame(run, k) {
+  const box = found && !run.head.flat ? frameBox(figures.punch) : null
+  if (!box) return
+  const { x } = run.frame(k), { first } = run.headOf(k), { x_range, y_range } = figures.punch, { nodes } = found, ink = inks()
+  const most = Math.max(...nodes.map(Math.abs), 1e-12), pen = by("story").getContext("2d")
+  const ground = box.top + (y_range.end / (y_range.end - y_range.start)) * box.height, wide = Math.max(2, (0.7 * box.width * run.head.spacing) / (x_range.end - x_range.start))
+  x.forEach((at, i) => {
+    const share = nodes[first + i - found.first] ?? 0, high = (Math.abs(share) / most) * HIGH
+    if (high < 0.5) return
+    pen.fillStyle = share > 0 ? ink.shear : ink.slip
+    pen.fillRect(box.left + ((at - x_range.start) / (x_range.end - x_range.start)) * box.width - wide / 2, ground + 3, wide, high)
+  })
+}

@@ -1,0 +1,174 @@
+// The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers. Each rule
+// returns {key, text, claims}: key names the moment, so that a sentence stays while it lasts; claims are what the text
+// asserts, [name, ...values], for tests/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
+
+import { minus } from "./dom.js"
+import { FILM } from "./run.js"
+import { movedSites } from "./sites.js"
+
+const AFTER = 1.0 // nm of the path for which a slip is what happens
+const LET_GO = 0.5 // sites of peeling that are worth a word
+const MORE = 1.3 // times as far: more on one side
+const SAME = 0.01 // a change by less is none
+
+const three = (value) => minus(Number(value.toPrecision(3)))
+const newtons = (force) => (Math.abs(force) < 0.1 ? `${three(1000 * force)} mN/m` : `${three(force)} N/m`)
+const nm = (length) => `${minus(Math.abs(length) < 99.95 ? length.toFixed(1) : length.toFixed(0))} nm`
+const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
+const tell = (key, text, ...claims) => ({ key, text, claims })
+
+// What happens at frame k
+export function nowSaid(run, k) {
+  if (run.number > FILM) return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
+  const stage = run.stage(k), frame = run.frame(k), acts = frame.T_n.some((_, i) => frame.state(i) !== "free")
+  if (!acts) {
+    if (stage === "approach" || stage === "reload") return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.", ["apart", k])
+    return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
+  }
+  const slip = lastSlip(run, k), normal = ["approach", "press", "reload", "unload"].includes(stage)
+  if (slip !== null) return normal ? jumped(run, slip, k) : slid(run, slip)
+  return normal ? pressed(run, k, stage) : pulled(run, k)
+}
+
+// The frame of a slip within the last of the path, on the same stage; null
+function lastSlip(run, k) {
+  const { slip, stage } = run.curves, reach = Math.max(1, Math.round(AFTER / run.head.step))
+  for (let at = k; at > 0 && at > k - reach && stage[at] === stage[k]; at--) if (slip[at] && at - 1 >= 0) return at
+  return null
+}
+
+function jumped(run, at, k) {
+  const { A, L } = run.curves, held = run.frame(k).T_n.some((_, i) => run.frame(k).state(i) !== "free")
+  if (run.stage(at) === "unload") {
+    if (run.followed || !held) return tell(`off ${at}`, "It lets go: the surfaces jump apart.", ["slip", at])
+    return tell(`part ${at}`, "A part of the contact lets go at once.", ["slip", at])
+  }
+  const closer = L[at] < L[at - 1]
+  if (A[at] > A[at - 1]) return tell(`in ${at}`, `It jumps into contact: attraction closes the gap at once, over ${nm(A[at])}.`, ["slip", at], ["A rises", at])
+  return tell(`in ${at}`, closer ? "It jumps closer: attraction wins over the stiffness of the punch." : "The surface jumps to another shape.", ["slip", at], ...(closer ? [["L falls", at]] : []))
+}
+
+function pressed(run, k, stage) {
+  const { A, L } = run.curves, before = Math.max(0, k - 1)
+  if (stage === "unload") {
+    if (L[k] < 0 && A[k] > 0) return tell("held", "Lifted, yet it does not let go: adhesion pulls the punch down.", ["L < 0", k], ["A > 0", k])
+    if (L[k] < 0) return tell("hangs", "Lifted: the punch hangs on attraction alone, nothing is pressed together any more.", ["L < 0", k], ["A = 0", k])
+    return tell("lifted", "Lifted: the contact is still pressed together.", ["L >= 0", k])
+  }
+  if (A[k] === 0) return tell("near", "Pressed down: the surfaces attract each other, nothing is pressed together yet.", ["A = 0", k])
+  const grows = A[k] > A[before]
+  return tell(grows ? "grows" : "pressed", grows ? "Pressed down: the contact grows." : "Pressed down onto the surface.", ["A > 0", k], ...(grows ? [["A rises", k]] : []))
+}
+
+function slid(run, at) {
+  const { F, A } = run.curves, by = run.followed ? [] : movedSites(run, at), frame = run.frame(at)
+  const acting = [...by.keys()].filter((i) => frame.state(i) !== "free"), gone = acting.filter((i) => by[i])
+  const sites = gone.length ? Math.abs(by[gone[gone.length >> 1]]) : 0
+  const part = gone.length && gone.length < 0.95 * acting.length ? "A part of the contact slips" : "It slips"
+  const far = sites && gone.length >= 0.95 * acting.length ? ` by ${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}, ${nm(sites * run.head.spacing)}` : ""
+  const change = Math.abs(F[at]) < Math.abs(F[at - 1]) ? "drops" : "changes"
+  const force = `friction ${change} from ${three(F[at - 1])} to ${newtons(F[at])}`
+  const gain = A[at] / A[at - 1] - 1
+  const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? "" : A[at] > A[at - 1] ? ", and contact comes back" : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
+  const claims = [["slip", at], ["F", at - 1, F[at - 1]], ["F", at, F[at]], ...(sites && far ? [["sites", at, sites]] : [])]
+  if (area && gain !== 0) claims.push([A[at] > A[at - 1] ? "A rises" : A[at] === 0 ? "A = 0" : "A falls", at])
+  return tell(`slip ${at}`, `${part}${far}: ${force}${area}.`, ...claims)
+}
+
+// Between slips
+function pulled(run, k) {
+  const { F, A } = run.curves, way = run.stage(k) === "back" ? -1 : 1, { flat } = run.head
+  const begun = stickBegins(run, k)
+  if (k <= run.sheared) return tell("rest", run.curves.A[k] > 0 || flat ? "Pressed on and at rest: nothing pulls sideways yet." : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
+  const steady = smooth(run, k)
+  if (steady) return tell("smooth", `It slides smoothly, without slips: friction only swings between ${three(steady.low)} and ${newtons(steady.high)}.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
+  const rising = way * (F[k] - F[Math.max(begun, k - 1)]) >= 0
+  if (!rising) return tell(way * F[k] < 0 ? "swing" : "eases", way * F[k] < 0 ? "Still bent the other way: friction pushes it on." : "Friction eases, without a slip.", ["F eases", k])
+  if (way * F[k] < 0) return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.", ["F against", k])
+  if (A[k] === 0 && !flat) return tell("tension", "Nothing is pressed together any more, yet it holds: attraction alone carries the friction.", ["A = 0", k], ["F rises", k])
+  if (flat) return tell("stick flat", "It sticks: every spring stretches alike, and friction grows with the pull.", ["F rises", k])
+  const now = run.edges(k), then = run.followed ? null : run.edges(begun)
+  if (!now || !then || run.patches(k).length > 1) return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
+  const both = [now[0] - then[0], then[1] - now[1]], [behind, front] = way > 0 ? both : both.toReversed()
+  const peeled = (where, more = "") => ["peeled", begun, k, where, more]
+  if (behind > LET_GO && front > LET_GO) {
+    const [more, words] = behind > MORE * front ? ["behind", ", more behind than in front"] : front > MORE * behind ? ["front", ", more in front than behind"] : ["", ""]
+    return tell(`peel both ${more}`, `It sticks and leans over. Both edges of the contact let go${words}.`, ["F rises", k], peeled("both", more))
+  }
+  if (behind > LET_GO) return tell("peel behind", "It sticks and leans over. The contact lets go behind.", ["F rises", k], peeled("behind"))
+  if (front > LET_GO) return tell("peel front", "It sticks and leans over. The contact lets go in front.", ["F rises", k], peeled("front"))
+  return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
+}
+
+// The frame from which on it has been stuck at frame k: after the last slip, or where the stage began
+function stickBegins(run, k) {
+  const { slip, stage } = run.curves
+  let at = k
+  while (at > Math.max(0, run.sheared) && !slip[at] && stage[at - 1] === stage[k]) at--
+  return at
+}
+
+// {low, high, from} of F where a whole run slides without slips, from its first top on; null
+function smooth(run, k) {
+  const { slip, F, stage } = run.curves
+  if (!run.whole || run.normal || run.head.span[0] < 0) return null
+  if (run.slides === undefined) {
+    let top = Math.max(0, run.sheared) + 1
+    while (top < F.length - 1 && F[top + 1] >= F[top]) top++
+    const list = F.slice(top), low = Math.min(...list), high = Math.max(...list)
+    const slides = top < F.length - 1 && !slip.some((slipped, i) => slipped && i > run.sheared) && stage[top] === stage.at(-1)
+    run.slides = slides ? { low, high, from: top } : null
+  }
+  return run.slides && k >= run.slides.from ? run.slides : null
+}
+
+// What a first slip takes: {U, F, A, drop}, or null where there is none while sliding
+export function firstSlip(run) {
+  const at = run.curves.slip.findIndex((slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear")
+  if (at < 0) return null
+  const { F, A, slip_at: where, U_x } = run.curves
+  return { at, U: where?.[at] || U_x[at], F: F[at - 1], A: A[at - 1], drop: F[at - 1] - F[at] }
+}
+
+const CHANGES = { // parameter: what more and less of it is called
+  E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"], phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
+}
+const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.abs(b))
+
+// What one moved slider has done, against the run before; null where there is nothing to compare
+export function changeSaid(run, before) {
+  if (!run?.scene || !before?.scene || run.normal || before.normal || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
+  const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
+  if (names.length !== 1 || !(names[0] in CHANGES)) return null
+  const [name] = names, up = Number(run.scene[name]) > Number(before.scene[name]), head = CHANGES[name][up ? 0 : 1]
+  if (run.apart !== before.apart) return tell("change apart", `${head}: ${run.apart ? "the surfaces do not hold on to each other any more" : "now the surfaces hold on to each other"}.`, ["apart is", run.apart])
+  if (run.apart) return null
+  const now = firstSlip(run), then = firstSlip(before)
+  if (!now && !then) return null
+  if (!now) return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`, ["slips", false], ["slipped before", true])
+  if (!then) return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true], ["slipped before", false], ["U_s", now.U])
+  const said = [], claims = []
+  if (differs(now.U, then.U)) said.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
+  if (differs(now.F, then.F)) said.push(`${said.length ? "" : "it slips at "}${newtons(now.F)} instead of ${newtons(then.F)}`)
+  claims.push(["U_s", now.U], ["U_s before", then.U], ["F_s", now.F], ["F_s before", then.F])
+  if (!said.length) return tell("change none", `${head}: hardly a difference.`, ...claims)
+  return tell("change", `${head}: ${said.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
+}
+
+// The reason, where the numbers of both runs show it
+function because(run, before, now, then, claims) {
+  const steep = now.F / now.U, was = then.F / then.U, start = run.curves.A[run.sheared], area = before.curves.A[before.sheared]
+  if (run.scene.E !== before.scene.E && differs(steep, was) && steep > was === run.scene.E > before.scene.E) {
+    claims.push(["steeper", steep > was])
+    return steep > was ? "; every nanometre of pull builds up more force" : "; every nanometre of pull builds up less force"
+  }
+  if (run.scene.delta_bar !== before.scene.delta_bar && differs(start, area) && start > area === now.F > then.F) {
+    claims.push(["more contact", start > area])
+    return start > area ? "; there is more contact to hold it" : "; there is less contact to hold it"
+  }
+  if (run.scene.phi_ratio !== before.scene.phi_ratio && differs(now.F, then.F) && now.F > then.F === Number(run.scene.phi_ratio) > Number(before.scene.phi_ratio)) {
+    claims.push(["stronger", now.F > then.F])
+    return now.F > then.F ? "; the springs hold longer" : "; the springs give way sooner"
+  }
+  return ""
+}

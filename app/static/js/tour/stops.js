@@ -1,0 +1,58 @@
+// The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is asked
+// about; answers: the right one first, shown in `order`; picture: what argues the reason (pictures.js); turn: the slider to
+// play with; unseen: a scene that nobody has seen, its right answer taken from the run
+
+export const STOPS = [
+  {
+    name: "First", preset: "fig6", values: {}, to: 10, order: [1, 0, 2], curve: "forces", picture: "springs",
+    question: "The top is pulled sideways, slowly. What will the friction force do first?",
+    answers: ["grow in proportion to the pull", "stay zero until the punch slides", "jump to its full value at once"],
+    why: "Nothing slides yet: the punch leans over, and its surface clings to the lattice sites. The force is that of a spring.",
+    turn: "E", ask: "Move the stiffness: how does the slope change?",
+  },
+  {
+    name: "The edges", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2], curve: "map", picture: "edges",
+    question: "Still no slip, but the edges of the contact begin to let go. Which one more?",
+    answers: ["the trailing edge, behind", "the leading edge, in front", "both the same"],
+    why: "The pull opens the gap behind the contact and closes it in front, so that the trailing edge peels by several sites, the leading one by one.",
+    turn: "delta_bar", ask: "Pull instead of pushing (press depth below zero): are the edges more alike?",
+  },
+  {
+    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area", sketch: true, picture: "areas",
+    question: "The pull goes on until the punch slips. What will the contact area do at the slip?",
+    answers: ["grow: contact comes back", "fall", "stay as it is"],
+    why: "A slip by one lattice site releases most of the lean that had peeled the edges: they close again, and the next stick begins.",
+    turn: "phi_ratio", ask: "Weaken the grip: how far does the area come back then?",
+  },
+  {
+    name: "Upwards", preset: "fig7-case1", values: {}, to: 16, order: [1, 2, 0], curve: "forces", picture: "springs",
+    question: "The top is held above the surface, so that the punch hangs on its adhesion. Will there be friction?",
+    answers: ["yes, even when nothing is repelled any more", "no: friction needs a load", "only as long as the area is not zero"],
+    why: "Attraction holds each node at its site as well: every spring drawn here leans back against the pull, pressed or not.",
+    turn: "delta_bar", ask: "Pull farther: when does it let go for good?",
+  },
+  {
+    name: "Oil", preset: "fig7-case3", values: {}, to: 12, order: [0, 2, 1], curve: "area", picture: "areas",
+    question: "A lubricant leaves a tenth of the grip. What will the slips be like?",
+    answers: ["early, and nearly all of the area comes back", "late and large", "there will be none"],
+    why: "Little lean is stored before the grip gives way, so little has been peeled, and all of it can come back.",
+    turn: "phi_ratio", ask: "Where do the slips disappear altogether?",
+  },
+  {
+    name: "Stiffness", preset: "fig6", values: { E: 700 }, to: 20, order: [2, 1, 0], curve: "forces", picture: "forces",
+    question: "A punch ten times stiffer. How large is the force at which it slips, in newtons per metre?",
+    answers: ["larger", "the same", "smaller"],
+    why: "It hardly leans, so that all of the contact gives way together: the force is larger, the pull that it takes much smaller.",
+    turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
+  },
+  {
+    name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "forces",
+    unseen: [{ E: 140 }, { E: 35 }, { delta_bar: 0.3 }, { delta_bar: -0.1 }, { phi_ratio: 0.5 }],
+    said: ["A punch sticks like a spring until its springs to the sites give way.", "Before that its edges peel, behind more than in front.",
+      "A slip by one site brings contact back.", "Adhesion alone can carry friction, without any load."],
+    question: "Now a scene that you have not seen: {change}. Will it slip after a shorter or a longer pull than {before} nm?",
+    answers: ["shorter", "longer", "the same, to a tenth of a nanometre"],
+    why: "It slips at {after} nm instead of {before} nm.",
+    turn: "delta_bar", ask: "Everything is yours now.",
+  },
+]

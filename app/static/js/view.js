@@ -1,0 +1,75 @@
+// The ways to look at the experiment: the hero, the same in large for a lecture hall, and the laboratory with all tools.
+
+import { by, on, readdress } from "./dom.js"
+import { paint } from "./figures.js"
+import { openPage } from "./pages.js"
+import { show } from "./player.js"
+import { embedded } from "./state.js"
+
+const TOOLS = ["reset", "back", "step", "carry", "speed", "lens-on", "fringes-on", "bar"] // in the menu; in the laboratory where they act
+const CURVES = ["forces", "area", "map"]
+const homes = [] // [tool, the mark that keeps its place]
+
+export const view = () => document.documentElement.dataset.view
+export const isLab = () => view() === "lab"
+
+// Look that way; where one looks so already, at the hero
+export function look(wanted) {
+  const next = wanted === view() ? "hero" : wanted
+  document.documentElement.dataset.view = next
+  if (next !== "projector" && !embedded) localStorage.setItem("view", next)
+  readdress((address) => (next === "hero" ? address.delete("view") : address.set("view", next)))
+  if (next === "projector" && document.querySelector(".page").dataset.page) openPage("")
+  arrange()
+  paint()
+  setTimeout(show, 100) // once the figures have their new size
+}
+
+function arrange() {
+  for (const name of ["lab", "projector"]) by(name).setAttribute("aria-pressed", view() === name)
+  for (const [tool, mark] of homes) {
+    if (isLab()) mark.after(tool)
+    else by("options").append(tool)
+  }
+}
+
+export function connectViews() {
+  for (const id of TOOLS) {
+    const tool = by(id).closest("label") ?? by(id), mark = document.createComment(id)
+    tool.before(mark)
+    homes.push([tool, mark])
+  }
+  arrange()
+  for (const name of ["lab", "projector"]) on(name, "click", () => look(name))
+  for (const radio of document.querySelectorAll("#chosen input")) radio.addEventListener("change", () => choose(radio.value))
+  for (const curve of CURVES) document.querySelector(`main .${curve} figcaption`).addEventListener("click", () => { if (!isLab()) choose(curve) })
+  choose(CURVES[0])
+  // in the hand, one slider at a time
+  for (const radio of document.querySelectorAll("#one input")) radio.addEventListener("change", () => {
+    for (const control of document.querySelectorAll(".control")) control.toggleAttribute("data-shown", control.dataset.name === radio.value)
+  })
+}
+
+// The pictures of the row at the top, once the first run is there and the server has time
+export async function drawRow() {
+  import("./later/share.js") // what must work while the server is away
+  if (!isLab() && !embedded) (await import("./later/gallery.js")).wantPictures()
+}
+
+// One of the curves is large
+export function choose(curve) {
+  document.querySelector("main").dataset.chosen = curve
+  document.querySelector(`#chosen [value="${curve}"]`).checked = true
+  paint()
+}
+
+export function chooseNext() {
+  const { chosen } = document.querySelector("main").dataset
+  choose(CURVES[(CURVES.indexOf(chosen) + 1) % CURVES.length])
+}
+
+export function fillScreen() {
+  if (document.fullscreenElement) document.exitFullscreen()
+  else document.documentElement.requestFullscreen?.().catch(() => {}) // a browser may refuse: nothing is lost
+}
+

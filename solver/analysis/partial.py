@@ -1,0 +1,94 @@
+"""How a state's equations change with the parameters of its Scene at fixed displacements: by differences, no solve.
+
+Central differences of the law and of the layer's compliance, each cheap and smooth, so that they are right to some ten
+digits. Nodes stay active or not: the edge of the window is a cut, not physics.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..mechanics import cohesive_law
+from ..mechanics.layer import Modes, multiply
+from ..scene import LIMITS, SURFACES, Scene, SceneError
+
+STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
+ONE_SIDED = 1e-7  # the same at the end of a range
+PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
+LAYER = ("E", "nu", "height", "width")  # what the layer's compliance depends on
+IN_STEPS = ("cut_off",)  # of which a profile is a step function
+
+
+def continuous(scene: Scene) -> tuple[str, ...]:
+    """Names of the parameters on which a run of the scene depends smoothly.
+
+    Not among them: what is a choice or a whole number, cut_off, and what the branches do not depend on (u_x_max, steps,
+    tolerance, damping, and the window but for what it cuts off).
+    """
+    own = [name for name in SURFACES[scene.surface].parameters if name in LIMITS and not LIMITS[name].whole]
+    names = [*PHYSICS, *(name for name in own if name not in IN_STEPS)]
+    return tuple(name for name in names if not (name == "width" and scene.surface == "measured"))
+
+
+@dataclass(frozen=True)
+class Change:
+    """Of a parameter: the Scenes on both sides of its value, `span` apart, and the change of C per unit, or None.
+
+    C: (3, nodes//2 + 1) nm/GPa as of `layer.Modes`.
+    """
+
+    name: str
+    low: Scene
+    high: Scene
+    span: float
+    compliance: np.ndarray | None
+
+    @staticmethod
+    def of(scene: Scene, name: str) -> "Change":
+        """That of one of the `continuous` parameters."""
+        value, known = getattr(scene, name), LIMITS[name]
+        scene = scene.changed(tolerance=LIMITS["tolerance"].high)  # of no effect here; never below what is attainable
+        size = abs(value) or min(1.0, known.high)
+        for low, high in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
+            try:
+                low, high = (scene.changed(**{name: value + part * size}) for part in (low, high))
+            except SceneError:
+                continue
+            span = getattr(high, name) - getattr(low, name)
+            change = (Modes.of(high).compliance - Modes.of(low).compliance) / span if name in LAYER else None
+            return Change(name, low, high, span, change)
+        raise SceneError(name, value, "allowed: a value with others beside it", "change it a little")
+
+    def by(self, quantity):
+        """The derivative of quantity(Scene), a number or an array."""
+        return (quantity(self.high) - quantity(self.low)) / self.span
+
+    def law(self, kernel, first, tangent):
+        """The derivative of the law (`cohesive_law.traction` or `.tangent`) at the nodes of a Tangent, (rows, m)."""
+        nodes = slice(first, first + tangent.m)
+
+        def at(scene):
+            return kernel(scene, tangent.u[0], scene.profile[nodes] + tangent.u[1])
+
+        return np.where(tangent.active, self.by(at), 0.0)
+
+    def complied(self, T, first, uniform):
+        """dC T on the patch, (2, m) nm, of T (2, m) GPa there; 0.0 where C does not change."""
+        if self.compliance is None:
+            return 0.0
+        if uniform:
+            return self.compliance[:2, :1] * T
+        n, nodes = self.low.nodes, slice(first, first + T.shape[1])
+        whole = np.zeros((2, n))
+        whole[:, nodes] = T
+        spectrum = np.fft.rfft(whole, axis=1)
+        multiply(spectrum, self.compliance)
+        return np.fft.irfft(spectrum, n, axis=1)[:, nodes]
+
+    def traction(self, first, tangent):
+        """dT (2, m), GPa per unit, at fixed displacements."""
+        return self.law(cohesive_law.traction, first, tangent)
+
+    def stiffness(self, first, tangent):
+        """dJ (4, m), GPa/nm per unit, at fixed displacements."""
+        return self.law(cohesive_law.tangent, first, tangent)

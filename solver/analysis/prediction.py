@@ -1,0 +1,75 @@
+"""A curve and its slips as the states of a run tell them, with derivatives, at measured places on measured branches."""
+
+import numpy as np
+
+from ..following.branch import even_weights, place
+
+END = 1e-3  # of t from 0 and 1: nearer, dF/dU is 0/0, or infinite; F changes by its square there
+BESIDE = 1e-5  # of t, over which dF/dt is told
+
+
+class Predicted:
+    """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0.
+
+    A branch that ends before U_x goes on with its last value: what is predicted is continuous in the parameters.
+    """
+
+    def __init__(self, found):
+        self.found, self.skeleton = found, found.skeleton
+
+    def branch_of(self, number):
+        """(index of the BranchSensitivity, periods it has moved on by) of the branch number `number` of the run."""
+        home, count = self.skeleton.home, len(self.found.branches)
+        if number < count or not self.skeleton.sites:
+            return min(number, count - 1), 0
+        return home + (number - home) % (count - home), (number - home) // (count - home)
+
+    def curve(self, U_x, branch, names):
+        """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm."""
+        values, slopes = np.empty((3, U_x.size)), np.empty((3, U_x.size))
+        by = np.empty((len(names), 3, U_x.size))
+        for number in np.unique(branch):
+            mine, (index, turns) = branch == number, self.branch_of(int(number))
+            one = self.found.branches[index]
+            if one.branch.periodic:
+                turns = np.floor(U_x[mine] / self.skeleton.period)
+            loads = U_x[mine] - turns * (self.skeleton.period or 0.0)
+            read = _to_a_fold if one.branch.fold else _without_end
+            values[:, mine], slopes[:, mine], by[:, :, mine] = read(one, loads, names)
+            if "width" in names:  # the period moves what was moved on
+                k = names.index("width")
+                by[k][:, mine] -= slopes[:, mine] * turns * self.skeleton.sites / self.skeleton.scene.nodes
+        return values, slopes, by
+
+    def slips(self, count, names):
+        """(U_x (n,), derivatives (names, n)) of the first slips, at most `count`."""
+        loads, by = [], []
+        for number in range(count):
+            index, turns = self.branch_of(number)
+            one = self.found.branches[index]
+            if one.branch.fold is None or (turns == 0 and number > index):
+                break
+            sites = turns * self.skeleton.sites
+            loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)
+            moved = {"width": sites / self.skeleton.scene.nodes}
+            by.append([one.by[name][0, -1] + moved.get(name, 0.0) for name in names])
+        return np.array(loads), np.array(by).reshape(len(loads), len(names)).T
+
+
+def _without_end(one, loads, names):
+    weights = one.branch.weights(loads).T
+    fixed = [one.at_fixed_load(name) @ weights for name in names]
+    return one.values[1:] @ weights, one.slope @ weights, np.array(fixed).reshape(len(names), 3, loads.size)
+
+
+def _to_a_fold(one, loads, names):
+    start, end, n = one.values[0, 0], one.values[0, -1], one.branch.intervals
+    t = place(start, end, loads)
+    weights = even_weights(t, n).T
+    inside = np.clip(t, END, 1.0 - END)
+    change = even_weights(inside + BESIDE, n) - even_weights(inside - BESIDE, n)
+    speed = 0.5 * np.pi * (end - start) * np.sin(np.pi * inside)
+    slopes = one.values[1:] @ change.T / (2.0 * BESIDE) / speed
+    slopes[:, (loads < start) | (loads > end)] = 0.0
+    moved = np.array([one.by[name] @ weights for name in names]).reshape(len(names), 4, loads.size)
+    return one.values[1:] @ weights, slopes, moved[:, 1:] - slopes * moved[:, :1]

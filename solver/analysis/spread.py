@@ -1,0 +1,139 @@
+"""What parameters that are not known exactly make of a run: a band around its curves, and intervals of its slips."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..following.branch import NotFollowed
+from ..following.follow import follow
+from ..following.skeleton import Skeleton
+from ..scene import Scene, SceneError
+from .partial import continuous
+from .sensitivities import Sensitivities, sensitivities
+
+WIDE = 1.96  # standard deviations on both sides of the mean: 95 % of a normal distribution
+ENDS = (2.5, 97.5)  # per cent, of the draws, for the same
+QUANTILE = 2.67  # standard error of these ends in standard deviations, times the root of the number of draws
+SURE = 3.0  # standard errors by which the ends from draws differ from the linear ones before that is said
+SLIP = ("U_s", "F_s", "L_s", "A_s")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Of a run whose parameters have independent normal distributions.
+
+    deviations: {parameter: standard deviation}. band: of each branch (4, n), standard deviations of U_x (nm), F_bar,
+    L_bar, A_bar of its states, each at its place on the branch. slips: of each slip (4,), those of U_s, F_s, L_s, A_s.
+    drawn: (draws, 4), the same of the first slip in runs followed to drawn parameters; lost: draws that have none such.
+    """
+
+    sensitivities: Sensitivities
+    deviations: dict[str, float]
+    band: tuple[NDArray[np.float64], ...]
+    slips: tuple[NDArray[np.float64], ...]
+    drawn: NDArray[np.float64]
+    lost: int
+
+    def interval(self, name: str, slip: int = 0) -> tuple[float, float]:
+        """95 % of U_s, F_s, L_s or A_s of a slip, by the derivatives."""
+        event, k = self.sensitivities.slips[slip].event, SLIP.index(name)
+        middle = (event.load, event.F_bar, event.L_bar, event.A_bar)[k]
+        return middle - WIDE * float(self.slips[slip][k]), middle + WIDE * float(self.slips[slip][k])
+
+    def drawn_interval(self, name: str) -> tuple[float, float] | None:
+        """95 % of the same of the first slip, by the draws; None without."""
+        if not len(self.drawn):
+            return None
+        low, high = np.percentile(self.drawn[:, SLIP.index(name)], ENDS)
+        return float(low), float(high)
+
+    def differs(self, name: str) -> bool:
+        """Whether the draws say something else than the derivatives, beyond chance."""
+        drawn = self.drawn_interval(name)
+        if drawn is None:
+            return False
+        error = QUANTILE * float(self.slips[0][SLIP.index(name)]) / len(self.drawn) ** 0.5
+        return any(abs(a - b) > SURE * error for a, b in zip(drawn, self.interval(name), strict=True))
+
+    def sentences(self) -> list[str]:
+        """The intervals of the first slip; those by the draws too where they differ."""
+        if not self.slips:
+            return ["It slides smoothly, without a slip"]
+        said = []
+        for name in SLIP:
+            low, high = self.interval(name)
+            said.append(f"{name} of the first slip: {low:.6g} .. {high:.6g} (95 %, linear)")
+            if self.differs(name):
+                low, high = self.drawn_interval(name) or (low, high)
+                said.append(f"  by {len(self.drawn)} draws: {low:.6g} .. {high:.6g}")
+        if self.lost:
+            said.append(f"{self.lost} draws are runs of another kind, and not among these")
+        return said
+
+    def rows(self) -> list[list[float]]:
+        """Branch, U_x, F_bar, L_bar, A_bar and deviations of the last three, of every state."""
+        rows = []
+        for k, (one, band) in enumerate(zip(self.sensitivities.branches, self.band, strict=True), 1):
+            rows += [
+                [k, *map(float, state), *map(float, sd)] for state, sd in zip(one.values.T, band[1:].T, strict=True)
+            ]
+        return rows
+
+    def as_dict(self) -> dict[str, object]:
+        """By plain names, as JSON has it."""
+        linear = [{name: self.interval(name, k) for name in SLIP} for k in range(len(self.slips))]
+        drawn = {name: self.drawn_interval(name) for name in SLIP}
+        return {
+            "deviations": self.deviations,
+            "slips": linear,
+            "drawn": drawn,
+            "draws": len(self.drawn),
+            "lost": self.lost,
+        }
+
+
+def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
+    """{parameter: standard deviation} of {'phi_n': '10%'} or {'phi_n': '0.2'}; raises ValueError."""
+    found = {}
+    for name, text in texts.items():
+        if name not in continuous(scene):
+            raise ValueError(f"--of {name}: allowed: {', '.join(continuous(scene))}")
+        try:
+            value = float(text.rstrip(" %"))
+        except ValueError:
+            value = -1.0
+        if not 0.0 < value < float("inf"):
+            raise ValueError(
+                f"--of {name}={text}: give a standard deviation above 0, as 10% or in the parameter's unit"
+            )
+        found[name] = 0.01 * value * abs(getattr(scene, name)) if text.rstrip().endswith("%") else value
+    return found
+
+
+def spread_of(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Spread:
+    """The Spread of a run for standard deviations {parameter: deviation}; draws: runs followed to check it."""
+    names = tuple(of)
+    found = sensitivities(skeleton, names)
+
+    def deviation(by, shape):
+        return np.sqrt(sum(((of[name] * by[name]) ** 2 for name in names), np.zeros(shape)))
+
+    band = tuple(deviation(one.by, one.values.shape) for one in found.branches)
+    slips = tuple(deviation(slip.by, 4) for slip in found.slips)
+    drawn, lost = _drawn(skeleton, of, draws if slips else 0)
+    return Spread(found, dict(of), band, slips, drawn, lost)
+
+
+def _drawn(skeleton, of, draws):
+    """((draws, 4) of the first slip, how many have none)."""
+    rng, rows, scene = np.random.default_rng(1), [], skeleton.scene
+    for _ in range(draws):
+        values = {name: getattr(scene, name) + deviation * rng.normal() for name, deviation in of.items()}
+        try:
+            event = sensitivities(follow(skeleton, scene.changed(**values)), ()).slips[0].event
+        except (NotFollowed, SceneError, IndexError):
+            continue
+        rows.append((event.load, event.F_bar, event.L_bar, event.A_bar))
+    return np.array(rows).reshape(-1, 4), draws - len(rows)

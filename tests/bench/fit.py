@@ -1,0 +1,111 @@
+"""Whether fits find what made a curve, how long they take, and whether their errors are right.
+
+    python tests/bench/fit.py [--draws N] [--starts N] [--points N] [--json FILE]
+
+A curve of 400 points with noise of 1 % of the largest F, three free parameters. Time: one fit from 20 % off, seconds.
+Coverage: over 200 draws of truth (within 5 %) and noise, how often the 95 % interval of each parameter holds its truth.
+Starts: from 50 % off, 30 scenes, how many fits reach the truth (within four standard errors), and what the others say;
+a fit that does not reach it and says that it did is wrong.
+"""
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from solver import NotConverged, NotFollowed, Scene, SceneError, follow, skeleton_of
+from solver.analysis.fit import fit
+from solver.analysis.measurement import Measurement
+
+BASE = Scene(nodes=256, width=625.0, delta_bar=0.1, u_x_max=40.0)
+FREE = ("phi_n", "phi_ratio", "delta_bar")
+NOISE = 0.01  # of the largest F
+WIDE = 1.96  # standard errors: 95 %
+NEAR = 4.0  # standard errors, within which the truth counts as reached
+
+
+def moved(scene, share, rng, signs_only=False):
+    """The scene with each of FREE off by up to `share`, or by just that up or down."""
+    values = {}
+    for name in FREE:
+        part = rng.choice((-1.0, 1.0)) if signs_only else rng.uniform(-1.0, 1.0)
+        values[name] = getattr(scene, name) * (1.0 + share * part)
+    return scene.changed(**values)
+
+
+def measured(skeleton, points, rng):
+    U_x = np.linspace(0.0, skeleton.scene.u_x_max, points + 1)[1:]
+    F = skeleton.curve(U_x)[0]
+    return Measurement.of(U_x, {"F_bar": F + NOISE * np.abs(F).max() * rng.normal(size=points)})
+
+
+def off(found, scene):
+    """Errors of FREE over their standard errors."""
+    return {name: (found.values[name] - getattr(scene, name)) / found.errors[name] for name in FREE}
+
+
+def coverage(base, draws, points):
+    rng, rows = np.random.default_rng(3), []
+    for number in range(draws):
+        scene = moved(BASE, 0.05, rng)
+        try:
+            data = measured(follow(base, scene), points, rng)
+            found = fit(BASE, data, FREE)
+        except (NotFollowed, NotConverged) as failure:
+            print(f"draw {number}: {failure}", flush=True)
+            continue
+        rows.append(off(found, scene) | {"chi2": found.chi2, "reached": found.reached})
+    for name in FREE:
+        held = np.mean([abs(row[name]) <= WIDE for row in rows])
+        print(f"{name:10} 95 % intervals hold the truth in {held:.1%} of {len(rows)} draws", flush=True)
+    return rows
+
+
+def starts(count, points):
+    rng, rows = np.random.default_rng(4), []
+    for number in range(count):
+        scene = moved(BASE, 0.3, rng)
+        try:
+            data = measured(skeleton_of(scene), points, rng)
+            found = fit(moved(scene, 0.5, rng, signs_only=True), data, FREE)
+        except (NotFollowed, NotConverged, SceneError) as failure:
+            rows.append({"right": False, "said": True, "why": str(failure)})
+            print(f"start {number}: {failure}", flush=True)
+            continue
+        right = max(map(abs, off(found, scene).values())) <= NEAR
+        rows.append({"right": right and found.reached, "said": not found.reached, "warnings": found.warnings})
+    right, said = (sum(row[name] for row in rows) for name in ("right", "said"))
+    print(f"from 50 % off: {right} of {count} reach the truth, {said} say that they did not,", end=" ")
+    print(f"{count - right - said} wrong", flush=True)
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--draws", type=int, default=200)
+    parser.add_argument("--starts", type=int, default=30)
+    parser.add_argument("--points", type=int, default=400)
+    parser.add_argument("--json", metavar="FILE")
+    arguments = parser.parse_args()
+    base, rng = skeleton_of(BASE), np.random.default_rng(2)
+    data = measured(base, arguments.points, rng)
+    fit(BASE, data, FREE, starts=1)  # compiled, before anything is timed
+    start = time.perf_counter()
+    found = fit(moved(BASE, 0.2, rng, signs_only=True), data, FREE)
+    seconds = time.perf_counter() - start
+    print(
+        f"{len(FREE)} parameters, {arguments.points} points: {seconds:.3g} s, {found.runs} runs, chi^2 {found.chi2:.3g}"
+    )
+    report = {"seconds": seconds, "runs": found.runs}
+    report["coverage"] = coverage(base, arguments.draws, arguments.points)
+    report["starts"] = starts(arguments.starts, arguments.points)
+    if arguments.json:
+        Path(arguments.json).write_text(json.dumps(report, indent=2), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,132 @@
+"""What a map of first slips costs and whether it is right: delta_bar x phi_ratio, 41 x 31, on two processes.
+
+    python tests/bench/map.py [--x AXIS] [--y AXIS] [--set NAME=VALUE ...] [--workers N] [--checks N] [--json FILE]
+
+Says when the first level was there, when each next one, the share of points followed, and force evaluations; then runs
+points chosen at random from their start: how many are of another regime, the largest error of U_s (nm), and how many
+followed points are wrong. Two small tiles first: processes are started and kernels compiled before the clock starts.
+"""
+
+import argparse
+import json
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from solver import NotConverged, Scene, load_path
+from solver.analysis.maps import Axis, Map, Tile, worked_off
+from solver.analysis.maps.point import touches
+from solver.analysis.maps.run import computed
+from solver.command import scene_of, settings
+from solver.isolated import Lost, crew
+
+WANTED = 1e-3  # nm, of U_s
+LIMIT = 600.0  # s for a tile
+WARM = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0)
+
+
+def explored(grid, workers):
+    """(Points, seconds until each level was there)."""
+    known, seconds = {}, []
+    with crew(workers) as outcomes_of:
+        warm = Tile(WARM, Axis("E", 60.0, 80.0, 3), Axis("nu", 0.4, 0.45, 2), tuple(((i, 0), {}) for i in range(3)))
+        list(outcomes_of(worked_off, [warm] * workers, LIMIT))
+        start = time.perf_counter()
+        for level in range(grid.levels):
+            tiles = list(grid.tiles(level, known))
+            for k, found in outcomes_of(worked_off, tiles, LIMIT):
+                pairs = grid.lost(tiles[k], found.reason) if isinstance(found, Lost) else found
+                known |= {(point.i, point.j): (point, skeleton) for point, skeleton in pairs}
+            seconds.append(time.perf_counter() - start)
+    return [point for point, _ in known.values()], seconds
+
+
+def slip_of(scene):
+    """(U_s or None, whether it touches) of a run that ends at its first slip, by nothing that maps are made of."""
+    begun = None
+    try:
+        for frame in load_path(scene):
+            if frame.stage != "shear":
+                continue
+            begun = frame if begun is None else begun
+            if frame.slips:
+                return frame.slips[0].load, touches(begun)
+            if frame.U_x > 1.2 * scene.spacing and frame.u[0].min() > scene.spacing:  # all of it slides
+                return None, touches(begun)
+    except NotConverged:
+        return np.nan, False
+    return None, touches(begun)
+
+
+def checked(grid, points, count):
+    """Rows of `count` random points against runs."""
+    rng = np.random.default_rng(5)
+    for k in rng.choice(len(points), min(count, len(points)), replace=False):
+        point = points[k]
+        values = {grid.x.name: float(grid.x.values[point.i]), grid.y.name: float(grid.y.values[point.j])}
+        exact, _ = computed(grid.scene.changed(**values))
+        U_s, touching = slip_of(grid.scene.changed(**values))
+        U_s = U_s if touching else None
+        off = 0.0 if U_s == point.U_s else np.inf if None in (U_s, point.U_s) else abs(U_s - point.U_s)
+        alike = (point.regime, point.sites) == (exact.regime, exact.sites)
+        yield values | {"off": off, "alike": alike, "followed": point.followed, "regimes": [point.regime, exact.regime]}
+
+
+def summary(points, seconds, rows):
+    followed, run = ([p for p in points if p.followed == which] for which in (True, False))
+    touching = [p for p in points if p.regime != "never touches"]
+    spent = {name: [p.evaluations for p in some] for name, some in (("followed", followed), ("run", run))}
+    return {
+        "points": len(points),
+        "seconds": seconds,
+        "followed": len(followed) / len(points),
+        "followed_of_touching": sum(p.followed for p in touching) / max(1, len(touching)),
+        "evaluations": {name: [int(sum(n)), float(np.median(n or [0]))] for name, n in spent.items()},
+        "no_result": sum(bool(p.reason) for p in points),
+        "checked": len(rows),
+        "other_regime": sum(not row["alike"] for row in rows),
+        "U_s_worst": max((row["off"] for row in rows), default=0.0),
+        "wrong_follows": sum(row["followed"] and (row["off"] > WANTED or not row["alike"]) for row in rows),
+        "followed_checked": sum(row["followed"] for row in rows),
+    }
+
+
+def report(found, rows):
+    print("levels there after " + ", ".join(f"{s:.1f}" for s in found["seconds"]) + " s")
+    print("{points} points, followed {followed:.1%}, of those that touch {followed_of_touching:.1%}".format(**found))
+    for name, (total, median) in found["evaluations"].items():
+        print(f"evaluations, {name}: {total}, median {median:g}")
+    print(
+        "{checked} checked: {other_regime} of another regime, U_s off by {U_s_worst:.1e} nm at most;"
+        " {wrong_follows} of {followed_checked} followed are wrong".format(**found)
+    )
+    for row in rows:
+        if row["off"] > WANTED or not row["alike"]:
+            print(row)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--x", default="delta_bar=-1:1:41")
+    parser.add_argument("--y", default="phi_ratio=0.02:2:31:log")
+    parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--checks", type=int, default=60)
+    parser.add_argument("--json", metavar="FILE")
+    arguments = parser.parse_args()
+    grid = Map(scene_of(settings(arguments.set)), Axis.of(arguments.x), Axis.of(arguments.y))
+    points, seconds = explored(grid, arguments.workers)
+    rows = list(checked(grid, points, arguments.checks))
+    found = summary(points, seconds, rows)
+    report(found, rows)
+    if arguments.json:
+        text = json.dumps({"summary": found, "points": [asdict(p) for p in points], "rows": rows}, indent=2)
+        Path(arguments.json).write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,33 @@
+"""The page "What matters": what a worker tells of a scene, and that a visitor gets it."""
+
+import json
+
+import pytest
+from visitor import order
+
+from app.service import tasks
+from solver import Scene
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+
+
+def test_what_holds_the_contact_adds_up_to_the_interface_and_more_of_it_holds_longer():
+    found = tasks.what_matters(SMALL)
+    U_s, F_s, _ = found["bars"]["phi_n"]  # of all nodes, friction with adhesion as phi_ratio stays
+    assert sum(found["nodes"]) == pytest.approx(F_s, rel=1e-2)
+    assert F_s > 0 and U_s > 0
+    assert found["bars"]["E"][0] < 0  # a stiffer layer stores less stretch before the springs give way
+
+
+def test_what_does_not_slip_has_a_sentence():
+    found = tasks.what_matters(SMALL.changed(u_x_max=0.4))
+    assert isinstance(found, str) and found
+
+
+def test_a_visitor_is_told_of_the_scene_on_screen(session):
+    order(session, "page", page="matters")
+    (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.what_matters]
+    assert task.call[1] == session.scene
+    assert json.loads(session.wire.page)["texts"]["matters-said"] == "computing …"
+    order(session, "page", page="")
+    assert task.abandoned or task.cancelled()

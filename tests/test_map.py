@@ -1,0 +1,264 @@
+"""Maps of first slips: every point once, from coarse to fine, what exact runs tell, and closed forms of flats."""
+
+import csv
+import pickle
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from solver import NotFollowed, Scene, SceneError, load_path, summarize
+from solver.analysis.friction_laws import critical_modulus
+from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Tile, points_of
+from solver.analysis.maps import tile as tiles
+from solver.analysis.maps.run import computed
+from solver.cli import main
+
+SMALL = Scene(nodes=128, width=312.5, u_x_max=12.0, tolerance=1e-7)  # the default, an eighth as wide
+FLAT = Scene(surface="flat", nodes=16, width=40.0, height=100.0, delta_bar=0.0, damping=np.inf)
+PRESS, RATIO = Axis("delta_bar", 0.1, 0.4, 5), Axis("phi_ratio", 0.5, 1.5, 3, log=True)
+
+
+def explored(grid, points=()):
+    """{(i, j): Point} of a Map, worked off here, but those given."""
+    known = {(point.i, point.j): (point, None) for point in points}
+    for level in range(grid.levels):
+        for tile in grid.tiles(level, known):
+            known |= {(point.i, point.j): (point, skeleton) for point, skeleton in points_of(tile)}
+    return {place: point for place, (point, _) in known.items()}
+
+
+@pytest.fixture(scope="module")
+def grid():
+    return Map(SMALL, PRESS, Axis("phi_ratio", 0.5, 1.5, 5, log=True))
+
+
+@pytest.fixture(scope="module")
+def explored_grid(grid):
+    return explored(grid)
+
+
+@pytest.mark.parametrize("counts", [(2, 2), (41, 31), (7, 2), (33, 64), (5, 400)])
+def test_every_point_is_asked_for_once_and_lies_between_known_ones(counts):
+    grid, known = Map(SMALL, replace(PRESS, count=counts[0]), replace(RATIO, count=counts[1])), {}
+    for level in range(grid.levels):
+        asked_now = {}
+        for tile in grid.tiles(level, known):
+            there = {(point.i, point.j) for point, _ in tile.known}
+            for place, weights in tile.asked:
+                assert place not in known and place not in asked_now
+                assert set(weights) <= there and (level == 0) == (not weights)
+                if weights:  # those of a linear function tell it
+                    assert sum(weights.values()) == pytest.approx(1.0)
+                    for k in (0, 1):
+                        assert sum(weight * other[k] for other, weight in weights.items()) == pytest.approx(place[k])
+                asked_now[place] = Point(i=place[0], j=place[1]), None
+        assert level or 4 <= len(asked_now) <= 16
+        known |= asked_now
+    assert len(known) == grid.size == counts[0] * counts[1]
+
+
+def test_a_map_is_what_exact_runs_tell(grid, explored_grid):
+    assert sum(point.followed for point in explored_grid.values()) > 4
+    for i, j in [(1, 1), (3, 3), (2, 1), (4, 3), (1, 4)]:
+        point = explored_grid[i, j]
+        scene = SMALL.changed(delta_bar=float(grid.x.values[i]), phi_ratio=float(grid.y.values[j]))
+        frames = []
+        for frame in load_path(scene):
+            frames.append(frame)
+            if frame.stage == "shear" and frame.slips:
+                break
+        exact = summarize(scene, frames)
+        assert point.U_s == pytest.approx(exact["U_s"], abs=1e-3)
+        assert (point.F_s, point.A_s, point.A_0) == pytest.approx([exact[n] for n in ("F_s", "A_s", "A_0")], rel=1e-3)
+        moved = (frames[-1].u[0] - frames[-2].u[0])[frames[-2].T[1] > 0.0]  # in contact
+        assert point.sites == round(float(np.median(moved)) / scene.spacing)
+        lost, back = exact["A_0"] - exact["A_s"], frames[-1].A_bar - exact["A_s"]
+        assert point.reattached == pytest.approx(back / lost, abs=0.05)  # the frame after a slip is some way beyond it
+
+
+def test_the_table_of_a_map_has_its_points_where_they_are(grid, explored_grid):
+    U_s, codes = (grid.array(explored_grid.values(), of) for of in ("U_s", "regime"))
+    assert U_s.shape == codes.shape == (grid.y.count, grid.x.count)
+    for (i, j), point in explored_grid.items():
+        assert U_s[j, i] == point.U_s and REGIMES[codes[j, i]] == point.regime
+    assert np.isnan(grid.array([], "F_s")).all() and (grid.array([], "regime") == -1).all()
+
+
+def test_a_point_survives_as_text_and_a_tile_as_bytes(grid, explored_grid):
+    for point in [*explored_grid.values(), Point(reason="too soft")]:
+        assert Point.from_row({name: str(value) for name, value in point.as_row().items()}) == point
+    tile = next(
+        grid.tiles(
+            1,
+            {place: (point, None) for place, point in explored_grid.items() if place == (0, 0)}
+            | {p: (explored_grid[p], None) for p in [(0, 2), (2, 0), (2, 2), (0, 4), (2, 4), (4, 0)]}
+            | {p: (explored_grid[p], None) for p in [(4, 2), (4, 4)]},
+        )
+    )
+    assert pickle.loads(pickle.dumps(tile)) == tile
+
+
+def test_a_map_goes_on_from_points_alone(grid, explored_grid):
+    there = {place: point for place, point in explored_grid.items() if place[0] != 3}
+    found = explored(grid, there.values())
+    assert found.keys() == explored_grid.keys() and all(found[place] == point for place, point in there.items())
+    for j in range(grid.y.count):
+        assert found[3, j].U_s == pytest.approx(explored_grid[3, j].U_s, abs=1e-3)
+
+
+@pytest.fixture(scope="module")
+def neighbours():
+    """Two points at the ends of a row, with their Skeletons."""
+    ends = []
+    for i in (0, 2):
+        point, skeleton = computed(SMALL.changed(delta_bar=0.1 + 0.02 * i))
+        ends.append((replace(point, i=i), skeleton))
+    return ends
+
+
+def between(neighbours):
+    asked = (((1, 0), {(0, 0): 0.5, (2, 0): 0.5}),)
+    return Tile(SMALL, Axis("delta_bar", 0.1, 0.14, 3), replace(RATIO, low=1.0), asked, tuple(neighbours))
+
+
+def test_a_point_among_its_like_is_followed(neighbours):
+    ((point, skeleton),) = points_of(between(neighbours))
+    exact, _ = computed(SMALL.changed(delta_bar=0.12))
+    assert point.followed and skeleton is not None and point.kind == exact.kind
+    assert point.U_s == pytest.approx(exact.U_s, abs=1e-4) and point.evaluations < 0.3 * exact.evaluations
+
+
+@pytest.mark.parametrize("changed", [{"sites": 2}, {"regime": "detaches"}, {"branches": 2}])
+def test_a_point_between_neighbours_of_two_kinds_is_run(neighbours, changed):
+    first, (point, skeleton) = neighbours
+    ((found, _),) = points_of(between([first, (replace(point, **changed), skeleton)]))
+    assert not found.followed
+
+
+@pytest.mark.parametrize("ways", [1, 2])
+def test_a_point_far_from_its_neighbours_needs_two_ways_to_it(neighbours, ways):
+    shifted = [(replace(p, U_s=p.U_s + 1.0), s if k < ways else None) for k, (p, s) in enumerate(neighbours)]
+    ((found, _),) = points_of(between(shifted))
+    assert found.followed == (ways == 2)
+
+
+def test_a_point_that_cannot_be_followed_is_run(neighbours, monkeypatch):
+    def no(*_):
+        raise NotFollowed("no")
+
+    monkeypatch.setattr(tiles, "follow", no)
+    ((found, skeleton),) = points_of(between(neighbours))
+    assert not found.followed and found.U_s and skeleton is not None
+
+
+def test_a_tile_can_be_left_between_two_points(grid):
+    asked = tuple(((i, 0), {}) for i in range(5))
+    (first,) = islice(points_of(Tile(SMALL, grid.x, grid.y, asked)), 1)
+    assert (first[0].i, first[0].regime) == (0, "slips by one site")
+
+
+def test_a_run_ends_just_beyond_its_first_slip():
+    frames = list(load_path(SMALL.changed(delta_bar=0.1)))
+    point, skeleton = computed(SMALL.changed(delta_bar=0.1))
+    assert point.evaluations < sum(frame.evaluations for frame in frames) and skeleton.sites == point.sites
+    longer, _ = computed(SMALL.changed(delta_bar=0.1, u_x_max=1e3))
+    assert longer == point
+
+
+def test_regimes_have_their_names():
+    named = {
+        "never touches": {"delta_bar": -0.9},
+        "smooth sliding": {"E": 2000.0, "phi_ratio": 0.05},
+        "sticks": {"u_x_max": 1.0},
+        "slips by one site": {},
+    }
+    for name, values in named.items():
+        assert computed(SMALL.changed(**({"delta_bar": 0.1} | values)))[0].regime == name
+
+
+def test_a_point_that_cannot_be_says_why():
+    axis = Axis("height", 1.0, 100.0, 2)
+    ((point, _),) = points_of(Tile(SMALL.changed(E=0.05), axis, PRESS, (((1, 0), {}),)))
+    assert point.regime == "no result" and "tolerance" in point.reason
+
+
+def test_flats_have_their_closed_form():
+    """The fold is the maximum of U(u) = u + pull(u) h/G, Eq. 2 summed over the lattice; there is one below E_c."""
+    grid = Map(FLAT, Axis("E", 20.0, 2000.0, 7, log=True), Axis("phi_ratio", 0.05, 2.0, 5, log=True))
+    a, sites = FLAT.spacing, np.arange(-8, 9)
+    u = np.linspace(0.0, 0.5 * a, 200_001)
+    off = (sites[:, None] * a - u) / FLAT.delta_t
+    pull = -2.0 * FLAT.phi_n / FLAT.delta_t * (off * np.exp(-(off**2)) * (np.abs(off) <= FLAT.window_t)).sum(axis=0)
+    for (i, j), point in explored(grid).items():
+        E, ratio = float(grid.x.values[i]), float(grid.y.values[j])
+        scene = FLAT.changed(E=E, phi_ratio=ratio)
+        load = u + ratio * pull * scene.height * scene.width / scene.shear_modulus
+        k = int(load.argmax())
+        if critical_modulus(scene) <= E:
+            assert point.regime == "smooth sliding" and point.U_s is None
+        elif load[k] < scene.u_x_max - a:
+            assert point.U_s == pytest.approx(load[k], abs=1e-4) and point.regime.startswith("slips")
+            if 0.9 * critical_modulus(scene) > E:  # beyond, the fold is so flat that its load says little of its force
+                assert point.F_s == pytest.approx(ratio * pull[k] / E, rel=1e-3)
+
+
+def test_pull_off_is_mapped_from_retractions():
+    scene = SMALL.changed(path="unload", du_z=0.5, delta_bar=0.1)
+    asked = tuple(((0, j), {}) for j in (0, 1))
+    found = [point for point, _ in points_of(Tile(scene, PRESS, Axis("phi_n", 1.0, 2.0, 2), asked))]
+    assert found[0].L_min > found[1].L_min == summarize(scene, list(load_path(scene)))["L_min"]  # less adhesion first
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [("speed=1:2:3", "speed"), ("nodes=64:128:3", "nodes"),
+     ("E=10:20", "E=10:20"), ("E=0:20:3", "E"), ("E=5:5:3", "E"),
+     ("delta_bar=-1:1:5:log", "delta_bar"), ("E=10:20:1", "E"),
+     ("E=a:b:c", "E=a:b:c"), ("E=10:20:5:lin", "E=10:20:5:lin")],
+)  # fmt: skip
+def test_an_axis_that_cannot_be_is_refused_by_name(text, named):
+    with pytest.raises(SceneError, match=f"{named}.*allowed") as refused:
+        Axis.of(text)
+    assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
+
+
+def test_the_two_axes_differ():
+    with pytest.raises(SceneError, match="two different"):
+        Map(SMALL, PRESS, PRESS)
+
+
+AXES = ["--x", "delta_bar=-0.9:-0.8:3", "--y", "phi_ratio=0.5:1.5:2:log", "--set", "nodes=32", "width=80"]
+
+
+@pytest.mark.slow
+def test_the_command_writes_rows_goes_on_from_them_and_writes_tables(tmp_path, capsys):
+    file, table = tmp_path / "map.csv", tmp_path / "table.csv"
+    assert main(["map", *AXES, "--csv", str(file)]) == 0
+    rows = list(csv.DictReader(file.open()))
+    assert len(rows) == 6 and set(rows[0]) == {*COLUMNS, "delta_bar", "phi_ratio"}
+    assert {(row["delta_bar"], row["regime"]) for row in rows} >= {("-0.85", "never touches")}
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join(lines[:-2]) + "\n")
+    assert main(["map", *AXES, "--csv", str(file), "--resume"]) == 0
+    assert file.read_text().splitlines()[:-2] == lines[:-2] and sorted(file.read_text().splitlines()) == sorted(lines)
+    assert main(["map", *AXES, "--of", "A_0", "--csv", str(table)]) == 0
+    found = list(csv.reader(table.open()))
+    assert found[0][1:] == ["-0.9", "-0.85", "-0.8"] and [row[1:] for row in found[1:]] == [["0.0"] * 3] * 2
+    assert "6 points, 0 followed" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["--x", "E=10:20:3"], [*AXES, "--of", "colour"], ["--x", "E=10:20", "--y", "delta_bar=0:1:3"]],
+)
+def test_bad_input_is_refused_in_a_line(arguments, tmp_path, capsys):
+    assert main(["map", *arguments, "--csv", str(tmp_path / "map.csv")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1 and not list(tmp_path.iterdir())
+
+
+def test_a_file_of_another_map_is_not_gone_on_from(tmp_path, capsys):
+    (tmp_path / "map.csv").write_text("a,b\n1,2\n")
+    assert main(["map", *AXES, "--resume", "--csv", str(tmp_path / "map.csv")]) == 2
+    assert "--resume" in capsys.readouterr().err

@@ -1,0 +1,117 @@
+"""Derivatives of slips and curves are those of runs at parameters beside: by central differences, every surface."""
+
+import numpy as np
+import pytest
+
+from solver import Profile, Scene, follow, skeleton_of
+from solver.analysis.partial import continuous
+from solver.analysis.sensitivities import sensitivities
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+MEASURED = Profile(160.0, 1.0 * np.cos(2.0 * np.pi * (np.arange(64) / 64 - 0.5)))
+WAVE = SMALL.changed(surface="wave", waves=1, amplitude=2.0)
+KINDS = {
+    "circular": SMALL,
+    "held load": SMALL.changed(hold="load"),
+    "wave": WAVE,
+    "wave, held load": WAVE.changed(hold="load"),
+    # at roll_off 0.5 the spectrum has a kink
+    "rough": SMALL.changed(surface="rough", cut_off=0.2, rms_slope=0.005, roll_off=0.45),
+    "measured": SMALL.changed(surface="measured", measured=MEASURED),
+    "flat": SMALL.changed(surface="flat", nodes=16, width=40.0, height=100.0, delta_bar=0.02),
+    "flat, held load": SMALL.changed(surface="flat", nodes=16, width=40.0, height=100.0, delta_bar=0.02, hold="load"),
+}
+STEP = 4e-4  # of a parameter, halved once: what is left of truncation is of the fourth order
+RIGHT = 1e-5  # as asked for
+HELD = 3e-5  # under a held load, which followed runs hold to the tolerance of their states
+
+
+def beside(skeleton, name):
+    """First slip (4,) by central differences of runs followed to both sides, extrapolated to no step (Richardson)."""
+    return (4.0 * difference(skeleton, name, 0.5 * STEP) - difference(skeleton, name, STEP)) / 3.0
+
+
+def difference(skeleton, name, step):
+    """First slip (4,) by central differences."""
+    value = getattr(skeleton.scene, name)
+    h = step * max(abs(value), 0.1)
+    ends = []
+    for side in (h, -h):
+        found = sensitivities(follow(skeleton, skeleton.scene.changed(**{name: value + side})), ())
+        event = found.slips[0].event
+        ends.append(np.array([event.load, event.F_bar, event.L_bar, event.A_bar]))
+    return (ends[0] - ends[1]) / (2.0 * h)
+
+
+def size(found, event, value):
+    """What errors of derivatives (4,) are relative to: themselves, or a tenth of what they are of over the parameter.
+
+    The latter where one nearly cancels; of a force the larger of both, as one may vanish.
+    """
+    now = np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
+    now[1:3] = np.abs(now[1:3]).max()
+    return np.maximum(np.abs(found), 0.1 * np.abs(now / value)) + 1e-12
+
+
+@pytest.mark.once(2)
+@pytest.mark.parametrize("kind", KINDS)
+def test_derivatives_are_central_differences_of_followed_runs(kind):
+    skeleton = skeleton_of(KINDS[kind])
+    found = sensitivities(skeleton)
+    assert set(found.slips[0].by) == set(continuous(KINDS[kind]))
+    for name in continuous(KINDS[kind]):
+        slip = beside(skeleton, name)
+        by = found.slips[0].by[name]
+        off = np.abs(by - slip) / size(slip, found.slips[0].event, getattr(KINDS[kind], name))
+        assert off.max() < (HELD if KINDS[kind].hold == "load" else RIGHT), (name, by, slip)
+
+
+@pytest.fixture(scope="module")
+def skeleton():
+    return skeleton_of(SMALL)
+
+
+def test_curves_move_at_fixed_load_as_runs_beside_do(skeleton):
+    found, n = sensitivities(skeleton), skeleton.branches[0].intervals
+    for name in ("E", "phi_n", "radius"):
+        value = getattr(SMALL, name)
+        loads = found.branches[0].values[0, : n - 2]
+        ends = [follow(skeleton, SMALL.changed(**{name: value * (1.0 + h)})).curve(loads) for h in (1e-3, -1e-3)]
+        differences = np.subtract(*ends) / (2e-3 * value)
+        found_by = found.branches[0].at_fixed_load(name)[:, : n - 2]
+        # what a skeleton tells between its states is right to 2e-4 of the largest force, over a step of 2e-3
+        errors = np.abs(found_by - differences).max(axis=1) / np.abs(found.branches[0].values[1:]).max(axis=1)
+        assert (errors * value)[:2].max() < 0.1
+
+
+def test_the_nodes_together_are_the_interface(skeleton):
+    """All springs stronger by a per cent is phi_n larger by a per cent, as phi_t = phi_ratio phi_n goes with it."""
+    slip = sensitivities(skeleton).slips[0]
+    assert slip.nodes.sum(axis=1) == pytest.approx(slip.by["phi_n"] * SMALL.phi_n, rel=1e-6)
+
+
+def test_under_a_held_load_they_are_too():
+    slip = sensitivities(skeleton_of(KINDS["held load"])).slips[0]
+    assert slip.nodes.sum(axis=1) == pytest.approx(slip.by["phi_n"] * SMALL.phi_n, rel=1e-6)
+
+
+def test_forces_over_E_depend_on_ratios_only(skeleton):
+    """Stiffness and strength together by a per cent change nothing that is over E."""
+    by = sensitivities(skeleton).slips[0].by
+    together = by["E"] * SMALL.E + by["phi_n"] * SMALL.phi_n
+    assert np.abs(together / (by["E"] * SMALL.E)).max() < 1e-6
+
+
+def test_later_slips_repeat_the_first_but_for_the_period(skeleton):
+    found = sensitivities(skeleton)
+    last, before = found.slips[-1], found.slips[-2]
+    assert last.event.load - before.event.load == pytest.approx(skeleton.period)
+    assert last.by["width"][0] - before.by["width"][0] == pytest.approx(skeleton.sites / SMALL.nodes)
+    assert last.by["E"] is before.by["E"]
+
+
+def test_smooth_sliding_has_curves_and_no_slips():
+    scene = SMALL.changed(E=500.0, phi_ratio=0.05)
+    found = sensitivities(skeleton_of(scene))
+    assert not found.slips
+    assert np.isfinite(found.branches[0].at_fixed_load("phi_n")).all()
