@@ -136,8 +136,8 @@ def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
     dialog.get_by_role("button", name="Measure now").click()
     page.wait_for_function("0 < document.getElementById('bench-progress').value", timeout=PATIENCE)
     page.keyboard.press("r")  # behind the dialog nothing happens
-    dialog.locator("#sentence").wait_for(timeout=PATIENCE)
-    assert "tolerance" in dialog.locator("#sentence").text_content()
+    dialog.locator("#bench-sentence").wait_for(timeout=PATIENCE)
+    assert "tolerance" in dialog.locator("#bench-sentence").text_content()
     assert "python -m solver accuracy --quick" in dialog.locator("#others").text_content()
     assert "done" in dialog.locator("#bench-state").inner_text()
     for series in ("fast", "gfmd", "weighted", "fire"):
