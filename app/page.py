@@ -26,6 +26,7 @@ from app.session.session import Session
 from app.session.wire import Wire
 from app.views.live import live_figures
 from app.views.pages import PAGES, places, section
+from app.views.regimes import AXES, QUANTITIES
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
 
@@ -119,6 +120,8 @@ def _html(doc, files):
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
         "pages": {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()},
+        "map_axes": AXES,
+        "map_of": QUANTITIES,
         "schema": schema,
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,

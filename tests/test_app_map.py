@@ -1,4 +1,4 @@
-"""The page "Map": rows from the workers, what they say against exact runs, and what a visitor sees."""
+"""The page "Map": tiles from the workers, what they say against exact runs, and what a visitor sees."""
 
 import json
 
@@ -9,52 +9,64 @@ from visitor import order
 from app.service import tasks
 from app.views.regimes import COLUMNS, ROWS, outlines
 from solver import Scene
-from solver.analysis.maps import REGIMES, Axis, Point
+from solver.analysis.maps import REGIMES, Axis, Map, Point
 from solver.analysis.maps.run import computed
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 
 
-def test_every_place_of_a_row_lies_between_known_ones():
-    asked, known = list(tasks.between(17, 3)), set()
-    for place, weights in asked:
-        assert place not in known and set(weights) <= known and sum(weights.values()) in (0, pytest.approx(1.0))
-        known.add(place)
-    assert known == {(i, 3) for i in range(17)}
-
-
-def test_a_row_is_what_exact_runs_tell(monkeypatch):
-    x, y = Axis("delta_bar", 0.0, 0.2, 5), Axis("phi_ratio", 0.5, 1.0, 2)
-    monkeypatch.setattr(tasks, "SLICE", 0.0)  # it gives way after every point
-    made = tasks.map_row(SMALL, x, y, 1)
-    parts = 0
-    while isinstance(made, tasks.Part):
-        parts, made = parts + 1, tasks.map_row(SMALL, x, y, 1, made.kept)
-    assert parts == 4 and {(point.i, point.j) for point in made} == {(i, 1) for i in range(5)}
-    assert any(point.followed for point in made)
-    for point in made:
-        exact, _ = computed(SMALL.changed(delta_bar=float(x.values[point.i]), phi_ratio=1.0))
+def test_a_tile_that_gives_way_after_every_point_is_what_exact_runs_tell(monkeypatch):
+    grid = Map(SMALL, Axis("delta_bar", 0.0, 0.2, 5), Axis("phi_ratio", 0.5, 1.0, 5))
+    known = {}
+    monkeypatch.setattr(tasks, "SLICE", 0.0)
+    for level in range(grid.levels):
+        for tile in grid.tiles(level, known):
+            made, parts = tasks.map_tile(tile), 1
+            while isinstance(made, tasks.Part):
+                parts, made = parts + 1, tasks.map_tile(tile, made.kept)
+            assert parts == len(tile.asked)
+            known |= {(point.i, point.j): (point, skeleton) for point, skeleton in made}
+    points = [point for point, _ in known.values()]
+    assert len(points) == grid.size and any(point.followed for point in points)
+    for point in points[::3]:
+        values = {"delta_bar": float(grid.x.values[point.i]), "phi_ratio": float(grid.y.values[point.j])}
+        exact, _ = computed(SMALL.changed(**values))
         assert point.regime == exact.regime and point.U_s == pytest.approx(exact.U_s, abs=1e-3)
 
 
-def test_a_visitor_gets_the_map_row_by_row_and_a_click_loads_a_scene(session):
+def answered(session):
+    """Answers every tile asked for, those asked for then as well: slips in the left half, smooth sliding beside it."""
+    page, done, slips = session.pages.page, 0, REGIMES.index("slips by one site")
+    while tasks_left := [task.call for task in session.pool.tasks if task.call[0] is tasks.map_tile][done:]:
+        for call in tasks_left:
+            done += 1
+            regime = lambda i: REGIMES[slips if i <= COLUMNS // 2 else slips - 2]  # noqa: E731
+            points = [Point(i=i, j=j, regime=regime(i), F_s=1e-4) for (i, j), _ in call[1].asked]
+            page.sweep._take(call, [(point, None) for point in points])
+    return done
+
+
+def test_a_visitor_gets_the_map_from_coarse_to_fine_and_all_of_it(session):
     order(session, "page", page="regimes")
-    rows = [task.call for task in session.pool.tasks if task.call[0] is tasks.map_row]
-    assert sorted(call[-1] for call in rows) == list(range(ROWS))
-    page = session.pages.page
-    slips, slides = (REGIMES.index(name) for name in ("slips by one site", "smooth sliding"))
-    for call in rows:
-        j = call[-1]
-        points = [Point(i=i, j=j, regime=REGIMES[slips if i < 9 else slides], F_s=1e-4) for i in range(COLUMNS)]
-        page._take(call, points)
-    image = page.views["map"].parts["map"].data_source.data["image"][0]
+    first = [task.call[1] for task in session.pool.tasks if task.call[0] is tasks.map_tile]
+    assert len(first) == 9 and {len(tile.asked) for tile in first} == {1}  # a coarse picture of all of it
+    assert answered(session) > 9
+    view = session.pages.page.views["map"]
+    image = view.parts["map"].data_source.data["image"][0]
     scene = session.scene
-    assert image[0, 0] == pytest.approx(1e-4 * scene.width * scene.E, rel=1e-6)  # N/m
-    outline = np.array(page.views["map"].parts["outline"].data_source.data["i"])
-    assert np.nanmin(outline) == np.nanmax(outline) == 8.5
-    order(session, "ask", what="go", i=0.2, j=ROWS - 0.8)
-    assert session.scene.delta_bar == pytest.approx(-0.3) and session.scene.phi_ratio == pytest.approx(2.0)
-    assert json.loads(session.wire.page)["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of")
+    assert image == pytest.approx(1e-4 * scene.width * scene.E, rel=1e-6)  # N/m, everywhere
+    outline = np.array(view.parts["outline"].data_source.data["i"])
+    assert np.nanmin(outline) == np.nanmax(outline) == COLUMNS // 2 + 0.5
+    told = json.loads(session.wire.page)
+    assert told["busy"] is None and told["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
+
+
+def test_force_is_that_of_the_stiffness_at_each_place(session):
+    order(session, "page", page="regimes")
+    order(session, "ask", what="axes", x="delta_bar", y="E")
+    answered(session)
+    image = session.pages.page.views["map"].parts["map"].data_source.data["image"][0]
+    assert image[-1, 0] / image[0, 0] == pytest.approx(1000.0 / 15.0, rel=1e-4)
 
 
 def test_an_outline_lies_between_regimes_and_not_beside_what_is_unknown():

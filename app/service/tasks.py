@@ -12,7 +12,7 @@ from app.service import worker
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.interior import shear_factors, wavenumbers
-from solver.analysis.maps import Tile, points_of
+from solver.analysis.maps import points_of
 from solver.analysis.raster import fringes, mesh, picture
 from solver.analysis.sensitivities import sensitivities
 from solver.cli import report_of
@@ -135,32 +135,16 @@ def what_matters(scene):
     return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
 
 
-def map_row(scene, x, y, row, kept=()):
-    """[Point] of a row of a map over the Axes x and y: both ends are run, the others lie between two known ones.
-
-    Or Part of it.
-    """
-    there = {(point.i, point.j) for point, _ in kept}
-    asked = tuple(one for one in between(x.count, row) if one[0] not in there)
+def map_tile(tile, kept=()):
+    """[(Point, Skeleton or None)] of a Tile of a map, or Part of it."""
     begun, kept = perf_counter(), list(kept)
-    for found in points_of(Tile(scene, x, y, asked, tuple(kept))):
+    there = {(point.i, point.j) for point, _ in kept}
+    asked = tuple(one for one in tile.asked if one[0] not in there)
+    for found in points_of(replace(tile, asked=asked, known=(*tile.known, *kept), keep=True)):
         kept.append(found)
-        if perf_counter() - begun > SLICE and len(kept) < x.count:
+        if perf_counter() - begun > SLICE and len(kept) < len(tile.asked):
             return Part(tuple(kept))
-    return [point for point, _ in kept]
-
-
-def between(count, row):
-    """((i, row), {neighbour: weight}) of all places of a row: its ends, then always the middle of two known ones."""
-    yield from (((i, row), {}) for i in (0, count - 1))
-    spans = [(0, count - 1)]
-    for low, high in spans:
-        if high - low < 2:
-            continue
-        middle = (low + high) // 2
-        part = (middle - low) / (high - low)
-        yield (middle, row), {(low, row): 1.0 - part, (high, row): part}
-        spans += [(low, middle), (middle, high)]
+    return [(point, skeleton if tile.keep else None) for point, skeleton in kept]
 
 
 def shear_table(scene, depth, rows, modes):

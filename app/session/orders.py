@@ -28,7 +28,7 @@ PLAIN = (
     "gallery",
 )
 ASKED = {  # of a page
-    **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh", "i", "j"), (int, float)),
+    **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
     **dict.fromkeys(("what", "quantity", "of", "x", "y"), str),
 }
 UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"profile"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')

@@ -1,38 +1,39 @@
-"""The page "Map": the first slip over two parameters, regimes outlined and named; a click loads that scene.
+"""The page "Map": the first slip over two parameters, regimes outlined and named; a click or a drag goes there.
 
-Each row of the map is one call for the workers, its points followed from their neighbours or run
-(solver/analysis/maps); rows come from coarse to fine, and what one visitor has asked for is there for all (sweep.py).
+The map is made of tiles (solver/analysis/maps), each a call for the workers, from coarse to fine: a tile is asked for
+as soon as the points around it are known, and what one visitor has asked for is there for all (sweep.py).
 """
 
 import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
+from scipy.ndimage import distance_transform_edt
 
 from app.service import tasks
 from app.service.sweep import Sweep
-from app.session.controls import DEFAULT
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import SceneError
-from solver.analysis.maps import REGIMES, Axis
+from solver.analysis.maps import REGIMES, Axis, Map
+from solver.analysis.maps.grid import corners
 
-COLUMNS, ROWS = 17, 13
-RANGES = {  # of what may be chosen: low, high, whether even in the logarithm
-    "delta_bar": (-0.3, 1.0, False),
-    "phi_ratio": (0.05, 2.0, True),
-    "E": (15.0, 1000.0, True),
-    "phi_n": (0.5, 5.0, True),
-    "nu": (0.1, 0.45, False),
+COLUMNS, ROWS = 33, 25
+AXES = {  # of what may be chosen: what it is called, low, high, whether even in the logarithm, ticks
+    "delta_bar": ("press depth δ/δ₀", -0.8, 1.0, False, (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
+    "phi_ratio": ("friction / adhesion φₜ/φₙ", 0.01, 2.0, True, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)),
+    "E": ("stiffness E (GPa)", 15.0, 1000.0, True, (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)),
+    "phi_n": ("adhesion φₙ (N/m)", 0.5, 5.0, True, (0.5, 1.0, 2.0, 5.0)),
+    "nu": ("Poisson's ratio ν", 0.1, 0.45, False, (0.1, 0.2, 0.3, 0.4)),
 }
-QUANTITIES = {  # of a Point: what the page calls it, and what it is times
-    "F_s": ("Fₛ (N/m)", lambda scene: scene.width * scene.E),
-    "U_s": ("Uₛ (nm)", lambda scene: 1.0),
-    "A_s": ("Aₛ (nm)", lambda scene: scene.width),
-    "asymmetry": ("peel asymmetry", lambda scene: 1.0),
-    "sites": ("sites of a slip", lambda scene: 1.0),
-    "reattached": ("share reattached", lambda scene: 1.0),
+QUANTITIES = {  # of a Point: what the page calls it, its unit, and the parameters that it is over
+    "F_s": ("friction Fₛ", "N/m", ("width", "E")),
+    "U_s": ("displacement Uₛ", "nm", ()),
+    "A_s": ("contact area Aₛ", "nm", ("width",)),
+    "asymmetry": ("peel asymmetry", "", ()),
+    "sites": ("sites of a slip", "", ()),
+    "reattached": ("share reattached", "", ()),
 }
-LABELS = 6  # ticks of an axis
+ASIDE = 2.0  # columns and rows that the name of a regime keeps from the edges
 COLUMN, ROW = hv.Dimension("i", label="x"), hv.Dimension("j", label="y")
 
 
@@ -52,7 +53,7 @@ def compose():
         y=(bounds[1], bounds[3]),
     )
     text = next(part for part in figure.renderers if part.name == "regimes_map.names").glyph
-    text.update(background_fill_color="black", background_fill_alpha=0.6, text_font_size="13px")
+    text.update(background_fill_color="black", background_fill_alpha=0.6, text_font_size="14px")
     return [figure]
 
 
@@ -62,87 +63,84 @@ class Page(Sheet):
     def __init__(self, *given):
         super().__init__(*given)
         self.sweep = Sweep(self.session, self._take)
-        self.names, self.of, self.points = ("delta_bar", "phi_ratio"), "F_s", {}
-        self.base = self.axes = None
+        self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
+        self.grid, self.known = None, {}  # {(i, j): (Point, Skeleton or None)}
+        self.left = []  # (level, cell, its corners) not asked for yet
+        self.asking = False
 
     def scene_changed(self):
         """Another map only where something else than its axes has changed."""
         try:
-            scene = self._base(self.session.scene)
+            scene = self.session.scene.changed(path="shear", **{name: AXES[name][1] for name in self.names})
         except SceneError as error:
             self.sweep.cancel()
             return self.publish(texts={"regimes-said": f"Not drawn: {error}"}, busy=None)
-        if scene == self.base:
-            return self._draw()
-        self._begin(scene)
+        if self.grid is None or scene != self.grid.scene:
+            self._begin(scene)
+        self._draw()
 
     def order(self, values):
-        """Other axes, another quantity, a click at {i, j}, or cancel."""
+        """Other axes, another quantity, or cancel."""
         what, names = values.get("what"), (values.get("x"), values.get("y"))
         if what == "cancel":
             self.sweep.cancel()
-        elif what == "axes" and set(names) <= RANGES.keys() and names[0] != names[1]:
+        elif what == "axes" and set(names) <= AXES.keys() and names[0] != names[1]:
             self.names = names
             return self.scene_changed()
         elif what == "of" and values.get("of") in QUANTITIES:
             self.of = values["of"]
-        elif what == "go" and self.axes and values.keys() >= {"i", "j"}:
-            at = (round(float(np.clip(float(values[k]), 0, n - 1))) for k, n in (("i", COLUMNS), ("j", ROWS)))
-            self.session.show(self._scene(*at), DEFAULT)
         self._draw()
 
     def close(self):
         """Ask for nothing any longer."""
         self.sweep.cancel()
 
-    def _base(self, scene):
-        """The scene with the map's own parameters where they do not matter."""
-        return scene.changed(path="shear", **{name: RANGES[name][0] for name in self.names})
-
-    def _scene(self, i, j):
-        values = (float(f"{axis.values[k]:.4g}") for axis, k in zip(self.axes, (i, j), strict=True))
-        return self.base.changed(**dict(zip(self.names, values, strict=True)))
-
     def _begin(self, scene):
         self.sweep.cancel()
-        self.base, self.points = scene, {}
-        counts = (COLUMNS, ROWS)
-        self.axes = [
-            Axis(name, low, high, n, log)
-            for name, n in zip(self.names, counts, strict=True)
-            for low, high, log in (RANGES[name],)
-        ]
-        rows = sorted(range(ROWS), key=lambda j: next(step for step in range(5) if j % (16 >> step) == 0))
+        counts = zip(self.names, (COLUMNS, ROWS), strict=True)
+        self.grid = Map(scene, *(Axis(name, *AXES[name][1:3], count, AXES[name][3]) for name, count in counts))
+        self.known = {}
+        levels = range(self.grid.levels)
+        self.left = [(level, cell, corners(cell)) for level in levels for cell in self.grid.cells(level)]
         self._name_axes()
-        self._draw()
-        self.sweep.add([(tasks.map_row, scene, *self.axes, j) for j in rows])
-        self._draw()
+        self._ask()
+
+    def _ask(self):
+        """Ask for the tiles around which all is known, until none is left; some are known at once."""
+        self.asking = True
+        while ready := [one for one in self.left if one[2] <= self.known.keys()]:
+            self.left = [one for one in self.left if one not in ready]
+            self.sweep.add([(tasks.map_tile, self.grid.tile(level, cell, self.known)) for level, cell, _ in ready])
+        self.asking = False
 
     def _take(self, call, result):
-        """A row is back from the workers."""
-        if isinstance(result, Exception):
-            return self._draw(f"One row was not computed: {result}. ")
-        self.points |= {(point.i, point.j): point for point in result}
-        self._draw()
+        """A tile is back from the workers."""
+        pairs = self.grid.lost(call[1], str(result)) if isinstance(result, Exception) else result
+        self.known |= {(point.i, point.j): (point, skeleton) for point, skeleton in pairs}
+        if not self.asking:
+            self._ask()
+            self._draw()
 
     # drawing
 
     def _name_axes(self):
         figure = self.views["map"].figure
-        for axis, known, ruler in zip(self.axes, (COLUMNS, ROWS), (figure.xaxis[0], figure.yaxis[0]), strict=True):
-            ticks = [round(k) for k in np.linspace(0, known - 1, LABELS)]
-            labels = {k: f"{axis.values[k]:.2g}" for k in ticks}
-            ruler.update(ticker=FixedTicker(ticks=ticks), major_label_overrides=labels, axis_label=axis.name)
+        for axis, ruler in zip((self.grid.x, self.grid.y), (figure.xaxis[0], figure.yaxis[0]), strict=True):
+            label, *_, values = AXES[axis.name]
+            labels = {_place(axis, value): f"{value:g}".replace("-", "−") for value in values}
+            ruler.update(ticker=FixedTicker(ticks=list(labels)), major_label_overrides=labels, axis_label=label)
 
-    def _draw(self, before=""):
-        if not self.axes:
+    def _draw(self):
+        if self.grid is None:
             return
-        image = np.full((ROWS, COLUMNS), np.nan, dtype=np.float32)
-        codes = np.full((ROWS, COLUMNS), -1)
-        for (i, j), point in self.points.items():
-            codes[j, i], value = point.code, getattr(point, self.of)
-            if value is not None:
-                image[j, i] = value * QUANTITIES[self.of][1](self._scene(i, j))
+        points = [point for point, _ in self.known.values()]
+        codes = self.grid.array(points, "regime")
+        image = self.grid.array(points, self.of)
+        for name in QUANTITIES[self.of][2]:
+            image = image * self._everywhere(name)
+        if points:  # what is not known yet is as the nearest point that is
+            nearest = tuple(distance_transform_edt(codes < 0, return_distances=False, return_indices=True))
+            image, codes = image[nearest].astype(np.float32), codes[nearest]
         view = self.views["map"]
         source = view.parts["map"].data_source
         source.data = dict(source.data) | {"image": [image]}
@@ -150,26 +148,50 @@ class Page(Sheet):
         view.parts["map"].glyph.color_mapper.update(low=low, high=max(high, low + 1e-9))
         outline = outlines(codes)
         self.draw("map", "outline", i=outline[0], j=outline[1])
-        named = [(code, *np.argwhere(codes == code).mean(axis=0)) for code in np.unique(codes[codes >= 0])]
-        names = {"i": [i for _, _, i in named], "j": [j for _, j, _ in named]}
-        self.draw("map", "names", **names, name=[REGIMES[code] for code, *_ in named])
-        own = [np.interp(getattr(self.session.scene, a.name), a.values, np.arange(a.count)) for a in self.axes]
+        named = {code: _inside(codes == code) for code in np.unique(codes[codes >= 0])}
+        names = {"i": [i for i, _ in named.values()], "j": [j for _, j in named.values()]}
+        self.draw("map", "names", **names, name=[REGIMES[code] for code in named])
+        own = [_place(axis, getattr(self.session.scene, axis.name)) for axis in (self.grid.x, self.grid.y)]
         self.draw("map", "own", i=own[:1], j=own[1:])
-        self._describe(before, low, high)
+        self._describe(points, low, high)
 
-    def _describe(self, before, low, high):
-        followed = sum(point.followed for point in self.points.values())
-        text = f"{before}{len(self.points)} of {COLUMNS * ROWS} points, {followed} of them followed, the others run. "
-        limits = {"regimes-low": f"{low:.3g}", "regimes-high": f"{high:.3g} {QUANTITIES[self.of][0]}"}
-        self.publish(texts={"regimes-said": text} | limits, busy=self.sweep.part)
+    def _everywhere(self, name):
+        """A parameter of the scenes, to be multiplied with (rows, columns)."""
+        values = {self.grid.x.name: self.grid.x.values, self.grid.y.name: self.grid.y.values[:, None]}
+        return values.get(name, getattr(self.grid.scene, name))
+
+    def _describe(self, points, low, high):
+        followed, without = (sum(bool(getattr(p, name)) for p in points) for name in ("followed", "reason"))
+        text = f"{len(points)} of {self.grid.size} points, {followed} of them followed, the others run."
+        if without:
+            why = next(point.reason for point in points if point.reason)
+            text += f" {without} without a result: {why}."
+        unit = QUANTITIES[self.of][1]
+        limits = {"regimes-low": f"{low:.3g}", "regimes-high": f"{high:.3g} {unit}"}
+        done = len(points) / self.grid.size if self.sweep.waiting else None
+        axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
+        self.publish(texts={"regimes-said": text} | limits, busy=done, axes=axes)
+
+
+def _place(axis, value):
+    """Where a value of an Axis lies, in its columns; beyond its ends, at them."""
+    along = np.log if axis.log else np.asarray
+    return float(np.interp(along(value), along(axis.values), np.arange(axis.count)))
+
+
+def _inside(region):
+    """(i, j) of the place of a region (rows, columns) that is farthest from its edge, not too near the map's own."""
+    deep = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
+    j, i = np.unravel_index(deep.argmax(), deep.shape)
+    return float(np.clip(i, ASIDE, COLUMNS - 1 - ASIDE)), float(np.clip(j, ASIDE / 2, ROWS - 1 - ASIDE / 2))
 
 
 def outlines(codes):
     """(i, j): lines between cells of codes (rows, columns) that differ and are known, with nan after each."""
     i, j = [], []
-    for axis, corners in ((1, ((0.5, -0.5), (0.5, 0.5))), (0, ((-0.5, 0.5), (0.5, 0.5)))):
+    for axis, corner in ((1, ((0.5, -0.5), (0.5, 0.5))), (0, ((-0.5, 0.5), (0.5, 0.5)))):
         one, other = (np.take(codes, range(k, codes.shape[axis] - 1 + k), axis) for k in (0, 1))
         for row, column in np.argwhere((one != other) & (one >= 0) & (other >= 0)):
-            i += [column + di for di, _ in corners] + [np.nan]
-            j += [row + dj for _, dj in corners] + [np.nan]
+            i += [column + di for di, _ in corner] + [np.nan]
+            j += [row + dj for _, dj in corner] + [np.nan]
     return i, j

@@ -22,14 +22,16 @@ let drag = { name: "", ended: 0 } // the slider moved last, and when it was let 
 let last = 0 // when something was sent
 let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
-function enter(name, value) {
+// Changes parameters {name: text}, one or those of a place of a map
+function enter(values) {
+  const name = Object.keys(values).toSorted().join()
   if (name !== drag.name || (drag.ended && performance.now() - drag.ended > BURST)) {
     leaveBehind()
     goOnFrom()
   }
   drag = { name, ended: me.dragging ? 0 : -BURST }
   moved(name)
-  me.entered = { ...me.entered, [name]: value }
+  me.entered = { ...me.entered, ...values }
   me.quiet = performance.now() + QUIET
   checkTruth()
   const rest = PACE - (performance.now() - last)
@@ -76,6 +78,14 @@ function goOnFrom() {
   me.from = [me.run.number, k]
 }
 
+// A hand moves parameters {name: text}, and will let go
+function steer(values) {
+  me.dragging = true
+  clearTimeout(resting)
+  resting = setTimeout(rests, me.rests)
+  enter(values)
+}
+
 function letGo() {
   if (!drag.ended) drag.ended = performance.now()
   rests()
@@ -84,13 +94,10 @@ function letGo() {
 function connectSlider(name, values) {
   const slider = by(name), entry = by(`${name}-entry`)
   slider.addEventListener("input", () => {
-    me.dragging = true
-    clearTimeout(resting)
-    resting = setTimeout(rests, me.rests)
     entry.value = values[slider.value]
     if (name === "delta_bar") tellDepth(entry.value)
     slider.setAttribute("aria-valuetext", entry.value)
-    enter(name, entry.value)
+    steer({ [name]: entry.value })
   })
   for (const end of ["pointerup", "pointercancel", "keyup", "blur"]) slider.addEventListener(end, letGo)
   slider.addEventListener("wheel", (event) => { // of the slider that has the focus: elsewhere the page scrolls
@@ -169,10 +176,12 @@ export function connect(positions, usual) {
   onHeard(sendNext)
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
-    entry.addEventListener("change", () => enter(entry.id.replace("-entry", ""), entry.value))
+    entry.addEventListener("change", () => enter({ [entry.id.replace("-entry", "")]: entry.value }))
   }
   on("preset", "change", (event) => choosePreset(event.target.value))
   for (const radio of document.querySelectorAll("#row input")) radio.addEventListener("change", () => choosePreset(radio.value))
+  document.addEventListener("steer", ({ detail }) => steer(detail)) // by a page
+  document.addEventListener("let-go", letGo)
   on("profile", "change", readProfile)
   on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
   on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))

@@ -42,19 +42,24 @@ class Map:
             lines = _lines(self.x.count, stride), _lines(self.y.count, stride)
         return stride.bit_length()
 
-    def tiles(self, level, known):
-        """The Tiles of a level; known: {(i, j): (Point, Skeleton or None)} of all levels before.
+    def cells(self, level):
+        """[((place, weights), ...)] of a level: what its Tiles ask for, if nothing of it is known yet."""
+        stride = self._stride(level)
+        return list(_asked_first(self, stride) if level == 0 else _asked_between(self, stride))
 
-        Points of this level that are known already are not asked for again, but serve as neighbours.
-        """
-        stride, last = 2 ** (self.levels - 1 - level), level == self.levels - 1
-        wanted = _asked_first(self, stride) if level == 0 else _asked_between(self, stride)
-        for asked in wanted:
-            around = {place for _, weights in asked for place in weights} | {place for place, _ in asked}
-            asked = tuple((place, weights) for place, weights in asked if place not in known)
-            if asked:
-                there = tuple(known[place] for place in sorted(around) if place in known)
-                yield Tile(self.scene, self.x, self.y, asked, there, not last)
+    def tiles(self, level, known):
+        """The Tiles of a level; known: {(i, j): (Point, Skeleton or None)} of all levels before."""
+        return [tile for tile in (self.tile(level, cell, known) for cell in self.cells(level)) if tile.asked]
+
+    def tile(self, level, cell, known):
+        """The Tile of a cell; what is known of it is not asked for again, but serves as a neighbour."""
+        asked = tuple((place, weights) for place, weights in cell if place not in known)
+        around = corners(cell) | {place for place, _ in cell}
+        there = tuple(known[place] for place in sorted(around) if place in known)
+        return Tile(self.scene, self.x, self.y, asked, there, level < self.levels - 1)
+
+    def _stride(self, level):
+        return 2 ** (self.levels - 1 - level)
 
     def array(self, points, of):
         """(y.count, x.count) of a column of Points, nan where there is none; `of` "regime" gives codes, -1 unknown."""
@@ -69,6 +74,11 @@ class Map:
         return [(replace(Point(reason=reason), i=i, j=j), None) for (i, j), _ in tile.asked]
 
 
+def corners(cell):
+    """{(i, j)} that must be known before the points of a cell can be asked for."""
+    return {place for _, weights in cell for place, _ in weights} - {place for place, _ in cell}
+
+
 def _lines(count, stride):
     """Places of a level along an axis: every `stride`-th and the last."""
     return sorted({*range(0, count, stride), count - 1})
@@ -78,7 +88,7 @@ def _asked_first(grid, stride):
     """Of every Tile of the first level, one point: with nobody around, it is run."""
     for i in _lines(grid.x.count, stride):
         for j in _lines(grid.y.count, stride):
-            yield (((i, j), {}),)
+            yield (((i, j), ()),)
 
 
 def _asked_between(grid, stride):
@@ -97,9 +107,9 @@ def _asked_between(grid, stride):
 
 
 def _weights(place, xs, ys):
-    """{corner of a cell: its weight} in the bilinear interpolation there, those that are not 0."""
+    """((corner of a cell, its weight in the bilinear interpolation there), ...), those that are not 0."""
     parts = [
         [(end, abs(at - other) / abs(ends[1] - ends[0])) for end, other in (ends, ends[::-1])]
         for at, ends in zip(place, (xs, ys), strict=True)
     ]
-    return {(i, j): p * q for i, p in parts[0] for j, q in parts[1] if p * q > 0.0}
+    return tuple(((i, j), p * q) for i, p in parts[0] for j, q in parts[1] if p * q > 0.0)

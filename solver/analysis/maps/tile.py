@@ -1,6 +1,6 @@
 """Points next to known ones, each followed from the nearest: a pure function of a Tile."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ...continuation.state import NotConverged
 from ...following.branch import NotFollowed
@@ -22,16 +22,16 @@ SAME = 1e-4  # nm, to which two ways to a point agree on U_s
 class Tile:
     """Points asked for, and what is known around them; picklable.
 
-    asked: ((i, j), {(i, j) of a point around it: weight in a linear interpolation}), in the order in which they are
-    computed; a neighbour is known or asked for before. known: Points with their Skeletons, where these are there.
-    keep: whether Skeletons are wanted, which are large.
+    asked: ((i, j), ((i, j) of a point around it, its weight in a linear interpolation), ...), in the order in which
+    they are computed; a neighbour is known or asked for before. known: Points with their Skeletons, where these are
+    there. keep: whether Skeletons are wanted, which are large. Tiles that ask for the same are equal.
     """
 
     scene: Scene
     x: Axis
     y: Axis
-    asked: tuple[tuple[tuple[int, int], dict[tuple[int, int], float]], ...]
-    known: tuple[tuple[Point, Skeleton | None], ...] = ()
+    asked: tuple[tuple[tuple[int, int], tuple[tuple[tuple[int, int], float], ...]], ...]
+    known: tuple[tuple[Point, Skeleton | None], ...] = field(default=(), compare=False)
     keep: bool = True
 
     def scene_at(self, i, j):
@@ -49,7 +49,7 @@ def points_of(tile):
     """Yield (Point, Skeleton or None) in order; to be left between any two of them."""
     known = {(point.i, point.j): (point, skeleton) for point, skeleton in tile.known}
     for place, weights in tile.asked:
-        around = [(known[other][0], weight) for other, weight in weights.items()]
+        around = [(known[other][0], weight) for other, weight in weights]
         by_distance = sorted(known, key=lambda other: (other[0] - place[0]) ** 2 + (other[1] - place[1]) ** 2)
         skeletons = [known[other][1] for other in by_distance if known[other][1] is not None]
         point, skeleton = _point(tile, place, around, skeletons[:SOURCES])
