@@ -1,6 +1,7 @@
 """The page "Map": tiles from the workers, what they say against exact runs, and what a visitor sees."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -59,6 +60,16 @@ def test_a_visitor_gets_the_map_from_coarse_to_fine_and_all_of_it(session):
     assert np.nanmin(outline) == np.nanmax(outline) == COLUMNS // 2 + 0.5
     told = json.loads(session.wire.page)
     assert told["busy"] is None and told["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
+
+
+def test_a_leap_over_the_map_goes_on_from_what_the_map_is_made_of(session):
+    order(session, "page", page="regimes")
+    page, scene = session.pages.page, session.scene
+    page.known = {(8, 12): (Point(), "far"), (28, 20): (Point(), "near"), (29, 20): (Point(), None)}
+    there = page.grid.tile(0, (((27, 20), ()),), {}).scene_at(27, 20)
+    assert pickle.loads(page.nearer(there, scene)) == pickle.loads(page.nearer(there, None)) == "near"
+    assert page.nearer(there, there) is None  # what is on screen is nearer
+    assert page.nearer(there.changed(nodes=512), None) is None
 
 
 def test_force_is_that_of_the_stiffness_at_each_place(session):

@@ -33,7 +33,7 @@ class Following:
 
     def want(self, scene, at):
         """Send a picture of the scene with the frame at U_x = `at` nm, unless a newer one is wanted first; or False."""
-        if self.skeleton is None:
+        if self._source(scene) is None:
             return False
         self.wanted = scene, at, self.session.acknowledged
         if self.flight is None:
@@ -51,9 +51,14 @@ class Following:
             self.session.pool.abandon(self.flight)
         self.flight = self.wanted = None
 
+    def _source(self, scene):
+        """The pickled Skeleton to go on from to a scene: of the page that is open if it has a nearer one, or None."""
+        origin = (self.shown or self.session.run.scene) if self.skeleton else None
+        return self.session.pages.nearer(scene, origin) or self.skeleton
+
     def _submit(self):
         (scene, at, number), self.wanted = self.wanted, None
-        call = (followed, self.skeleton, scene, at)
+        call = (followed, self._source(scene), scene, at)
         task = self.flight = self.near = self.session.pool.submit(
             *call, near=self.near, owner=id(self.session), rank=SCREEN
         )

@@ -63,6 +63,9 @@ class Sheet:
     def order(self, values):
         """The page's own controls have been used."""
 
+    def nearer(self, scene, origin):
+        """A pickled Skeleton nearer to a scene than that of the Scene `origin` (None: there is none), if it has one."""
+
     def close(self):
         """Leave no work behind."""
 
@@ -128,6 +131,10 @@ class Pages:
         """An order from the browser to the page that is open."""
         if self.page is not None:
             self.page.order(values)
+
+    def nearer(self, scene, origin):
+        """As that of the Sheet that is open."""
+        return self.page and self.page.nearer(scene, origin)
 
     def _publish(self, page, news):
         """Tell the browser, unless the visitor has left the page meanwhile."""

@@ -4,6 +4,8 @@ The map is made of tiles (solver/analysis/maps), each a call for the workers, fr
 as soon as the points around it are known, and what one visitor has asked for is there for all (sweep.py).
 """
 
+import pickle
+
 import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
@@ -16,6 +18,7 @@ from app.views.plots import curve, dots, rendered
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
 from solver.analysis.maps.grid import corners
+from solver.scene import PARAMETERS
 
 COLUMNS, ROWS = 33, 25
 AXES = {  # of what may be chosen: what it is called, low, high, whether even in the logarithm, ticks
@@ -41,7 +44,7 @@ def compose():
     """The map over numbers of columns and rows, for its axes may be logarithmic."""
     bounds = (-0.5, -0.5, COLUMNS - 0.5, ROWS - 0.5)
     image = hv.Image(np.zeros((2, 2), dtype=np.float32), [COLUMN, ROW], "value", bounds=bounds, label="map")
-    image.opts(default_tools=[], cmap="cividis", tools=["hover"], hover_tooltips=[("", "@image{0.000}")])
+    image.opts(default_tools=[], cmap="cividis")
     names = hv.Labels(([], [], []), [COLUMN, ROW], "name", label="names").opts(text_color="white")
     elements = [image, curve("outline", COLUMN, ROW, line_width=3), names]
     elements.append(dots("own", COLUMN, ROW, marker="diamond", size=14))
@@ -71,7 +74,7 @@ class Page(Sheet):
     def scene_changed(self):
         """Another map only where something else than its axes has changed."""
         try:
-            scene = self.session.scene.changed(path="shear", **{name: AXES[name][1] for name in self.names})
+            scene = self._base(self.session.scene)
         except SceneError as error:
             self.sweep.cancel()
             return self.publish(texts={"regimes-said": f"Not drawn: {error}"}, busy=None)
@@ -91,9 +94,40 @@ class Page(Sheet):
             self.of = values["of"]
         self._draw()
 
+    def nearer(self, scene, origin):
+        """See Sheet: a hand on the map goes on from what the map is made of, also after a leap."""
+        if not self._holds(scene):
+            return None
+        here = self._place_of(scene)
+        off, nearest = min(
+            ((np.hypot(i - here[0], j - here[1]), k) for (i, j), (_, k) in self.known.items() if k is not None),
+            key=lambda one: one[0],
+            default=(np.inf, None),
+        )
+        return pickle.dumps(nearest) if off < self._off(here, origin) else None
+
+    def _off(self, here, origin):
+        if origin is None or not self._holds(origin):
+            return np.inf
+        there = self._place_of(origin)
+        return np.hypot(there[0] - here[0], there[1] - here[1])
+
     def close(self):
         """Ask for nothing any longer."""
         self.sweep.cancel()
+
+    def _base(self, scene):
+        """The scene with the map's own parameters where they do not matter; raises SceneError."""
+        return scene.changed(path="shear", **{name: AXES[name][1] for name in self.names})
+
+    def _holds(self, scene):
+        """Whether a scene is one of the map's."""
+        others = self.grid and PARAMETERS.keys() - set(self.names)
+        return bool(others) and all(getattr(scene, name) == getattr(self.grid.scene, name) for name in others)
+
+    def _place_of(self, scene):
+        """(i, j) of a scene."""
+        return [_place(axis, getattr(scene, axis.name)) for axis in (self.grid.x, self.grid.y)]
 
     def _begin(self, scene):
         self.sweep.cancel()
@@ -151,26 +185,27 @@ class Page(Sheet):
         named = {code: _inside(codes == code) for code in np.unique(codes[codes >= 0])}
         names = {"i": [i for i, _ in named.values()], "j": [j for _, j in named.values()]}
         self.draw("map", "names", **names, name=[REGIMES[code] for code in named])
-        own = [_place(axis, getattr(self.session.scene, axis.name)) for axis in (self.grid.x, self.grid.y)]
+        own = self._place_of(self.session.scene)
         self.draw("map", "own", i=own[:1], j=own[1:])
-        self._describe(points, low, high)
+        self._describe(points, low, high, codes)
 
     def _everywhere(self, name):
         """A parameter of the scenes, to be multiplied with (rows, columns)."""
         values = {self.grid.x.name: self.grid.x.values, self.grid.y.name: self.grid.y.values[:, None]}
         return values.get(name, getattr(self.grid.scene, name))
 
-    def _describe(self, points, low, high):
+    def _describe(self, points, low, high, codes):
         followed, without = (sum(bool(getattr(p, name)) for p in points) for name in ("followed", "reason"))
         text = f"{len(points)} of {self.grid.size} points, {followed} of them followed, the others run."
         if without:
             why = next(point.reason for point in points if point.reason)
             text += f" {without} without a result: {why}."
         unit = QUANTITIES[self.of][1]
-        limits = {"regimes-low": f"{low:.3g}", "regimes-high": f"{high:.3g} {unit}"}
+        limits = {"regimes-low": f"{low + 0.0:.3g}", "regimes-high": f"{high:.3g} {unit}"}  # no -0
         done = len(points) / self.grid.size if self.sweep.waiting else None
         axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
-        self.publish(texts={"regimes-said": text} | limits, busy=done, axes=axes)
+        read = {"axes": axes, "codes": codes.ravel().tolist(), "names": REGIMES}
+        self.publish(texts={"regimes-said": text} | limits, busy=done, **read)
 
 
 def _place(axis, value):

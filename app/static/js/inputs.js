@@ -10,7 +10,7 @@ import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, redraw, reset, show, toSlip } from "./player.js"
 import { exact, leaveBehind, me, QUIET } from "./state.js"
-import { tellDepth } from "./status.js"
+import { place as stand, tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
 import { chooseNext, connectViews, fillScreen, look } from "./view.js"
 
@@ -180,7 +180,13 @@ export function connect(positions, usual) {
   }
   on("preset", "change", (event) => choosePreset(event.target.value))
   for (const radio of document.querySelectorAll("#row input")) radio.addEventListener("change", () => choosePreset(radio.value))
-  document.addEventListener("steer", ({ detail }) => steer(detail)) // by a page
+  document.addEventListener("steer", ({ detail }) => { // by a page: the controls follow
+    for (const name in detail) {
+      by(`${name}-entry`).value = detail[name]
+      if (positions[name]) stand(name, detail[name])
+    }
+    steer(detail)
+  })
   document.addEventListener("let-go", letGo)
   on("profile", "change", readProfile)
   on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again

@@ -1,13 +1,15 @@
 // The page "Map": what it is over and of; a click goes to that scene, and a drag through all between.
 
-import { onEvent } from "../bokeh.js"
+import { drawnBy, onEvent } from "../bokeh.js"
 import { ask } from "../channel.js"
-import { by, on } from "../dom.js"
-import { figures } from "../figures.js"
+import { by, minus, on } from "../dom.js"
+import { figures, parts } from "../figures.js"
 
 const DIGITS = 4 // of a value
 
-let axes = [] // {name, values} across and upwards
+const tell = (what, detail) => document.dispatchEvent(new CustomEvent(what, { detail }))
+
+let axes = [], regimes = [] // {name, values} across and upwards; of each place, row by row, what it is called
 
 export function connect() {
   on("regimes-cancel", "click", () => ask({ what: "cancel" }))
@@ -18,16 +20,29 @@ export function connect() {
 export function told(news) {
   by("regimes-cancel").hidden = (news.busy ?? null) === null
   axes = news.axes ?? []
+  regimes = news.codes?.map((code) => news.names[code]) ?? []
 }
 
 export function opened() {
-  const tell = (what, detail) => document.dispatchEvent(new CustomEvent(what, { detail }))
-  for (const name of ["tap", "pan"]) onEvent(figures.regimes_map, name, ({ x, y }) => tell("steer", values([x, y])))
+  for (const name of ["tap", "pan"]) onEvent(figures.regimes_map, name, ({ x, y }) => tell("steer", valuesAt([x, y])))
   for (const name of ["tap", "panend"]) onEvent(figures.regimes_map, name, () => tell("let-go"))
+  onEvent(figures.regimes_map, "mousemove", ({ x, y }) => { by("regimes-at").textContent = read(x, y) })
+  onEvent(figures.regimes_map, "mouseleave", () => { by("regimes-at").textContent = "" })
+}
+
+// What the map says at a place
+function read(x, y) {
+  const { image, rows, columns } = drawnBy(parts.regimes_map.map), i = Math.round(x), j = Math.round(y)
+  const regime = regimes[j * columns + i]
+  if (!regime || i < 0 || i >= columns || j < 0 || j >= rows) return ""
+  const named = Object.entries(valuesAt([i, j])).map(([name, value]) => `${by("regimes-x").querySelector(`[value="${name}"]`).textContent} ${minus(value)}`)
+  const value = image[j * columns + i], [, unit] = by("regimes-high").textContent.split(" ")
+  const what = by("regimes-of").selectedOptions[0].textContent
+  return `${named.join(", ")}: ${regime}${Number.isFinite(value) ? `, ${what} ${minus(Number(value.toPrecision(3)))} ${unit ?? ""}` : ""}`
 }
 
 // {parameter: text} at a place of the map, in columns and rows
-function values(place) {
+function valuesAt(place) {
   return Object.fromEntries(axes.map(({ name, values }, side) => {
     const at = Math.min(Math.max(place[side], 0), values.length - 1), k = Math.min(Math.floor(at), values.length - 2)
     const value = values[k] + (at - k) * (values[k + 1] - values[k])
