@@ -24,6 +24,7 @@ from app.glossary import forms
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.session import Session
 from app.session.wire import Wire
+from app.views.fit import FREE
 from app.views.live import live_figures
 from app.views.pages import PAGES, places, section
 from app.views.regimes import AXES, QUANTITIES
@@ -120,6 +121,7 @@ def _html(doc, files):
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
         "pages": {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()},
+        "fit_free": FREE,
         "map_axes": AXES,
         "map_of": QUANTITIES,
         "schema": schema,

@@ -1,6 +1,7 @@
 """What the pages ask of a worker: each a pure function of picklable arguments that returns small arrays or numbers."""
 
 from dataclasses import dataclass, replace
+from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -10,9 +11,11 @@ import numpy as np
 
 from app.service import worker
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
+from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.interior import shear_factors, wavenumbers
 from solver.analysis.maps import points_of
+from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
 from solver.analysis.raster import fringes, mesh, picture
 from solver.analysis.sensitivities import sensitivities
 from solver.cli import report_of
@@ -23,6 +26,7 @@ from solver.following.reading import skeleton_of
 from solver.run.load_steps import lifts
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
+POINTS, NOISE, APART = 400, 0.01, 1.2  # of a made-up measurement: how many, of the largest F, times a parameter
 DRAWN = 400  # points of a curve, about one per pixel
 SEEN = 0.06  # of the width shown: the largest displacement in the mesh, as it is drawn
 CELLS = (19, 7)  # of the mesh in the picture, across and deep
@@ -116,7 +120,7 @@ def what_matters(scene):
     is zero; None of what is zero itself. nodes: change of F_s by the strength of each node from `first` on, over F_s.
     """
     try:
-        found = sensitivities(skeleton_of(scene))
+        found = sensitivities(skeleton_of(scene), branches=False)
     except (NotConverged, NotFollowed) as error:
         return f"{error}".rstrip(".")
     if not found.slips:
@@ -214,6 +218,37 @@ def measured(text):
         return read_profile(text), None
     except ProfileError as error:
         return None, str(error)
+
+
+def measured_curve(text, scene):
+    """(the Measurement in the text of a CSV, None), or (None, why it is of no use)."""
+    try:
+        return read_measurement(StringIO(text), scene), None
+    except MeasurementError as error:
+        return None, str(error)
+
+
+def made_up_curve(scene):
+    """A Measurement of an interface that differs a little from that of the scene, with noise; or why there is none."""
+    rng = np.random.default_rng()
+    values = {name: getattr(scene, name) * APART ** rng.uniform(-1.0, 1.0) for name in ("phi_n", "phi_ratio")}
+    other = scene.changed(path="shear", delta_bar=scene.delta_bar + rng.uniform(-0.1, 0.1), **values)
+    try:
+        skeleton = skeleton_of(other)
+    except (NotConverged, NotFollowed) as error:
+        return None, f"{error}".rstrip(".")
+    U_x, unit = np.linspace(0.0, other.u_x_max, POINTS + 1)[1:], other.width * other.E
+    F_bar, L_bar, _ = skeleton.curve(U_x)
+    noise = NOISE * np.abs(F_bar).max() * rng.normal(size=(2, POINTS))
+    return Measurement.of(U_x, {"F_bar": F_bar + noise[0], "L_bar": L_bar + noise[1]}, unit=unit), None
+
+
+def fitted(scene, measured, free):
+    """The Fit of parameters to a Measurement, or a sentence why there is none."""
+    try:
+        return fit(scene, measured, free)
+    except (NotConverged, NotFollowed, ValueError) as error:
+        return f"{error}".rstrip(".")
 
 
 def file_of_run(legs, kind):

@@ -9,10 +9,10 @@ from app.session.controls import PARAMETERS
 from app.views.pages import PAGES
 from solver.presets import presets
 
-SMALL = 8000  # characters of an order, but for one that brings a profile
-LARGEST = 2_000_000  # characters of a profile
+SMALL = 8000  # characters of an order, but for one that brings a file
+LARGEST = 2_000_000  # characters of a file
 LONGEST = 64  # characters of a value
-LONGER = {"profile": 2000, "link": 5000}  # of those that are longer
+LONGER = {"profile": 2000, "link": 5000, "free": 200}  # of those that are longer
 # without values
 PLAIN = (
     "hello",
@@ -29,9 +29,10 @@ PLAIN = (
 )
 ASKED = {  # of a page
     **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
-    **dict.fromkeys(("what", "quantity", "of", "x", "y"), str),
+    **dict.fromkeys(("what", "quantity", "of", "x", "y", "free"), str),
 }
-UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"profile"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
+BROUGHT = ("profile", "measurement")  # by a file
+UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"(profile|measurement)"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
 
 
 class Refused(ValueError):
@@ -60,13 +61,13 @@ class Order:
 def read(text):
     """The Order in a text; raises Refused."""
     if len(text) > SMALL:
-        return _profile(text)
+        return _brought(text)
     order = plain_json(text)
     if not isinstance(order, dict):
         raise Refused("An order could not be read.")
     values, do = order.get("values") or {}, order.get("do")
-    if do == "profile" and isinstance(values, dict) and isinstance(values.get("text"), str):
-        return Order("profile", {"text": values["text"]}, _number(order.get("n")))
+    if do in BROUGHT and isinstance(values, dict) and isinstance(values.get("text"), str):
+        return Order(do, {"text": values["text"]}, _number(order.get("n")))
     if not isinstance(values, dict) or not all(map(_is_value, values, values.values())):
         raise Refused("An order may hold short texts and numbers only.")
     n, held, at = _number(order.get("n")), order.get("held") is True, _number(order.get("at")) or 0.0
@@ -100,19 +101,20 @@ def read(text):
     raise Refused("An order was not understood.")
 
 
-def _profile(text):
-    """The Order that brings a profile; nothing of it is read but one text, however long it is."""
+def _brought(text):
+    """The Order that brings a file; nothing of it is read but one text, however long it is."""
     start = UPLOAD.match(text)
     if start is None:
         raise Refused("An order was too long.")
+    do = start[1]
     if len(text) > 1.1 * LARGEST:
-        raise Refused(f"profile: more than {LARGEST / 1e6:g} MB; thin it out.", "profile")
+        raise Refused(f"{do}: more than {LARGEST / 1e6:g} MB; thin it out.", do)
     try:
-        profile, end = json.JSONDecoder().raw_decode(text, start.end())
+        content, end = json.JSONDecoder().raw_decode(text, start.end())
     except ValueError:
-        raise Refused("profile: the file could not be read.", "profile") from None
+        raise Refused(f"{do}: the file could not be read.", do) from None
     rest = plain_json('{"values": {"text": ""' + text[end:][:SMALL])
-    return Order("profile", {"text": profile}, _number(isinstance(rest, dict) and rest.get("n")))
+    return Order(do, {"text": content}, _number(isinstance(rest, dict) and rest.get("n")))
 
 
 def plain_json(text):

@@ -105,6 +105,9 @@ class Session:
         elif name == "profile":
             self.wire.order = ""  # it may be long
             self.read_profile(values["text"])
+        elif name == "measurement":
+            self.wire.order = ""
+            self.pages.order({"what": "file", **values})
         elif name == "preset":
             self.choose(values["preset"])
         elif name == "restore":

@@ -24,6 +24,7 @@ PAGES = {  # name: (title, where its figures go)
     "solid": ("Inside the solid", ("field",)),
     "matters": ("What matters", ()),
     "regimes": ("Map", ("map",)),
+    "fit": ("Fit", ("curve", "residuals")),
 }
 SECTIONS = Path(__file__).parents[1] / "html" / "pages"
 FIGURE = '<figure><figcaption></figcaption><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'

@@ -2,8 +2,10 @@
 
 import csv
 from dataclasses import dataclass
+from io import TextIOBase
 from os import PathLike
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,18 +59,18 @@ def slips_of(F, noise):
     return tuple(int(i) + 1 for i in np.flatnonzero(step < -max(JUMP * 2.0**0.5 * noise, STEEP * usual)))
 
 
-def read_measurement(source: str | PathLike[str], scene: Scene) -> Measurement:
+def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Measurement:
     """The Measurement in a CSV with a heading: U_x (nm), F_bar or F (N/m), and, if measured, L_bar or L, A_bar.
 
     Other columns are left alone; of a file with a column `stage`, as `run --csv` writes, rows of the shear count.
     Raises MeasurementError.
     """
     try:
-        lines = Path(source).read_text(encoding="utf-8-sig").splitlines()
+        text = source.read() if isinstance(source, TextIOBase) else Path(source).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise MeasurementError(f"{str(source)!r}: {reason}; name a CSV of U_x and F_bar") from None
-    numbered = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    numbered = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
     rows = list(csv.reader(line for _, line in numbered))
     names = [name.strip() for name in rows[0]] if rows else []
     if "U_x" not in names or not {"F", "F_bar"} & set(names):

@@ -74,19 +74,21 @@ class Sensitivities:
     branches: tuple[BranchSensitivity, ...]
 
 
-def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None) -> Sensitivities:
+def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
     """The Sensitivities of a run by the parameters `names`, all `continuous` ones by default.
 
-    Raises NotFollowed where a state cannot be told sharply enough.
+    Without `branches` those of slips alone, which cost a linear solve each. Raises NotFollowed where a state cannot be
+    told sharply enough.
     """
     known = _Known(skeleton, names)
-    folds, branches, start = [], [], None
+    folds, along, start = [], [], None
     for branch in skeleton.branches:
         fold = None if branch.fold is None else known.slip(branch)
-        branches.append(known.branch(branch, start, fold))
+        if branches:
+            along.append(known.branch(branch, start, fold))
         start = fold and {name: d[0] for name, d in fold.by.items()}
         folds.append(fold)
-    return Sensitivities(skeleton, _repeated(skeleton, folds), tuple(branches))
+    return Sensitivities(skeleton, _repeated(skeleton, folds), tuple(along))
 
 
 def _repeated(skeleton, folds):

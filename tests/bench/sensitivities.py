@@ -4,7 +4,8 @@
 
 Scenes are those of `follow.py`, each in turn with the punch, a wave, a rough surface, or a held load. Of the first slip
 U_s, F_s and A_s, central differences of followed runs, by every continuous parameter: the largest error over the
-derivative (of a force, over that of the larger one), and processor time of all sensitivities over that of the run.
+derivative (of a force, over that of the larger one), and processor time of sensitivities over that of the run, of slips
+alone and of the branches between them as well.
 Scenes that stick, or whose run is not followed, say so.
 """
 
@@ -65,14 +66,16 @@ def row_of(scene):
         return {"why": "the run has no end"}
     try:
         skeleton = skeleton_from(scene, frames)
-        start = time.process_time()
-        found = sensitivities(skeleton)
-        cost = time.process_time() - start
+        costs = []
+        for branches in (False, True):
+            start = time.process_time()
+            found = sensitivities(skeleton, branches=branches)
+            costs.append((time.process_time() - start) / seconds)
     except (NotFollowed, NotConverged) as failure:
         return {"why": str(failure)}
     if not found.slips:
-        return {"why": "no slip", "ratio": cost / seconds}
-    return {"ratio": cost / seconds, "seconds": cost, "errors": errors(skeleton, found.slips[0])}
+        return {"why": "no slip", "costs": costs}
+    return {"costs": costs, "seconds": seconds, "errors": errors(skeleton, found.slips[0])}
 
 
 def main():
@@ -87,16 +90,22 @@ def main():
         scene = scene.changed(**KINDS[number % len(KINDS)])
         row = row_of(scene) | {"number": number, "kind": KINDS[number % len(KINDS)]}
         rows.append(row)
-        if "errors" in row:
+        if row.get("errors") == {}:
+            print(
+                f"{number:3} cost {row['costs'][1]:.1%} of the run; no parameter could be followed both ways",
+                flush=True,
+            )
+        elif "errors" in row:
             name, worst = max(row["errors"].items(), key=lambda one: one[1])
-            print(f"{number:3} cost {row['ratio']:.1%} of the run; worst {worst:.1e} ({name})", flush=True)
+            print(f"{number:3} cost {row['costs'][1]:.1%} of the run; worst {worst:.1e} ({name})", flush=True)
         else:
             print(f"{number:3} {row['why']}", flush=True)
     every = [error for row in rows for error in row.get("errors", {}).values()]
     print(f"{len(every)} derivatives, {np.mean(np.array(every) <= WANTED):.1%} right to {WANTED:g}")
     print("error, median / p95 / worst: " + " / ".join(f"{value:.1e}" for value in spread(every)))
-    ratios = spread([row["ratio"] for row in rows if "ratio" in row])
-    print("cost over the run, median / p95 / worst: " + " / ".join(f"{value:.1%}" for value in ratios))
+    for k, what in enumerate(("slips alone", "slips and branches")):
+        costs = spread([row["costs"][k] for row in rows if "costs" in row])
+        print(f"cost of {what} over the run, median / p95 / worst: " + " / ".join(f"{value:.1%}" for value in costs))
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(rows, indent=2), encoding="utf-8")
     return 0

@@ -5,6 +5,7 @@ import { order } from "./channel.js"
 import { by, offerTable, readdress } from "./dom.js"
 import { adopt, drawn, figures, forget, paint, shade } from "./figures.js"
 import * as arealaws from "./pages/arealaws.js"
+import * as fit from "./pages/fit.js"
 import * as law from "./pages/law.js"
 import * as matters from "./pages/matters.js"
 import * as regimes from "./pages/regimes.js"
@@ -12,7 +13,7 @@ import * as solid from "./pages/solid.js"
 import * as stickslip from "./pages/stickslip.js"
 import { me } from "./state.js"
 
-const modules = { law, stickslip, arealaws, solid, matters, regimes }
+const modules = { law, stickslip, arealaws, solid, matters, regimes, fit }
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
 let slots = {} // figure: where it goes
 let sheet = { open: "", figures: [] } // what the server said last of the page that is open

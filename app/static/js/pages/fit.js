@@ -1,0 +1,62 @@
+// The page "Fit": a measured curve, over it that of the sliders, and what a fit has found.
+
+import { ask, order } from "../channel.js"
+import { by, minus, on } from "../dom.js"
+import { fill } from "../figures.js"
+import { leaveBehind } from "../state.js"
+
+const LARGEST = 2e6 // bytes, as the server
+const OWN = ["phi_n", "phi_ratio", "delta_bar", "E"] // of what is found, what the experiment has; the rest is of the axes
+
+let found = null // {values, errors: {name: number}, correlations}
+let drawn = null // the run whose curve is there, and how much of it
+
+const chosen = () => [...document.querySelectorAll("#fit-free input")].filter((box) => box.checked)
+
+export function connect() {
+  on("measurement", "change", read)
+  on("measurement", "click", () => { by("measurement").value = "" }) // so that the same file can be chosen again
+  on("fit-example", "click", () => ask({ what: "example" }))
+  on("fit-go", "click", () => ask({ what: "fit", free: chosen().map((box) => box.name).join() }))
+  on("fit-cancel", "click", () => ask({ what: "cancel" }))
+  on("fit-show", "click", show)
+}
+
+export const opened = () => { drawn = null }
+
+async function read(event) {
+  const [file] = event.target.files
+  if (!file) return
+  if (file.size > LARGEST) by("fit-said").textContent = `measurement: ${file.name} has ${(file.size / 1e6).toFixed(1)} MB, allowed: 2 MB; thin it out.`
+  else order("measurement", { text: await file.text() })
+}
+
+export function told(news) {
+  by("fit-cancel").hidden = (news.busy ?? null) === null
+  by("fit-go").disabled = !("fit" in news) || !by("fit-cancel").hidden
+  if (news.fit === found) return
+  found = news.fit ?? null
+  by("fit-values").hidden = by("fit-show").hidden = !found
+  if (found) by("fit-values").tBodies[0].replaceChildren(...Object.keys(found.values).map(row))
+}
+
+function row(name, i) {
+  const box = by("fit-free").querySelector(`[name="${name}"]`), tr = document.createElement("tr")
+  const others = found.correlations[i].slice(0, i).map((value) => minus(value.toFixed(2))).join("  ")
+  const texts = [box.parentElement.textContent, `${minus(found.values[name])} ${box.value}`, `${found.errors[name]}`, others]
+  texts.forEach((text, k) => { tr.append(Object.assign(document.createElement(k ? "td" : "th"), { textContent: text })) })
+  return tr
+}
+
+function show() {
+  leaveBehind()
+  order("scene", Object.fromEntries(OWN.filter((name) => name in found.values).map((name) => [name, `${found.values[name]}`])))
+}
+
+// The curve of the run on screen, as far as it is there
+export function frame(run) {
+  const state = `${run.number} ${run.length} ${Boolean(run.followed)}`
+  if (drawn === state && !run.followed) return
+  drawn = state
+  for (const [part, force] of [["run", "F"], ["run_load", "L"]]) fill("fit_curve", part, { U_x: run.shear("U_x"), F: run.shear(force) })
+}

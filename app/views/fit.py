@@ -1,0 +1,148 @@
+"""The page "Fit": a measured friction curve over that of the sliders, and the parameters that make it.
+
+A file is read and fitted by a worker (`solver.analysis.measurement`, `fit`); the curve of the sliders is filled in by
+the browser (static/js/pages/fit.js), so that a hand can try before the machine does.
+"""
+
+import re
+
+import holoviews as hv
+import numpy as np
+
+from app.service import tasks
+from app.service.pool import HEAVY, LATER
+from app.views.pages import Sheet
+from app.views.plots import curve, dots, rendered
+
+FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
+    "phi_n": ("adhesion φₙ", "N/m", True),
+    "phi_ratio": ("friction / adhesion φₜ/φₙ", "", True),
+    "delta_bar": ("press depth δ/δ₀", "", True),
+    "E": ("stiffness E", "GPa", False),
+    "offset_U": ("zero of Uₓ", "nm", False),
+    "scale_F": ("scale of F", "", False),
+    "offset_F": ("zero of F", "", False),
+}
+COLOURS = {"run": "--shear", "run_load": "--text"}
+COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitted", "fitted_load"), "--cut")
+PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # of the figure, for each quantity
+LONG = 120.0  # s that a fit may take
+ROOM = 0.08  # of a curve, above and below it
+PLACE, FORCE = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm"), hv.Dimension("F", unit="N/m")
+OFF = hv.Dimension("off", label="off by, in noise")
+
+
+def compose():
+    """Measured and computed forces, and by how much they differ after a fit."""
+    curves = [
+        dots("measured", PLACE, FORCE, size=4),
+        dots("load", PLACE, FORCE, size=4),
+        curve("run", PLACE, FORCE, line_width=2),
+        curve("run_load", PLACE, FORCE, line_width=2, line_dash="dashed"),
+        curve("fitted", PLACE, FORCE, line_width=3),
+        curve("fitted_load", PLACE, FORCE, line_width=3),
+    ]
+    zero = hv.HLine(0.0, label="zero").opts(line_width=1)
+    off = [zero, curve("line", PLACE, OFF, line_width=1), dots("residuals", PLACE, OFF, size=4)]
+    return [
+        rendered("fit_curve", curves, COLOURS),
+        rendered("fit_residuals", off, {"zero": "--grid", "line": "--grid", "residuals": "--cut"}, y=(-5.0, 5.0)),
+    ]
+
+
+class Page(Sheet):
+    """See pages.py."""
+
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.measured = self.task = None
+
+    def order(self, values):
+        """A file, a made-up measurement, a fit, or cancel."""
+        what, scene = values.get("what"), self.session.scene
+        if what == "file":
+            self._ask(self._read, LATER, tasks.measured_curve, values["text"], scene)
+        elif what == "example":
+            self._ask(self._read, HEAVY, tasks.made_up_curve, scene)
+        elif what == "fit" and self.measured is not None:
+            free = tuple(name for name in FREE if name in values.get("free", "").split(","))
+            if not free:
+                return self.publish(texts={"fit-said": "Choose what may be changed to fit."})
+            self._ask(self._fitted, HEAVY, tasks.fitted, scene, self.measured, free)
+            self.publish(busy=0.0, texts={"fit-said": "Fitting: runs are followed to where they meet the points …"})
+        elif what == "cancel":
+            self.close()
+            self.publish(busy=None, texts={"fit-said": "Cancelled."})
+
+    def close(self):
+        """Ask for nothing any longer."""
+        if self.task is not None:
+            self.session.pool.abandon(self.task)
+            self.task = None
+
+    def _ask(self, take, rank, *call):
+        self.close()
+        task = self.task = self.session.pool.submit(*call, owner=id(self.session), rank=rank, seconds=LONG)
+        self.session.when_done(task, lambda done: self._take(done, take))
+
+    def _take(self, task, take):
+        if task is not self.task:
+            return
+        self.task = None
+        lost = task.cancelled() or task.exception()
+        take("it could not be computed; try again" if lost else task.result())
+
+    def _read(self, result):
+        measured, why = result if isinstance(result, tuple) else (None, result)
+        if measured is None:
+            return self.publish(texts={"fit-said": f"measurement: {why}. What was there stays."})
+        self.measured = measured
+        forces = {name: measured.values[name] * self._unit for name in PARTS if name in measured.values}
+        every = np.concatenate([*forces.values()])
+        room = ROOM * (float(np.ptp(every)) or 1.0)
+        along = {"start": min(0.0, float(measured.U_x[0])), "end": float(measured.U_x[-1])}
+        for view in self.views.values():
+            view.figure.x_range.update(**along)
+        self.views["curve"].figure.y_range.update(start=float(every.min()) - room, end=float(every.max()) + room)
+        for name, (points, line) in PARTS.items():
+            there = name in forces
+            self.draw("curve", points, U_x=measured.U_x if there else [], F=forces.get(name, []))
+            self.draw("curve", line, U_x=[], F=[])
+        self.draw("residuals", "residuals", U_x=[], off=[])
+        count, noise = measured.U_x.size, measured.noise["F_bar"] * self._unit
+        text = f"{count} points, {len(measured.slips)} slips, noise {noise:.2g} N/m."
+        self.publish(texts={"fit-said": f"{text} Move the sliders until the curves meet, or let it fit."}, fit=None)
+
+    @property
+    def _unit(self):
+        """N/m that F_bar of the measurement is times."""
+        scene = self.session.scene
+        return self.measured.unit or scene.width * scene.E
+
+    def _fitted(self, found):
+        if isinstance(found, str):
+            return self.publish(busy=None, texts={"fit-said": f"Nothing was found: {found}."})
+        of = {name: np.array([(at, a, b) for at, which, a, b in found.rows if which == name]) for name in PARTS}
+        for name, (_, line) in PARTS.items():
+            if of[name].size:
+                self.draw("curve", line, U_x=of[name][:, 0], F=of[name][:, 2] * self._unit)
+        rows = of["F_bar"]
+        off = (rows[:, 2] - rows[:, 1]) / self.measured.noise["F_bar"]
+        self.draw("residuals", "residuals", U_x=rows[:, 0], off=off)
+        end = max(5.0, 1.1 * float(np.abs(off).max()))
+        self.views["residuals"].figure.y_range.update(start=-end, end=end)
+        said = f"χ² per point {found.chi2:.3g}, {found.runs} runs followed." + "".join(map(in_words, found.warnings))
+        told = {
+            "values": {name: float(f"{value:.5g}") for name, value in found.values.items()},
+            "errors": {name: float(f"{error:.2g}") for name, error in found.errors.items()},
+            "correlations": np.round(found.correlations, 2).tolist(),
+        }
+        self.publish(busy=None, texts={"fit-said": said}, fit=told)
+
+
+def in_words(sentence):
+    """A warning in the page's words."""
+    for name, (what, *_) in FREE.items():
+        sentence = re.sub(rf"\b{name}\b", what, sentence)
+    sentence = sentence.replace("+-", "±").replace(" -", " −")
+    return f" {sentence[0].upper()}{sentence[1:]}."

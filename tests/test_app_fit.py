@@ -1,0 +1,88 @@
+"""The page "Fit": a file is read, a made-up measurement made, fitted and told, in the page's words."""
+
+import json
+import re
+
+import pytest
+from visitor import order
+
+from app.service import tasks
+from app.views.fit import FREE, in_words
+from solver import Scene
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+CURVE = "U_x,F\n" + "".join(f"{k},{k * 2.0}\n" for k in range(1, 20))
+
+
+def told(session):
+    return json.loads(session.wire.page)
+
+
+def answer(session):
+    """The newest task of the pool is done, as a worker would."""
+    task = session.pool.tasks[-1]
+    call, *arguments = task.call
+    task.set_running_or_notify_cancel()
+    task.set_result(call(*arguments))
+
+
+@pytest.fixture
+def page(session):
+    session.scene = SMALL
+    order(session, "page", page="fit")
+    return session.pages.page
+
+
+def test_a_measurement_is_drawn_in_its_own_unit_and_fitted(session, page):
+    order(session, "ask", what="example")
+    answer(session)
+    F = page.views["curve"].parts["measured"].data_source.data["F"]
+    assert F.max() == pytest.approx(page.measured.values["F_bar"].max() * page.measured.unit)
+    order(session, "ask", what="fit", free="phi_n,phi_ratio,delta_bar")
+    answer(session)
+    found = told(session)["fit"]
+    assert list(found["values"]) == ["phi_n", "phi_ratio", "delta_bar"] and told(session)["busy"] is None
+    off = page.views["residuals"].parts["residuals"].data_source.data["off"]
+    assert off.std() == pytest.approx(1.0, abs=0.25)  # of the noise: 400 points tell it to 4 %, the estimate to some 10
+
+
+def test_a_file_is_read_and_a_bad_one_told_while_the_last_stays(session, page):
+    order(session, "measurement", text=CURVE)
+    answer(session)
+    assert "19 points" in told(session)["texts"]["fit-said"]
+    order(session, "measurement", text="U_x,F\n1,2\n1,x\n")
+    answer(session)
+    assert re.search(r"line 3: F = 'x'.*stays", told(session)["texts"]["fit-said"])
+    assert page.measured.U_x.size == 19
+
+
+def test_without_a_choice_or_a_measurement_nothing_is_fitted(session, page):
+    asked = len(session.pool.tasks)
+    order(session, "ask", what="fit", free="phi_n")
+    assert len(session.pool.tasks) == asked
+    order(session, "measurement", text=CURVE)
+    answer(session)
+    order(session, "ask", what="fit", free="nodes,")
+    assert told(session)["texts"]["fit-said"].startswith("Choose")
+
+
+def test_cancel_forgets_the_fit(session, page):
+    order(session, "measurement", text=CURVE)
+    answer(session)
+    order(session, "ask", what="fit", free="phi_n")
+    task = session.pool.tasks[-1]
+    order(session, "ask", what="cancel")
+    assert task.cancelled() and told(session)["busy"] is None
+
+
+def test_warnings_name_what_the_page_names():
+    said = in_words("phi_n and phi_ratio cannot be told apart: correlation -0.995")
+    assert FREE["phi_n"][0][1:] in said and "phi_ratio" not in said and "−0.995" in said
+
+
+def test_what_no_run_makes_is_a_sentence():
+    assert isinstance(tasks.fitted(SMALL.changed(phi_ratio=0.0), _measured(), ("nodes",)), str)
+
+
+def _measured():
+    return tasks.measured_curve(CURVE, SMALL)[0]
