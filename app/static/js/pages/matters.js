@@ -2,7 +2,7 @@
 
 import { frameBox } from "../bokeh.js"
 import { order } from "../channel.js"
-import { by, minus } from "../dom.js"
+import { by, minus, on } from "../dom.js"
 import { figures } from "../figures.js"
 import { inks } from "../pen.js"
 import { leaveBehind, me } from "../state.js"
@@ -10,12 +10,13 @@ import { leaveBehind, me } from "../state.js"
 const MORE = 1.05 // times the value, that a click asks for
 const OF_ZERO = 0.05 // of the depth, where that is zero
 const HIGH = 26 // px, the mark of the node that holds most
+const WIDE = 1.96 // standard deviations: 95 %
 const COLUMNS = { U_s: 0, F_s: 1, A_s: 2 }
 
 let found = null // {values: {parameter: now}, bars: {parameter: [U_s, F_s, A_s]}, first, nodes: shares of F_s}
 
 export function connect() {
-  by("matters-of").addEventListener("change", draw)
+  for (const id of ["matters-of", "matters-spread"]) on(id, "input", draw)
 }
 
 export function told({ matters }) {
@@ -45,6 +46,14 @@ function draw() {
     row.addEventListener("click", () => raise(name))
     return row
   }))
+  tellBand(rows.map(([, value]) => value))
+}
+
+// What is left of the first slip if no parameter is known exactly: independent normal deviations, linearly
+function tellBand(shares) {
+  const spread = Number(by("matters-spread").value), of = document.querySelector("#matters-of :checked").parentElement.textContent
+  const wide = WIDE * spread * Math.hypot(...shares)
+  by("matters-band").textContent = shares.length && spread > 0 ? `(one standard deviation): ${of} is known to ± ${Number(wide.toPrecision(2))} %, 95 times in 100.` : ""
 }
 
 function raise(name) {
