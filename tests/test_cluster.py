@@ -55,6 +55,7 @@ def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_it
         assert float(row["mean"]) == pytest.approx(float(row["exact"]), abs=0.02)  # du_x = 0.2 delta_t ends slips late
 
 
+@pytest.mark.thorough
 def test_what_fails_hangs_or_ends_its_worker_costs_no_other_result(address):
     ((_, error),) = cluster.outcomes(int, ["x"], address, 60.0)
     assert error.kind == "error" and "ValueError" in error.reason

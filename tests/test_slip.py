@@ -301,6 +301,7 @@ SOFTENING = [  # at critical damping, modes of these become unstable within step
 ]  # fmt: skip
 
 
+@pytest.mark.once(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("values", SOFTENING, ids=range(len(SOFTENING)))
 def test_every_frame_is_stable_and_every_slip_located_where_modes_soften_fast(values):
