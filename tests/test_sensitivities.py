@@ -6,6 +6,7 @@ import pytest
 from solver import Profile, Scene, follow, skeleton_of
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
+from solver.presets import presets
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 MEASURED = Profile(160.0, 1.0 * np.cos(2.0 * np.pi * (np.arange(64) / 64 - 0.5)))
@@ -115,3 +116,13 @@ def test_smooth_sliding_has_curves_and_no_slips():
     found = sensitivities(skeleton_of(scene))
     assert not found.slips
     assert np.isfinite(found.branches[0].at_fixed_load("phi_n")).all()
+
+
+@pytest.mark.parametrize(("phi_ratio", "low", "high"), [(1.0, 0.0, 0.005), (0.1, 0.1, 0.2)])
+def test_the_edges_of_a_contact_hold_it_where_it_peels_and_the_middle_too_where_it_does_not(phi_ratio, low, high):
+    """By what part F_s changes with the strength of the middle half of the contact: what the tour says of `edges`."""
+    scene = presets()["edges"].scene.changed(phi_ratio=phi_ratio)
+    slip = sensitivities(skeleton_of(scene), ("phi_n",), branches=False).slips[0]
+    from_middle = np.abs(np.arange(scene.nodes) - scene.nodes / 2) * scene.spacing
+    middle = from_middle < 0.25 * slip.event.A_bar * scene.width
+    assert low < slip.nodes[1][middle].sum() / slip.event.F_bar < high

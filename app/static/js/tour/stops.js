@@ -46,6 +46,13 @@ export const STOPS = [
     turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
   },
   {
+    name: "Who holds it", preset: "edges", values: {}, to: 14, order: [2, 1, 0], curve: "forces", picture: "springs",
+    question: "Say every spring in the middle half of this wide contact were weaker by a tenth. How much less force would it take to slip?",
+    answers: ["next to nothing", "about a tenth less", "about a twentieth less"],
+    why: "The slip begins where the edges peel, and the middle is carried along: these few springs at the edge hold all of it. In the menu, What matters shows how much each node holds.",
+    turn: "phi_ratio", ask: "With a weak grip the middle holds as well: look at What matters there.",
+  },
+  {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "forces",
     unseen: [{ E: 140 }, { E: 35 }, { delta_bar: 0.3 }, { delta_bar: -0.1 }, { phi_ratio: 0.5 }],
     said: ["A punch sticks like a spring until its springs to the sites give way.", "Before that its edges peel, behind more than in front.",
