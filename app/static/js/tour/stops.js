@@ -49,8 +49,8 @@ export const STOPS = [
     name: "Who holds it", preset: "edges", values: {}, to: 14, order: [2, 1, 0], curve: "forces", picture: "springs",
     question: "Say every spring in the middle half of this wide contact were weaker by a tenth. How much less force would it take to slip?",
     answers: ["next to nothing", "about a tenth less", "about a twentieth less"],
-    why: "The slip begins where the edges peel, and the middle is carried along: these few springs at the edge hold all of it. In the menu, What matters shows how much each node holds.",
-    turn: "phi_ratio", ask: "With a weak grip the middle holds as well: look at What matters there.",
+    why: "The slip begins where the edges peel, and the middle is carried along: the springs at the edges hold it all. After the tour, What matters in the menu shows how much each node holds.",
+    turn: "phi_ratio", ask: "Weaken the grip: there the middle holds as well.",
   },
   {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "forces",
