@@ -28,8 +28,8 @@ PLAIN = (
     "gallery",
 )
 ASKED = {  # of a page
-    **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh", "i", "j"), (int, float)),
-    **dict.fromkeys(("what", "quantity", "of", "x", "y"), str),
+    **dict.fromkeys(("E", "phi_t", "series", "i", "j"), (int, float)),
+    **dict.fromkeys(("what", "of", "x", "y"), str),
 }
 UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"profile"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
 
@@ -87,7 +87,7 @@ def read(text):
         and all(type(v) is int and 0 < v < 1e6 for v in values.values())
     ):
         return checked
-    if do == "layer" and values.keys() == {"modes", "depth"} and None not in map(_number, values.values()):
+    if do == "layer" and values.keys() == {"rows", "modes", "depth"} and None not in map(_number, values.values()):
         return checked
     if do == "share" and isinstance(values.get("link"), str):
         return checked

@@ -1,12 +1,10 @@
 """What a visitor takes away: a link as a QR code, Python lines of a run, and files as the command line writes."""
 
-import json
-import struct
 from math import inf
 
 import segno
 
-from app.service import tasks
+from app.service import packing, tasks
 from app.service.pool import LATER
 from solver import Scene
 from solver.scene import PARAMETERS
@@ -54,8 +52,7 @@ class Share:
 
     def _send(self, head, body=b""):
         self.sent += 1  # what is the same as before would not travel
-        text = json.dumps(head | {"sent": self.sent}).encode()
-        self.session.wire.taken = struct.pack("<I", len(text)) + text + body
+        self.session.wire.taken = packing.headed(head | {"sent": self.sent}, body)
 
 
 def python_lines(legs):
