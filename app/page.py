@@ -26,7 +26,7 @@ from app.session.session import Session
 from app.session.wire import Wire
 from app.views.fit import FREE
 from app.views.live import live_figures
-from app.views.pages import PAGES, places, section
+from app.views.pages import PAGES, Pages, places, section
 from app.views.regimes import AXES, QUANTITIES
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
@@ -64,7 +64,7 @@ def open_page():
     """Bring a visitor's own models into the current document."""
     doc = pn.state.curdoc
     try:
-        session = Session(doc, pn.state.session_args)
+        session = Session(doc, Pages, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
         with doc.models.freeze():  # the models are counted once
             for model in _own(session.wire, session.pages.slots):

@@ -35,7 +35,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Stress:
-    """A quantity inside the solid: its choice, its name, and (mark, ramp, word) of its values below and above zero.
+    """A quantity inside the solid: its choice, its name (HTML), (mark, ramp, word) of its values below and above zero.
 
     Without `below` it has no sign; without `above` no scale of colours.
     """
@@ -76,13 +76,19 @@ FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t i
 SQUEEZED, STRETCHED = ("squeezes", "push", "compression"), ("stretches", "pull", "tension")
 STRESSES = {
     "fringes": Stress("photoelastic fringes", "Photoelastic fringes"),
-    "difference": Stress("principal difference σ₁ − σ₂", "Principal difference σ₁ − σ₂", above=("cividis", "", "")),
-    "normal": Stress("normal stress σ_zz", "σ_zz", SQUEEZED, STRETCHED),
+    "largest": Stress("largest shear stress", "Largest shear stress (σ₁ − σ₂)/2", above=("cividis", "", "")),
+    "normal": Stress("normal stress, vertical", "Normal stress σ<sub>zz</sub>", SQUEEZED, STRETCHED),
+    "lateral": Stress("normal stress, sideways", "Normal stress σ<sub>xx</sub>", SQUEEZED, STRETCHED),
     "shear": Stress(
-        "shear stress σ_xz",
-        "σ_xz",
+        "shear stress",
+        "Shear stress σ<sub>xz</sub>",
         ("pulls", "pull", "along +x"),
         ("pushes", "push", "against +x; at the surface this is Tₜ"),
     ),
-    "mean": Stress("mean stress (σ_xx + σ_yy + σ_zz)/3", "Mean stress (σ_xx + σ_yy + σ_zz)/3", SQUEEZED, STRETCHED),
+    "mean": Stress(
+        "mean stress",
+        "Mean stress (σ<sub>xx</sub> + σ<sub>yy</sub> + σ<sub>zz</sub>)/3",
+        SQUEEZED,
+        STRETCHED,
+    ),
 }

@@ -181,9 +181,10 @@ def session():
     from app.service.finished import Shelf
     from app.service.sweep import results
     from app.session.session import Session
+    from app.views.pages import Pages
 
     results.clear()  # as if no other test had asked for anything
-    visit = Session(Document(), {}, NoPool(), Shelf())
+    visit = Session(Document(), Pages, {}, NoPool(), Shelf())
     visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
     for slot in visit.pages.slots.values():
         visit.doc.add_root(slot)

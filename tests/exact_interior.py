@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
-from solver.analysis.interior import displacement, lateral, normal, shape_of, shear, surface_modes, wavenumbers
+from solver.analysis.interior import surface_modes, transfer, wavenumbers
 
 CHUNK = 512  # modes of one matrix product: some MB
 
@@ -57,20 +56,3 @@ def mean_stress(stress, nu):
 def principal_difference(stress):
     """sigma_1 - sigma_2 in the plane, GPa, of stress (3, ...): twice the largest shear, what a polariscope shows."""
     return np.hypot(stress[1] - stress[0], 2.0 * stress[2])
-
-
-@njit
-def transfer(q, z, height, G, nu):
-    """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
-
-    Column 0, even: what u_x and sigma_xz have of T_x, the others of T_z; column 1, odd, times i: the other way round.
-    """
-    out = np.empty((5, 2, z.size, q.size))
-    for r in range(z.size):
-        for k in range(q.size):
-            shape = shape_of(q[k], z[r], height, nu)
-            out[0, 0, r, k], out[0, 1, r, k], out[1, 0, r, k], out[1, 1, r, k] = displacement(q[k], z[r], height, G, nu)
-            out[2, 0, r, k], out[2, 1, r, k] = lateral(shape)
-            out[3, 0, r, k], out[3, 1, r, k] = normal(shape)
-            out[4, 0, r, k], out[4, 1, r, k] = shear(shape)
-    return out

@@ -6,7 +6,7 @@ import signal
 import numpy as np
 import pytest
 from helpers import until
-from visitor import PATIENCE, SHORT, Page, unpacked
+from visitor import PATIENCE, SHORT, Page, say, unpacked
 
 from app.service import packing, worker
 from app.session import computing
@@ -203,7 +203,7 @@ def test_what_one_visitor_has_computed_is_there_for_all(page, pool):
 @pytest.mark.parametrize("order", ["", "{", "[]", '{"do": "close"}', '{"do": "scene", "values": 3}', '{"do": ["x"]}'])
 def test_nonsense_from_a_browser_is_ignored(page, order):
     page.order("hello")
-    page.session.wire.order = order
+    say(page.session, order)
     page.until("finished")
 
 

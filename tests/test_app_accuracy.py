@@ -87,7 +87,7 @@ class Visitor:
 def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
     visitor = Visitor()
     bench = Bench(visitor, visitor)
-    bench.begin(Scene())
+    bench.begin(Scene(), {})
     job = bench.job
     visitor.calls.get(timeout=WAIT)()
     process = job.caller.process
@@ -105,9 +105,9 @@ def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
 def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_so():
     first, second = Visitor(), Visitor()
     one, other = Bench(first, first), Bench(second, second)
-    one.begin(Scene())
+    one.begin(Scene(), {})
     first.calls.get(timeout=WAIT)()
-    other.begin(Scene())
+    other.begin(Scene(), {})
     waiting = other.job
     time.sleep(0.3)
     assert waiting.caller is None and '"waiting"' in second.accuracy

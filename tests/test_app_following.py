@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 import pytest
-from visitor import NoPool, Page, unpacked
+from visitor import NoPool, Page, say, unpacked
 
 from app.service import following, metrics, packing, worker
 from app.service.finished import Finished, Shelf
@@ -150,7 +150,7 @@ def page(runs):
 def move(page, value, at=9.0):
     """The hand moves the slider there."""
     order = {"do": "scene", "values": {"delta_bar": value}, "held": True, "at": at, "n": 100 * value}
-    page.session.wire.order = json.dumps(order)
+    say(page.session, order)
 
 
 def test_the_newest_position_is_next_and_none_in_between(page):

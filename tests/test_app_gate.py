@@ -12,12 +12,13 @@ from types import SimpleNamespace
 import pytest
 from bokeh.util.token import generate_jwt_token
 from tornado import locks
-from visitor import NoPool
+from visitor import NoPool, say
 
 from app.service.finished import Shelf
 from app.session import allowance, gate, orders
 from app.session.allowance import Allowance
 from app.session.session import Session
+from app.views.pages import Pages
 
 HELLO = '{"do":"hello","n":0}'
 
@@ -29,7 +30,7 @@ def waited(coroutine):
 
 
 class Visit:
-    """A Gate as Tornado would make one, for a session; `passed` is what Bokeh would get to see."""
+    """A Gate as Tornado would make one, for a session; `passed` is what it obeys, and what Bokeh would get to see."""
 
     def __init__(self, session, monkeypatch):
         self.session, self.passed = session, []
@@ -44,6 +45,7 @@ class Visit:
             self.passed.append(fragment)
 
         monkeypatch.setattr(gate.WSHandler, "on_message", take)
+        monkeypatch.setattr(session, "obey", self.passed.append)
 
     async def _locked(self, call, *arguments):
         result = call(*arguments)
@@ -69,15 +71,12 @@ class Visit:
 
 @pytest.fixture
 def visit(session, monkeypatch):
-    session.wire.order = HELLO
+    say(session, HELLO)
     return Visit(session, monkeypatch)
 
 
-def test_an_order_passes_and_is_written_anew(visit):
-    head, metadata, content = visit.say(visit.patch(HELLO, more="x" * 100) | {"references": [1]})
-    assert json.loads(head) == {"msgid": "1", "msgtype": "PATCH-DOC"} and metadata == "{}"
-    event = {"kind": "ModelChanged", "model": {"id": visit.session.wire.id}, "attr": "order", "new": HELLO}
-    assert json.loads(content) == {"events": [event]}
+def test_an_order_is_read_once_and_obeyed_and_bokeh_sees_nothing_of_it(visit):
+    assert visit.say(visit.patch(HELLO, more="x" * 100) | {"references": [1]}) == [orders.Order("hello", n=0)]
 
 
 def test_a_page_may_ask_for_its_document(visit):
@@ -229,7 +228,8 @@ def test_binary_messages_and_large_ones_are_refused_unread(visit):
 
 def test_a_large_order_is_a_profile_and_nothing_else(visit):
     profile = json.dumps({"do": "profile", "values": {"text": "x,z\n" * 100_000}, "n": 5}, separators=(",", ":"))
-    assert visit.say(visit.patch(profile))
+    (order,) = visit.say(visit.patch(profile))
+    assert order.do == "profile" and len(order.values["text"]) == 400_000
     assert visit.say(visit.patch(profile.replace("profile", "scene"))) == []
     assert visit.say(visit.patch(profile.replace("x,z", "x,z" + 30 * ","))) == []
     assert "2 MB" in json.loads(visit.session.wire.status)["errors"]["profile"]
@@ -264,9 +264,9 @@ def test_orders_hold_known_names_short_texts_and_finite_numbers(text):
 
 
 def test_a_mistake_of_the_program_is_logged_and_not_shown(session, caplog, monkeypatch):
-    session.wire.order = HELLO
+    say(session, HELLO)
     monkeypatch.setattr(Session, "change", lambda *_: 1 / 0)
-    session.wire.order = '{"do":"scene","values":{"E":"80"}}'
+    say(session, '{"do":"scene","values":{"E":"80"}}')
     assert "ZeroDivisionError" in caplog.text and "Traceback" in caplog.text
     why = json.loads(session.wire.status)["why"]
     assert "its log" in why and "division" not in why and "Error" not in why
@@ -279,9 +279,9 @@ def test_a_run_goes_on_only_from_where_one_has_been():
         def add_next_tick_callback(self, call):
             call()
 
-    visit = Session(Doc(), {}, NoPool(), Shelf())
+    visit = Session(Doc(), Pages, {}, NoPool(), Shelf())
     visit.hello()
     for after in ([1, 10**8], [7, 0], [1, 0]):
-        visit.wire.order = json.dumps({"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "from": after})
+        say(visit, {"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "from": after})
         assert visit.run.history == ()
     visit.close()

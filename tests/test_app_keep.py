@@ -8,7 +8,7 @@ import zlib
 
 import numpy as np
 import pytest
-from visitor import PATIENCE, Page
+from visitor import PATIENCE, Page, say
 
 from app.service import packing
 from app.service.finished import Finished
@@ -142,7 +142,7 @@ def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_
     page.order("hello")
     page.until("finished")
     assert page.session.run.blocks == [] and page.session.run.kept_as == page.session.scene
-    page.session.wire.order = json.dumps({"do": "scene", "values": {"delta_bar": "0.1"}, "from": [1, 120]})
+    say(page.session, {"do": "scene", "values": {"delta_bar": "0.1"}, "from": [1, 120]})
     page.until("finished")
     run, shelf = page.session.run, page.session.shelf
     assert run.history and run.blocks == [] and page.session.scene not in shelf

@@ -139,10 +139,10 @@ def test_an_uploaded_profile_is_shown_with_what_was_done_to_it(page):
 def test_a_profile_keeps_the_sliders_moved_while_it_was_read_and_gives_way_to_a_preset_chosen_meanwhile(session):
     order(session, "profile", text=WAVY)
     order(session, "scene", E="200")
-    session.reading.set_result(tasks.measured(WAVY))
+    session.reading.task.set_result(tasks.measured(WAVY))
     assert (session.scene.surface, session.scene.width, session.scene.E) == ("measured", 600.0, 200.0)
     order(session, "profile", text=WAVY)
-    late = session.reading
+    late = session.reading.task
     order(session, "reset")
     assert late.cancelled() and session.scene == presets()["fig6"].scene
 
@@ -150,7 +150,7 @@ def test_a_profile_keeps_the_sliders_moved_while_it_was_read_and_gives_way_to_a_
 def test_a_profile_that_makes_the_run_too_long_is_refused(session):
     order(session, "scene", surface="flat", u_x_max="400", nodes="1024")
     order(session, "profile", text=WAVY)
-    session.reading.set_result(tasks.measured(WAVY))
+    session.reading.task.set_result(tasks.measured(WAVY))
     assert session.scene.surface == "flat" and "increments" in session.errors["profile"]
 
 

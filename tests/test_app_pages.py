@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from visitor import order
 
-from app.schema import STRESSES
 from app.views import law, pages
 from app.views.pages import PAGES, Sheet, section
 from solver import Scene
-from solver.analysis.raster import QUANTITIES
 from solver.mechanics import cohesive_law
 
 
@@ -82,7 +80,3 @@ def test_a_blank_page_needs_an_entry_and_a_module(session, monkeypatch):
     assert "<figcaption>" in section("law")  # where the browser puts the button of the figure's table
     order(session, "page", page="")
     assert session.pages.page is None
-
-
-def test_every_quantity_inside_the_solid_is_computed_by_the_solver_or_drawn_of_one_that_is():
-    assert set(STRESSES) - {"fringes"} == set(QUANTITIES)

@@ -5,14 +5,11 @@ import pickle
 
 import numpy as np
 import pytest
-from exact_interior import inside, principal_difference
 from visitor import NoPool, order
 
-from app.service import tasks, worker
+from app.service import tasks
 from app.service.sweep import Results, Sweep
-from solver import Scene, load_path, whole_surface
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
-from solver.analysis.raster import fringes, picture
 from solver.isolated import Lost
 from solver.presets import presets
 
@@ -174,63 +171,6 @@ def test_an_interface_is_added_once_and_the_oldest_gives_way(session):
     asked = [task for task in session.pool.tasks if task.call[0] is tasks.onset_of and not task.cancelled()]
     assert len(asked) == 50  # nothing is computed any longer for the series that had to go
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"
-
-
-@pytest.mark.parametrize("deformed", [False, True])
-def test_the_picture_is_the_stress_of_the_frame_to_the_precision_it_is_sent_with(deformed):
-    scene = Scene(u_x_max=2.0)
-    frame = list(load_path(scene))[-1]
-    middle, size = 0.5 * scene.width, (40, 20)
-    window = (middle - 200.0, middle + 200.0, 200.0)
-    head, body = tasks.stress_picture(scene, frame.first, frame.T, "difference", window, size, 0.1, deformed)
-    field = np.frombuffer(body, "<i2", 800).reshape(20, 40) * head["scale"]
-    x, z = window[0] + 400.0 * (np.arange(40) + 0.5) / 40, 200.0 * (np.arange(20) + 0.5) / 20
-    exact = principal_difference(inside(scene, frame.first, frame.T, (0.0, 0.0), x, z).stress)
-    assert np.abs(field - exact).max() < 1e-4 * exact.max()
-    assert len(body) == 2 * 800 + 8 * head["points"] and bool(head["points"]) == deformed
-    if deformed:
-        lines = np.frombuffer(body, "<f4", offset=1600).reshape(2, -1)
-        surface = whole_surface(scene, frame)  # the first line is the surface
-        outermost = window[0] - tasks.BESIDE * 400.0 / tasks.CELLS[0]
-        moved = np.interp(outermost, scene.x, surface[1] + frame.delta)
-        assert lines[1, 0] == pytest.approx(head["factor"] * moved, rel=1e-2)
-        assert np.nanmin(lines[0]) < -200.0 and np.nanmax(lines[0]) > 200.0  # it reaches both edges of the picture
-
-
-def test_fringes_finer_than_the_pixels_are_grey_and_others_stay():
-    scene = Scene(u_x_max=2.0)
-    frame = list(load_path(scene))[-1]
-    window = (0.5 * scene.width - 300.0, 0.5 * scene.width + 300.0, 300.0)
-    call = (scene, frame.first, frame.T, "fringes", window, (120, 60))
-
-    def brightness(per_fringe):
-        head, body = tasks.stress_picture(*call, per_fringe, False)
-        return np.frombuffer(body, "<i2").reshape(60, 120) * head["scale"]
-
-    order = picture(scene, frame.first, frame.T, "difference", window, (120, 60)) / 0.01
-    steep = np.abs(np.gradient(order)).max(axis=0)  # the largest of both neighbours is no smaller
-    fine = steep > tasks.RESOLVED
-    assert fine.any() and np.abs(brightness(0.01)[fine] - 0.5).max() < 1e-4  # sent as int16 of a largest value of 1
-    wide = brightness(10.0)  # less than a hundredth of an order per pixel
-    assert steep.max() < 10.0 and np.abs(wide - fringes(order / 1000.0, 1.0)).max() < 1e-3
-
-
-def test_playback_keeps_one_picture_in_the_making_and_the_latest_wins(session):
-    order(session, "hello")
-    frames = session.pool.tasks[0]
-    session.pool.tasks.clear()
-    frames.set_result(worker.compute(Scene(u_x_max=1.0), None, 60.0))
-    order(session, "page", page="solid")
-    ask = {"run": 1, "half": 250, "quantity": "fringes", "per_fringe": 0.1, "mesh": False}
-    for k in (3, 4, 5):
-        order(session, "ask", frame=k, **ask)
-    made = [task for task in session.pool.tasks if task.call[0] is tasks.stress_picture]
-    assert len(made) == 1
-    made[0].set_result(made[0].call[0](*made[0].call[1:]))
-    made = [task for task in session.pool.tasks if task.call[0] is tasks.stress_picture]
-    assert len(made) == 2 and session.pages.page.about["frame"] == 5
-    order(session, "page", page="")
-    assert made[1].cancelled()
 
 
 def test_the_runs_of_the_stick_slip_page_can_be_cancelled(session):

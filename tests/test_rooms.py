@@ -83,3 +83,15 @@ def test_all_that_the_solver_exports_is_annotated_and_says_so():
         bare = [p.name for p in signature.parameters.values() if p.annotation is p.empty and p.name != "self"]
         assert not bare and signature.return_annotation is not signature.empty, (name, bare)
     assert (HERE / "py.typed").is_file()
+
+
+APP = HERE.parent / "app"
+WALLS = {"service": {"app.session", "app.views"}, "session": {"app.views"}, "views": {"app.session"}}
+
+
+@pytest.mark.parametrize("room", WALLS)
+def test_rooms_of_the_app_do_not_import_each_other_but_what_they_stand_on(room):
+    """Views are given a session and never make one, and a session is given its pages (app/page.py)."""
+    for path in (APP / room).glob("*.py"):
+        through = [name for name in imported(path) if any(f"{name}.".startswith(f"{wall}.") for wall in WALLS[room])]
+        assert not through, f"{path.name}: {through}"

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from exact_interior import inside, principal_difference
 
-from app.service import packing, worker
+from app.service import packing, tasks, worker
 from solver import Scene, load_path
 
 pytestmark = pytest.mark.browser
@@ -144,3 +145,39 @@ def test_limits_are_rounded_up_to_a_number_that_is_read_easily(tab):
     values = [0.012, 0.99, 1.0, 1.01, 37.0, 4200.0]
     rounded = tab.evaluate(f"import('http://scripts/js/colours.js').then(({{ nice }}) => {values}.map(nice))")
     assert rounded == [0.015, 1, 1, 1.5, 40, 5000]
+
+
+@pytest.mark.parametrize("scene", [SHORT, SHORT.changed(nu=0.2, height=0.05), Scene(surface="flat", u_x_max=2.0)])
+def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
+    """To 5e-4 of the largest stress: tractions come as int16, and modes that are not felt at a depth are left out."""
+    frame, rows, half = run_of(tab, scene)[-1], 40, 60.0
+    depth = min(half, scene.height * scene.width)
+    counts, body = tasks.layer_table(scene, depth, rows, scene.nodes // 2)
+    assert len(body) == 40 * sum(counts)
+    table = base64.b64encode(packing.headed({"counts": counts}, body)).decode()
+    made = tab.evaluate(
+        """async (table) => {
+            const { tableOf, sumsIn, middles, moved, XX, ZZ, XZ, APART, SHEARED } = await import("http://scripts/js/inside.js")
+            const weights = [...moved(run.head.scene), XX, ZZ, XZ, APART, SHEARED]
+            const bytes = Uint8Array.from(atob(table), (c) => c.charCodeAt(0)).buffer
+            const sums = sumsIn(run, run.length - 1, tableOf(bytes), middles(50, 60), weights)
+            return sums.map((sum) => [...sum])
+        }""",
+        table,
+    )
+    *made, apart, sheared = np.array(made).reshape(-1, rows, 50)
+    first, T = (0, np.repeat(frame.T[:, :1], scene.nodes, 1)) if scene.surface == "flat" else (frame.first, frame.T)
+    x, z = scene.width / 2 + half * ((np.arange(50) + 0.5) / 25 - 1), (np.arange(rows) + 0.5) * (depth / rows)
+    true = inside(scene, first, T, (0.0, 0.0), x, z)
+    for mine, exact in ((made[:2], true.u), (made[2:], true.stress)):
+        assert np.array(mine) == pytest.approx(exact, abs=5e-4 * np.abs(exact).max())
+    exact = principal_difference(true.stress)
+    assert np.hypot(apart, sheared) == pytest.approx(exact, abs=5e-4 * exact.max())
+
+
+def test_fringes_finer_than_the_picture_are_grey_and_others_stay(tab):
+    seen = """import("http://scripts/js/pages/solid.js").then(({ seen }) => [...seen(Float32Array.from(%s), 8)])"""
+    fine, wide = np.arange(16.0) * 1.3, np.arange(16.0) * 0.01
+    assert tab.evaluate(seen % fine.tolist()) == pytest.approx(np.full(16, 0.5))
+    across = np.tile(wide[:8], 2)
+    assert tab.evaluate(seen % across.tolist()) == pytest.approx(np.sin(np.pi * across) ** 2, abs=2e-3)

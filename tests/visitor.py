@@ -10,7 +10,9 @@ import numpy as np
 from app.service import packing
 from app.service.finished import Shelf
 from app.service.pool import Task
+from app.session import orders
 from app.session.session import Session
+from app.views.pages import Pages
 from solver import Scene
 
 SHORT = Scene(u_x_max=6.0)
@@ -22,7 +24,7 @@ class Page:
 
     def __init__(self, pool, scene=SHORT, arguments=None, shelf=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Session(self, arguments, pool, shelf or Shelf())
+        self.session = Session(self, Pages, arguments, pool, shelf or Shelf())
         self.session.scene = scene
         self.session.wire.on_change("chunk", lambda attribute, old, new: self.chunks.append(unpacked(new)))
 
@@ -33,7 +35,7 @@ class Page:
         self.calls.put(call)  # however short the time, nothing may get lost
 
     def order(self, what, **values):
-        self.session.wire.order = json.dumps({"do": what, "values": values, "n": time.monotonic()})
+        say(self.session, {"do": what, "values": values, "n": time.monotonic()})
 
     def status(self):
         return json.loads(self.session.wire.status)
@@ -75,5 +77,13 @@ class NoPool:
         task.cancel()
 
 
+def say(session, order):
+    """Give an order, a text or what is one in JSON, as the gate does."""
+    try:
+        session.obey(orders.read(order if isinstance(order, str) else json.dumps(order)))
+    except orders.Refused as refused:
+        session.refuse(refused)
+
+
 def order(session, what, /, **values):
-    session.wire.order = json.dumps({"do": what, "values": values, "n": 1})
+    say(session, {"do": what, "values": values, "n": 1})

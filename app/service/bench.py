@@ -6,7 +6,6 @@ import threading
 from functools import partial
 
 from app.service.measuring import work
-from app.session.controls import values_of
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
@@ -65,11 +64,11 @@ class Bench:
     def __init__(self, doc, wire):
         self.doc, self.wire, self.job, self.told = doc, wire, None, {}
 
-    def begin(self, scene, wisdom=None):
-        """Measure a scene, instead of what is being measured."""
+    def begin(self, scene, values, wisdom=None):
+        """Measure a scene, {parameter: value} as the page shows it, instead of what is being measured."""
         self.close()
         self.job = Job(scene, wisdom, self._heard)
-        self._tell({"state": "waiting", "progress": 0.0, "points": [], "values": values_of(scene)})
+        self._tell({"state": "waiting", "progress": 0.0, "points": [], "values": values})
         log.info("a measurement begins")
         self.job.start()
 

@@ -29,12 +29,12 @@ def slow_motion(scene, before, after):
 def frame_of(scene, block, row):
     """The Frame of a row of a packed block, in the digits that it has there."""
     head, columns, fields = packing.unpack(block)
-    u_x, gap = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap"))
+    u_x, gap, *T = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap", "T_x", "T_z"))
     profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
     known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
     place = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
-    u, T = np.array([u_x, gap - profile]), packing.tractions(block, row)
-    return Frame(scene, **place, **known, first=head["first"], u=u, T=T, evaluations=0)
+    u = np.array([u_x, gap - profile])
+    return Frame(scene, **place, **known, first=head["first"], u=u, T=np.array(T), evaluations=0)
 
 
 def place_of(block, row):

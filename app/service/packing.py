@@ -78,10 +78,15 @@ def pack(scene, rows, last):
         "flat": scene.surface == "flat",
         "scene": plain({name: getattr(scene, name) for name in PARAMETERS}),
     }
-    head = json.dumps(header).encode()
-    head += b" " * (-len(head) % 4)
     body = b"".join(np.rint(f / s).astype("<i2").tobytes() for f, s in zip(fields, scales, strict=True))
-    return struct.pack("<I", len(head)) + head + np.ascontiguousarray(curves, "<f4").tobytes() + body
+    return headed(header, np.ascontiguousarray(curves, "<f4").tobytes() + body)
+
+
+def headed(head, body):
+    """A message of bytes: uint32 length, a JSON head that ends on a multiple of four, the body."""
+    text = json.dumps(head).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<I", len(text)) + text + body
 
 
 def header(block):
@@ -97,12 +102,6 @@ def unpack(block):
     columns = np.frombuffer(block, "<f4", count * n, start).reshape(count, n)
     fields = np.frombuffer(block, "<i2", offset=start + columns.nbytes).reshape(-1, n, m)
     return head, dict(zip(head["columns"], columns, strict=True)), dict(zip(head["scales"], fields, strict=True))
-
-
-def tractions(block, row):
-    """T (2, m), GPa, of a frame of a packed block."""
-    head, _, fields = unpack(block)
-    return np.array([fields[name][row] * head["scales"][name] for name in ("T_x", "T_z")])
 
 
 def numbered(run, block):

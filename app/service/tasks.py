@@ -13,10 +13,9 @@ from app.service import worker
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
-from solver.analysis.interior import shear_factors, wavenumbers
+from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import points_of
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
-from solver.analysis.raster import fringes, mesh, picture
 from solver.analysis.sensitivities import sensitivities
 from solver.cli import report_of
 from solver.continuation.state import OutOfTime
@@ -28,10 +27,7 @@ from solver.run.load_steps import lifts
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of a made-up measurement: how many, of the largest F, times a parameter
 DRAWN = 400  # points of a curve, about one per pixel
-SEEN = 0.06  # of the width shown: the largest displacement in the mesh, as it is drawn
-CELLS = (19, 7)  # of the mesh in the picture, across and deep
-BESIDE = 2  # cells more on either side: displaced, the mesh still reaches both edges of the picture
-RESOLVED = 0.5  # fringe orders per pixel: with more, a picture shows fringes that are none
+DECAYED = 12.0  # q z from which on a mode is not felt: (1 + q z) exp(-q z) is 8e-5 of what it is at the surface
 
 
 @dataclass(frozen=True)
@@ -151,65 +147,19 @@ def map_tile(tile, kept=()):
     return [(point, skeleton if tile.keep else None) for point, skeleton in kept]
 
 
-def shear_table(scene, depth, rows, modes):
-    """float32 bytes (rows, modes, 4) of `interior.shear_factors` at the middles of rows down to `depth`, nm."""
-    table = np.empty((rows, modes, 4))
-    z = (np.arange(rows) + 0.5) * (depth / rows)
-    shear_factors(wavenumbers(scene, modes), z, scene.height * scene.width, scene.nu, table)
-    return table.astype("<f4").tobytes()
+def layer_table(scene, depth, rows, modes):
+    """(counts, body): how modes of the tractions reach into the layer, at the middles of `rows` down to `depth`, nm.
 
-
-def stress_picture(scene, first, traction, quantity, window, size, per_fringe, deformed):
-    """(head, body): an image by `solver.analysis.raster` or of its fringes, and the deformed mesh if asked for.
-
-    body: int16 (rows, columns), times head["scale"] in GPa (fringes: brightness); then float32 x and z of the lines,
-    nan between them, x from the middle; displacements are drawn head["factor"] times as large, the top at rest.
+    body: float32 (sum of counts, 10), row by row the modes that are felt there, as many as `counts` says; of each
+    `interior.transfer`, even and odd of one quantity after the other; displacements times the shear modulus.
     """
-    if scene.surface == "flat":  # a few nodes are sent of many that are alike
-        first, traction = 0, np.repeat(traction[:, :1], scene.nodes, axis=1)
-    field = picture(scene, first, traction, "difference" if quantity == "fringes" else quantity, window, size)
-    if quantity == "fringes":
-        field = _seen(fringes(field, per_fringe), field / per_fringe)
-    scale = max(float(np.abs(field).max()), 1e-12) / 32767
-    head = {"scale": scale, "columns": size[0], "rows": size[1], "points": 0}
-    head |= {"half": 0.5 * (window[1] - window[0]), "depth": window[2]}
-    lines = b""
-    if deformed:
-        x, z, head["factor"] = _deformed(scene, first, traction, window)
-        head["points"], lines = x.size, x.tobytes() + z.tobytes()
-    return head, np.rint(field / scale).astype("<i2").tobytes() + lines
-
-
-def _seen(brightness, order):
-    """Brightness (rows, columns) as pixels show it: mid grey where the order changes by RESOLVED from one to the next.
-
-    The contrast falls with the change c per pixel as cos^2(pi c/(2 RESOLVED)): nothing is lost where fringes are wide.
-    """
-    across, down = np.abs(np.diff(order, axis=1)), np.abs(np.diff(order, axis=0))
-    steep = np.pad(across, ((0, 0), (1, 1))), np.pad(down, ((1, 1), (0, 0)))  # to the neighbours on either side
-    steep = np.maximum.reduce([steep[0][:, 1:], steep[0][:, :-1], steep[1][1:], steep[1][:-1]])
-    contrast = np.cos(0.5 * np.pi * np.minimum(steep / RESOLVED, 1.0)) ** 2
-    return 0.5 + contrast * (brightness - 0.5)
-
-
-def _deformed(scene, first, traction, window):
-    """x and z of the mesh's lines, float32, nan between them, and the factor on displacements, a round number."""
-    low, high, depth = window
-    beside, deeper = BESIDE * (high - low) / CELLS[0], depth * (CELLS[1] + 1) / CELLS[1]
-    wide = (low - beside, high + beside, min(deeper, scene.height * scene.width))
-    net = mesh(scene, first, traction, (0.0, 0.0), wide, (CELLS[0] + 2 * BESIDE + 1, CELLS[1] + 2))
-    most = float(np.abs(net.u).max())
-    factor = float(f"{SEEN * (window[1] - window[0]) / most:.1g}") if most > 0.0 else 1.0
-    x = net.x + factor * net.u[0] - 0.5 * scene.width
-    z = net.z[:, None] + factor * net.u[1]
-    gap = np.full((1, 1), np.nan)
-
-    def drawn(field):
-        rows = [field[r : r + 1] for r in range(0, field.shape[0], net.stride)]
-        columns = [field[:, c : c + 1].T for c in range(0, field.shape[1], net.stride)]
-        return np.concatenate([part for line in (*rows, *columns) for part in (line, gap)], axis=1)[0].astype("<f4")
-
-    return drawn(x), drawn(z), factor
+    q, z = wavenumbers(scene, modes), (np.arange(rows) + 0.5) * (depth / rows)
+    counts = 1 + np.searchsorted(q[1:], DECAYED / z, "right")
+    height = scene.height * scene.width
+    parts = [
+        transfer(q[:n], z[r : r + 1], height, 1.0, scene.nu)[:, :, 0].reshape(10, n).T for r, n in enumerate(counts)
+    ]
+    return counts.tolist(), np.concatenate(parts).astype("<f4").tobytes()
 
 
 def measured(text):

@@ -14,7 +14,7 @@ from app.service.following import remembered
 from app.service.packing import middle, pack, same_patch
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
-from solver.analysis.raster import QUANTITIES, picture
+from solver.analysis.interior import transfer
 from solver.continuation.state import OutOfTime
 from solver.mechanics.layer import transforms
 from solver.run.carry import carry_on
@@ -66,8 +66,7 @@ def warm_up():
     while checkpoint is None or not checkpoint.done:
         _, checkpoint = advance(small, checkpoint, 1.0)
     advance(Scene(), None, 0.1)
-    for quantity in QUANTITIES:
-        picture(small, 0, np.ones((2, small.nodes)), quantity, (0.0, 100.0, 50.0), (8, 4))
+    transfer(np.ones(1), np.ones(1), 2.0, 1.0, small.nu)
 
 
 def ready():

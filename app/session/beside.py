@@ -3,6 +3,7 @@
 from app.service import packing, worker
 from app.service.finished import Finished
 from app.service.pool import LATER
+from app.service.wanted import Wanted
 from app.session.controls import scene_from_address
 
 FIRST = 1_000_000  # numbers of these runs lie above, as BESIDE in run.js
@@ -14,7 +15,7 @@ class Beside:
     """The pinned runs that a visitor's browser waits for; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.tasks = session, {}
+        self.session, self.wanted = session, {}  # by number
 
     def want(self, entries):
         """Send the run of an address {name: text} under the number entries["beside"]; one that fails is not sent."""
@@ -30,23 +31,15 @@ class Beside:
 
     def close(self):
         """Wait for nothing any longer."""
-        for task in self.tasks.values():
-            self.session.pool.abandon(task)
-        self.tasks = {}
+        for wanted in self.wanted.values():
+            wanted.forget()
 
     def _go_on(self, number, scene, before, pieces):
         call = (worker.compute, scene, before and before.checkpoint, BUDGET, before and before.last)
-        if number in self.tasks:
-            self.session.pool.abandon(self.tasks[number])
-        session = self.session
-        task = self.tasks[number] = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=BUDGET)
-        session.when_done(task, lambda task: self._take(number, scene, task, pieces))
+        wanted = self.wanted.setdefault(number, Wanted(self.session))
+        wanted.ask(call, lambda piece: self._take(number, scene, piece, pieces), rank=LATER, seconds=BUDGET)
 
-    def _take(self, number, scene, task, pieces):
-        if self.tasks.get(number) is not task:
-            return
-        del self.tasks[number]
-        piece = None if task.cancelled() or task.exception() else task.result()
+    def _take(self, number, scene, piece, pieces):
         if piece is None or piece.failure:
             return
         pieces = [*pieces, piece]

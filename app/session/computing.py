@@ -4,10 +4,10 @@ import logging
 import time
 from concurrent.futures import CancelledError
 
+from app.limits import increments_of
 from app.service import metrics, packing, worker
 from app.service.finished import Finished
 from app.service.pool import EXACT, HEAVY, SCREEN
-from app.session.controls import increments_of
 from app.session.following import Following
 from app.session.run import Chains, Run
 from solver.cautions import cautions

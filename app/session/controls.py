@@ -7,16 +7,13 @@ from math import inf
 
 import numpy as np
 
+from app.limits import DEFAULT, INCREMENTS, MOST, NUMBERS, increments_of
 from app.session import profiles
 from solver import CHOICES, LIMITS, ProfileError, Scene, SceneError
 from solver.presets import presets
-from solver.run.load_steps import load_steps_of
 from solver.scene import PARAMETERS
 from solver.surfaces import SURFACES
 from solver.text import number_from_text
-
-INCREMENTS, NUMBERS = 5000, 2_500_000  # of one run, and times nodes: what a browser holds and draws with ease
-MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` goes up to the solver's own limits
 
 
 @dataclass(frozen=True)
@@ -169,11 +166,6 @@ def with_profile(scene, profile):
     return changed
 
 
-def increments_of(scene):
-    """How many increments a run of the scene takes, as far as is known before."""
-    return sum(step.increments + 1 for step in load_steps_of(scene))
-
-
 def _refuse_large(scene, values):
     """Raise SceneError for a run that is more than a browser should have to hold."""
     increments = increments_of(scene)
@@ -187,9 +179,6 @@ def _refuse_large(scene, values):
             f" allowed here: {min(INCREMENTS, NUMBERS // nodes)} increments",
             "shorten it, enlarge du_x or du_z, or use python -m solver run",
         )
-
-
-DEFAULT = next(iter(presets()))
 
 
 def scene_from_address(arguments):

@@ -3,6 +3,7 @@
 from app.service import packing, worker
 from app.service.film import slow_motion
 from app.service.pool import LATER
+from app.service.wanted import Wanted
 
 NAME = "Slow motion"  # the browser knows by it what its notes begin with
 FIRST = 2_000_000  # numbers of films lie above, as FILM in run.js: the frame that the slip led to is added
@@ -13,11 +14,11 @@ class Film:
     """The motion that the visitor waits for; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.task = session, None
+        self.session, self.wanted = session, Wanted(session)
 
     def want(self, values):
         """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
-        self.close()
+        self.wanted.forget()
         session, run, k = self.session, self.session.computing.run, values["frame"]
         session.notes = [note for note in session.notes if not note.startswith(NAME)]
         if run is None or run.number != values["run"]:
@@ -27,22 +28,15 @@ class Film:
             session.notes = [f"{NAME}: the increment before this slip belongs to a run that is no longer at hand."]
             return
         call = (slow_motion, run.scene, *places)
-        task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=MOST)
-        session.when_done(task, lambda task: self._made(task, k))
+        self.wanted.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=MOST)
 
     def close(self):
         """Wait for nothing any longer."""
-        if self.task is not None:
-            self.session.pool.abandon(self.task)
-            self.task = None
+        self.wanted.forget()
 
-    def _made(self, task, k):
-        if task is not self.task:
-            return
-        self.task = None
-        made = "it could not be computed" if task.cancelled() or task.exception() else task.result()
-        if isinstance(made, str):
-            self.session.notes = [f"{NAME}: {made}."]
+    def _made(self, made, k):
+        if made is None or isinstance(made, str):
+            self.session.notes = [f"{NAME}: {made or 'it could not be computed'}."]
             return self.session.publish()
         for block in made:
             self.session.wire.chunk = packing.numbered(FIRST + k, block)

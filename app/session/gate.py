@@ -1,9 +1,10 @@
 """What of a browser's messages reaches the server: orders on the wire of its own document, and nothing else.
 
 Bokeh would apply any patch of any model, unpack compressed bytes, add roots, and answer what fails with a traceback.
-Here a message is looked at before Bokeh sees it, and what passes is written anew; the document, the same for all, is
-sent from here. Undocumented in Bokeh 3.9: that the handler of "/ws" has the `connection` of a session, that a message
-is header, metadata and content, each a fragment, and that a document has to be told what a browser knows of it.
+Here a message is looked at before Bokeh sees it: orders are read and obeyed, all else is refused; the document, the
+same for all, is sent from here. Undocumented in Bokeh 3.9: that the handler of "/ws" has the `connection` of a session,
+that a message is header, metadata and content, each a fragment, and that a document has to be told what a browser knows
+of it.
 """
 
 import asyncio
@@ -83,12 +84,15 @@ class Gate(WSHandler):
         """Take in a fragment; a message that is none of ours changes nothing, and costs its sender a little time."""
         begun = perf_counter()
         try:
-            number, kind, body = self._message(fragment)
+            number, kind, given = self._message(fragment)
             if kind == "PULL-DOC-REQ" and self._wire("wire"):
                 await self._session.with_document_locked(self._give_document, number)
-            elif kind:
-                for part in ({"msgid": number, "msgtype": kind}, {}, body):
+            elif kind == "PULL-DOC-REQ":
+                for part in ({"msgid": number, "msgtype": kind}, {}, {}):
                     await super().on_message(json.dumps(part))
+            for order in given:
+                if self._visitor:
+                    await self._session.with_document_locked(self._visitor.obey, order)
         except orders.Refused as refused:
             self.parts = []
             await self._refuse(refused)
@@ -96,26 +100,21 @@ class Gate(WSHandler):
         await asyncio.sleep(self.allowance.spend(perf_counter() - begun))
 
     def _message(self, fragment):
-        """(number, kind, content) of a message to go by, once it is whole, else None of each; raises Refused."""
+        """(number, kind, [Order]) of a message once it is whole, until then (None, None, []); raises Refused."""
         if not isinstance(fragment, str) or self._session is None:
             raise orders.Refused("A message came in a form that is not used here.")
         if len(fragment) > (HEAD, HEAD, 2.3 * orders.LARGEST)[len(self.parts)]:
             raise orders.Refused("A message was too long.")
         self.parts.append(fragment)
         if len(self.parts) < 3:
-            return None, None, None
+            return None, None, []
         (header, _, content), self.parts = self.parts, []
         head = orders.plain_json(header)
         kind = head.get("msgtype") if isinstance(head, dict) else None
         number = head.get("msgid") if isinstance(head, dict) else None
         if kind not in ("PULL-DOC-REQ", "PATCH-DOC") or not isinstance(number, str) or head.get("num_buffers"):
             raise orders.Refused("A message was of a kind that is not used here.")
-        body = {}
-        if kind == "PATCH-DOC":
-            body = {"events": [_event(wire, text) for wire, text in self._orders(content)]}
-            if not body["events"]:
-                return None, None, None
-        return number, kind, body
+        return number, kind, self._orders(content) if kind == "PATCH-DOC" else []
 
     async def _give_document(self, number):
         """Answer a browser that asks for its document, with the text that is the same for all."""
@@ -127,7 +126,7 @@ class Gate(WSHandler):
         self._session.document.models.flush_synced()
 
     def _orders(self, content):
-        """[(id of a wire, order)]: of all that a browser says about its models, the orders; raises Refused."""
+        """Of all that a browser says about its models, the Orders; raises Refused."""
         if len(content) > orders.SMALL:
             return self._upload(content)
         patch = orders.plain_json(content)
@@ -157,8 +156,12 @@ class Gate(WSHandler):
     def _checked(self, wire, text):
         if not self._wire(wire) or not isinstance(text, str):
             raise orders.Refused("A message was not an order.")
-        orders.read(text)
-        return wire, text
+        return orders.read(text)
+
+    @property
+    def _visitor(self):
+        session = self._session
+        return session and next((each for each in visitors if each.doc is session.document), None)
 
     def _wire(self, name):
         """Whether that is the id of the visitor's wire."""
@@ -170,11 +173,5 @@ class Gate(WSHandler):
         metrics.count("refused_messages")
         if self.refused <= SAID or self.refused % 100 == 0:
             log.info("refused message %d of a browser: %s", self.refused, refused)
-        session = self._session
-        visitor = session and next((each for each in visitors if each.doc is session.document), None)
-        if visitor:
-            await session.with_document_locked(visitor.refuse, refused)
-
-
-def _event(wire, text):
-    return {"kind": "ModelChanged", "model": {"id": wire}, "attr": "order", "new": text}
+        if self._visitor:
+            await self._session.with_document_locked(self._visitor.refuse, refused)

@@ -1,48 +1,34 @@
-"""How tractions make up the stress inside the layer: a table for each geometry, for fringes that a browser draws."""
+"""How tractions make up the stress inside the layer: a table for each geometry, for what a browser draws of it."""
 
-import json
-import struct
+from app.service import packing, tasks
+from app.service.wanted import Wanted
 
-from app.service import tasks
-
-ROWS = 60  # of depth: some ten pixels each
 GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table depends on
-MODES, DEPTH = (16, 128), (1.0, 1e6)  # that a browser may ask for; nm
+ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # that a browser may ask for; nm
 
 
 class Layer:
     """The table that the visitor waits for; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.task, self.made = session, None, None
+        self.session, self.wanted = session, Wanted(session)
 
     def want(self, values):
-        """Send the table for the run on screen: {modes, depth (nm) of its last row}."""
+        """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}."""
         run = self.session.run
         if run is None:
             return
-        scene, modes = run.scene, int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
+        scene, rows = run.scene, int(min(max(values["rows"], ROWS[0]), ROWS[1]))
+        modes = int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
         depth = min(max(values["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
-        self.close()
-        task = self.task = self.session.pool.submit(
-            tasks.shear_table, scene, depth, ROWS, modes, owner=id(self.session)
-        )
-        head = {"asked": values, "rows": ROWS, "modes": modes, "depth": depth}
-        head |= {"geometry": [getattr(scene, name) for name in GEOMETRY]}
-        self.session.when_done(task, lambda task: self._take(task, head))
+        head = {"asked": values, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
+        self.wanted.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._take(made, head))
 
     def close(self):
         """Wait for nothing any longer."""
-        if self.task is not None:
-            self.session.pool.abandon(self.task)
-            self.task = None
+        self.wanted.forget()
 
-    def _take(self, task, head):
-        if task is not self.task:
-            return
-        self.task = None
-        if task.cancelled() or task.exception():  # the punch stays plain
-            return
-        packed = json.dumps(head).encode()
-        packed += b" " * (-len(packed) % 4)
-        self.session.wire.layer = struct.pack("<I", len(packed)) + packed + task.result()
+    def _take(self, made, head):
+        if made is not None:  # otherwise nothing is drawn
+            counts, body = made
+            self.session.wire.layer = packing.headed(head | {"counts": counts}, body)

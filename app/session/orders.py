@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from math import isfinite
 
 from app.session.controls import PARAMETERS
-from app.views.pages import PAGES
 from solver.presets import presets
 
 SMALL = 8000  # characters of an order, but for one that brings a file
@@ -28,8 +27,8 @@ PLAIN = (
     "gallery",
 )
 ASKED = {  # of a page
-    **dict.fromkeys(("E", "phi_t", "series", "run", "frame", "half", "per_fringe", "mesh"), (int, float)),
-    **dict.fromkeys(("what", "quantity", "of", "x", "y", "free"), str),
+    **dict.fromkeys(("E", "phi_t", "series"), (int, float)),
+    **dict.fromkeys(("what", "of", "x", "y", "free"), str),
 }
 BROUGHT = ("profile", "measurement")  # by a file
 UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"(profile|measurement)"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
@@ -88,7 +87,7 @@ def read(text):
         and all(type(v) is int and 0 < v < 1e6 for v in values.values())
     ):
         return checked
-    if do == "layer" and values.keys() == {"modes", "depth"} and None not in map(_number, values.values()):
+    if do == "layer" and values.keys() == {"rows", "modes", "depth"} and None not in map(_number, values.values()):
         return checked
     if do == "share" and isinstance(values.get("link"), str):
         return checked
@@ -96,7 +95,7 @@ def read(text):
         return checked
     if do == "preset" and values.get("preset") in presets():
         return checked
-    if do == "page" and values.get("page") in ("", *PAGES):
+    if do == "page" and isinstance(values.get("page"), str):
         return checked
     raise Refused("An order was not understood.")
 

@@ -55,11 +55,6 @@ class Run:
             k -= frames
         return None
 
-    def tractions(self, k, shelf):
-        """(first node, T (2, m) GPa) of frame k, as `place` finds it; None if it is gone."""
-        found = self.place(k, shelf)
-        return found and (packing.header(found[0])["first"], packing.tractions(*found))
-
     def status(self):
         """The numbers for the browser, as plain data."""
         return {

@@ -4,17 +4,16 @@ import json
 import logging
 import os
 
+from app.limits import DEFAULT, INCREMENTS
 from app.service import metrics, tasks
 from app.service.bench import Bench
 from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
-from app.session import orders
+from app.service.wanted import Wanted
 from app.session.beside import Beside
 from app.session.computing import Computing
 from app.session.controls import (
-    DEFAULT,
-    INCREMENTS,
     STAYS,
     address_of,
     changed_scene,
@@ -28,7 +27,6 @@ from app.session.layer import Layer
 from app.session.marks import Marks
 from app.session.share import Share
 from app.session.wire import Wire
-from app.views.pages import Pages
 from solver import SceneError
 from solver.presets import presets
 from solver.run.carry import GEOMETRY
@@ -41,22 +39,22 @@ visitors = set()  # the sessions of this process; Panel's own count lags behind
 class Session:
     """One visitor: obeys orders, and tells what came of them; under the lock of the visitor's document."""
 
-    def __init__(self, doc, arguments=None, pool=shared_pool, shelf=shared_shelf):
+    def __init__(self, doc, pages, arguments=None, pool=shared_pool, shelf=shared_shelf):
+        """pages: of a session, the pages beside the experiment."""
         self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
         self.scene, self.preset, self.notes = scene_from_address(arguments or {})
         self.errors = {}
         self.computing = Computing(self)
         self.bench = Bench(doc, self.wire)
-        self.pages = Pages(self)
+        self.pages = pages(self)
         self.beside, self.share = Beside(self), Share(self)
         self.film, self.marks, self.gallery = Film(self), Marks(self), Gallery(self)
         self.layer = Layer(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
-        self.reading = None  # the task that reads a profile
+        self.reading = Wanted(self)  # a profile
         self.closed = False
-        self.wire.on_change("order", self._on_order)
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
@@ -66,7 +64,7 @@ class Session:
         if not self.closed:
             self.closed = True
             self.computing.close()
-            self._read_no_profile()
+            self.reading.forget()
             self.bench.close()
             self.pages.close()
             self.beside.close()
@@ -84,14 +82,8 @@ class Session:
 
     # orders from the browser
 
-    def _on_order(self, attribute, old, new):
-        if not new:
-            return
-        try:
-            order = orders.read(new)
-        except orders.Refused as refused:
-            log.info("an order was refused: %s", refused)
-            return self.refuse(refused)
+    def obey(self, order):
+        """Do what an Order says."""
         self.acknowledged = order.n if order.n is not None else self.acknowledged
         try:
             self._obey(order)
@@ -99,42 +91,33 @@ class Session:
             self.computing.fail_unexpectedly()
 
     def _obey(self, order):
-        name, values = order.do, order.values
-        if name == "scene":
-            self.change(values, order.after, order.held, order.at)
-        elif name == "profile":
-            self.wire.order = ""  # it may be long
-            self.read_profile(values["text"])
-        elif name == "measurement":
-            self.wire.order = ""
-            self.pages.order({"what": "file", **values})
-        elif name == "preset":
-            self.choose(values["preset"])
-        elif name == "restore":
-            self.restore(values)
-        elif name in ("beside", "film", "share", "take"):
-            todo = {"beside": self.beside.want, "film": self.film.want, "share": self.share.sheet}
-            todo |= {"take": self.share.take}
-            todo[name](values)
+        values, computing = order.values, self.computing
+        quiet = {  # what tells the browser of it in its own way, or nothing
+            "scene": lambda: self.change(values, order.after, order.held, order.at),
+            "profile": lambda: self.read_profile(values["text"]),
+            "measurement": lambda: self.pages.order({"what": "file", **values}),
+            "preset": lambda: self.choose(values["preset"]),
+            "restore": lambda: self.restore(values),
+            "layer": lambda: self.layer.want(values),
+            "ask": lambda: self.pages.order(values),
+            "twin": self.pages.add_twin,
+            "gallery": self.gallery.want,
+            "hello": self.hello,
+            "reset": self.reset,
+            **{name: getattr(computing, name) for name in ("pause", "go", "one", "skip", "rest")},
+        }
+        told = {
+            "beside": lambda: self.beside.want(values),
+            "film": lambda: self.film.want(values),
+            "share": lambda: self.share.sheet(values),
+            "take": lambda: self.share.take(values),
+            "page": lambda: self.pages.open(values["page"]),
+            "measure": lambda: self.bench.begin(self.scene, values_of(self.scene), self.pool.wisdom),
+            "cancel": self.bench.cancel,
+        }
+        (quiet | told)[order.do]()
+        if order.do in told:
             self.publish()
-        elif name == "layer":
-            self.layer.want(values)
-        elif name == "ask":
-            self.pages.order(values)
-        elif name == "page":
-            self.pages.open(values["page"])
-            self.publish()
-        elif name == "twin":
-            self.pages.add_twin()
-        elif name == "gallery":
-            self.gallery.want()
-        elif name in ("measure", "cancel"):
-            self.bench.begin(self.scene, self.pool.wisdom) if name == "measure" else self.bench.cancel()
-            self.publish()
-        elif name in ("hello", "reset"):
-            getattr(self, name)()
-        else:  # pause, go, one, skip, rest
-            getattr(self.computing, name)()
 
     def refuse(self, refused):
         """Tell the visitor that something was not understood; what is on screen stays."""
@@ -181,20 +164,10 @@ class Session:
 
     def read_profile(self, text):
         """Show the surface that a CSV describes; one of no use leaves a message, and what is on screen stays."""
-        self._read_no_profile()  # the newest counts
-        task = self.reading = self.pool.submit(tasks.measured, text, owner=id(self), rank=LATER)
-        self.when_done(task, self._read)
+        self.reading.ask((tasks.measured, text), self._read, rank=LATER)
 
-    def _read_no_profile(self):
-        if self.reading is not None:
-            self.pool.abandon(self.reading)
-            self.reading = None
-
-    def _read(self, task):
-        if task is not self.reading:
-            return
-        self.reading = None
-        profile, why = (None, "it could not be read; try again") if task.exception() else task.result()
+    def _read(self, made):
+        profile, why = made or (None, "it could not be read; try again")
         if profile is not None:  # sliders may have been moved since it was sent
             try:
                 scene = with_profile(self.scene, profile)
@@ -218,7 +191,7 @@ class Session:
 
     def show(self, scene, preset):
         """A scene that a page has made from `preset`."""
-        self._read_no_profile()
+        self.reading.forget()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
         self.computing.want(scene)
 

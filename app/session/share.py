@@ -1,13 +1,12 @@
 """What a visitor takes away: a link as a QR code, Python lines of a run, and files as the command line writes."""
 
-import json
-import struct
 from math import inf
 
 import segno
 
-from app.service import tasks
+from app.service import packing, tasks
 from app.service.pool import LATER
+from app.service.wanted import Wanted
 from solver import Scene
 from solver.scene import PARAMETERS
 
@@ -22,7 +21,7 @@ class Share:
     """What one visitor takes away; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.task, self.sent = session, None, 0
+        self.session, self.wanted, self.sent = session, Wanted(session), 0
 
     def sheet(self, values):
         """Tell the browser what belongs to a link, values["link"], and to the run on screen."""
@@ -32,30 +31,22 @@ class Share:
 
     def take(self, values):
         """Have a worker make the file of the run: values["kind"] is npz or json."""
-        self.close()
-        session, kind = self.session, values["kind"]
-        call = (tasks.file_of_run, session.computing.legs, kind)
-        task = self.task = session.pool.submit(*call, owner=id(session), rank=LATER, seconds=LONG)
-        session.when_done(task, lambda task: self._made(task, kind))
+        kind = values["kind"]
+        call = (tasks.file_of_run, self.session.computing.legs, kind)
+        self.wanted.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
 
     def close(self):
         """Wait for nothing any longer."""
-        if self.task is not None:
-            self.session.pool.abandon(self.task)
-            self.task = None
+        self.wanted.forget()
 
-    def _made(self, task, kind):
-        if task is self.task:
-            self.task = None
-            body = b"" if task.cancelled() or task.exception() else task.result()
-            why = LARGE if len(body) > LARGEST else "" if body else SLOW
-            self._send({"what": "file", "kind": kind, "why": why}, b"" if why else body)
-            self.session.wire.taken = None  # it has been sent
+    def _made(self, body, kind):
+        why = LARGE if len(body) > LARGEST else "" if body else SLOW
+        self._send({"what": "file", "kind": kind, "why": why}, b"" if why else body)
+        self.session.wire.taken = None  # it has been sent
 
     def _send(self, head, body=b""):
         self.sent += 1  # what is the same as before would not travel
-        text = json.dumps(head | {"sent": self.sent}).encode()
-        self.session.wire.taken = struct.pack("<I", len(text)) + text + body
+        self.session.wire.taken = packing.headed(head | {"sent": self.sent}, body)
 
 
 def python_lines(legs):

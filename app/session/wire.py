@@ -11,8 +11,7 @@ class Wire(DataModel):
     status = String(default="{}")
     accuracy = String(default="")  # JSON, only when a measurement was asked for
     page = String(default="{}")  # JSON, about the page beside the experiment that is open
-    picture = Nullable(Bytes)
-    layer = Nullable(Bytes)  # JSON header and a table for the fringes in the punch, by `session.layer`
+    layer = Nullable(Bytes)  # JSON header and a table for the stress inside the layer, by `session.layer`
     hand = Nullable(Bytes)  # a picture that follows the hand on a slider: what `service.following` makes, and a number
     thumbnail = String(default="")  # JSON, the small picture of a preset, when the gallery was opened
     taken = Nullable(Bytes)  # JSON header and a file, when something is taken away

@@ -7,9 +7,9 @@ kept for all visitors (sweep.py).
 import holoviews as hv
 import numpy as np
 
+from app.limits import INCREMENTS, increments_of
 from app.service import tasks
 from app.service.sweep import Sweep
-from app.session.controls import INCREMENTS, increments_of
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError

@@ -11,6 +11,7 @@ import numpy as np
 
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
+from app.service.wanted import Wanted
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 
@@ -27,6 +28,7 @@ COLOURS = {"run": "--shear", "run_load": "--text"}
 COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitted", "fitted_load"), "--cut")
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # of the figure, for each quantity
 LONG = 120.0  # s that a fit may take
+LOST = "it could not be computed; try again"
 ROOM = 0.08  # of a curve, above and below it
 PLACE, FORCE = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm"), hv.Dimension("F", unit="N/m")
 OFF = hv.Dimension("off", label="off by, in noise")
@@ -55,20 +57,20 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.measured = self.task = None
+        self.measured, self.wanted = None, Wanted(self.session)
 
     def order(self, values):
         """A file, a made-up measurement, a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if what == "file":
-            self._ask(self._read, LATER, tasks.measured_curve, values["text"], scene)
+            self.wanted.ask((tasks.measured_curve, values["text"], scene), self._read, rank=LATER)
         elif what == "example":
-            self._ask(self._read, HEAVY, tasks.made_up_curve, scene)
+            self.wanted.ask((tasks.made_up_curve, scene), self._read, rank=HEAVY, seconds=LONG)
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:
                 return self.publish(texts={"fit-said": "Choose what may be changed to fit."})
-            self._ask(self._fitted, HEAVY, tasks.fitted, scene, self.measured, free)
+            self.wanted.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
             self.publish(busy=0.0, texts={"fit-said": "Fitting: runs are followed to where they meet the points …"})
         elif what == "cancel":
             self.close()
@@ -76,24 +78,10 @@ class Page(Sheet):
 
     def close(self):
         """Ask for nothing any longer."""
-        if self.task is not None:
-            self.session.pool.abandon(self.task)
-            self.task = None
-
-    def _ask(self, take, rank, *call):
-        self.close()
-        task = self.task = self.session.pool.submit(*call, owner=id(self.session), rank=rank, seconds=LONG)
-        self.session.when_done(task, lambda done: self._take(done, take))
-
-    def _take(self, task, take):
-        if task is not self.task:
-            return
-        self.task = None
-        lost = task.cancelled() or task.exception()
-        take("it could not be computed; try again" if lost else task.result())
+        self.wanted.forget()
 
     def _read(self, result):
-        measured, why = result if isinstance(result, tuple) else (None, result)
+        measured, why = result or (None, LOST)
         if measured is None:
             return self.publish(texts={"fit-said": f"measurement: {why}. What was there stays."})
         self.measured = measured
@@ -120,8 +108,8 @@ class Page(Sheet):
         return self.measured.unit or scene.width * scene.E
 
     def _fitted(self, found):
-        if isinstance(found, str):
-            return self.publish(busy=None, texts={"fit-said": f"Nothing was found: {found}."})
+        if found is None or isinstance(found, str):
+            return self.publish(busy=None, texts={"fit-said": f"Nothing was found: {found or LOST}."})
         of = {name: np.array([(at, a, b) for at, which, a, b in found.rows if which == name]) for name in PARTS}
         for name, (_, line) in PARTS.items():
             if of[name].size:

@@ -6,6 +6,7 @@ draws both (static/js/pages/matters.js), the nodes in the hero.
 
 from app.service import tasks
 from app.service.pool import HEAVY
+from app.service.wanted import Wanted
 from app.views.pages import Sheet
 
 LONG = 120.0  # s that the run of a scene and its derivatives may take
@@ -21,28 +22,19 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.task = None
+        self.wanted = Wanted(self.session)
 
     def scene_changed(self):
         """Another scene is on screen."""
-        self.close()
         self.publish(matters=None, texts={"matters-said": "computing …"})
-        call = (tasks.what_matters, self.session.scene)
-        task = self.task = self.session.pool.submit(*call, owner=id(self.session), rank=HEAVY, seconds=LONG)
-        self.session.when_done(task, self._take)
+        self.wanted.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)
 
     def close(self):
         """Ask for nothing any longer."""
-        if self.task is not None:
-            self.session.pool.abandon(self.task)
-            self.task = None
+        self.wanted.forget()
 
-    def _take(self, task):
-        if task is not self.task:
-            return
-        self.task = None
-        lost = task.cancelled() or task.exception()
-        found = "it was not computed; change a parameter to try again" if lost else task.result()
-        if isinstance(found, str):
-            return self.publish(matters=None, texts={"matters-said": f"Nothing to say: {found}."})
+    def _take(self, found):
+        if found is None or isinstance(found, str):
+            why = found or "it was not computed; change a parameter to try again"
+            return self.publish(matters=None, texts={"matters-said": f"Nothing to say: {why}."})
         self.publish(matters=found, texts={"matters-said": ""})

@@ -7,10 +7,10 @@ import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
 
+from app.limits import INCREMENTS, increments_of
 from app.schema import FLATS
 from app.service import tasks
 from app.service.sweep import Sweep
-from app.session.controls import INCREMENTS, increments_of
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import LIMITS, SceneError

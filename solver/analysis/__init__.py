@@ -1,6 +1,6 @@
 """What is made of frames: stress inside the layer, laws of friction and area, energies. Not needed to run anything.
 
-interior, raster               stress and displacement inside the layer: at points, and as a picture
+interior                       stress and displacement inside the layer, mode by mode
 friction_laws, area_laws       onset of sliding, critical moduli, force curves of flats; fits of Eqs. 8 and 9
 regimes                        friction of flats over stiffness and strength
 maps/                          the first slip and its regime over two parameters

@@ -83,21 +83,6 @@ def lateral(shape):
 
 
 @njit(cache=True, nogil=True)
-def shear_factors(q, z, height, nu, out):
-    """Factors by which modes q (k,) of the tractions make up the shear stress at depths z (r,), into out (r, k, 4).
-
-    sigma_zz - sigma_xx = out[..., 0] T_z + i out[..., 1] T_x and 2 sigma_xz = out[..., 2] T_x + i out[..., 3] T_z,
-    q in 1/nm, z and height in nm: what photoelastic fringes show, for whoever sums the modes elsewhere.
-    """
-    for r in range(z.size):
-        for k in range(q.size):
-            shape = shape_of(q[k], z[r], height, nu)
-            zz, xx, xz = normal(shape), lateral(shape), shear(shape)
-            out[r, k, 0], out[r, k, 1] = zz[0] - xx[0], zz[1] - xx[1]
-            out[r, k, 2], out[r, k, 3] = 2.0 * xz[0], 2.0 * xz[1]
-
-
-@njit(cache=True, nogil=True)
 def displacement(q, z, height, G, nu):
     """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, above the top's; four numbers.
 
@@ -130,3 +115,21 @@ def _less(zeta):
         total += term
         term *= zeta * zeta * (k + 1) / (k * (2 * k + 2) * (2 * k + 3))
     return total
+
+
+@njit(cache=True, nogil=True)
+def transfer(q, z, height, G, nu):
+    """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
+
+    Column 0, even: what u_x and sigma_xz have of T_x, the others of T_z; column 1, odd, times i: the other way round.
+    q in 1/nm, height in nm, G in GPa.
+    """
+    out = np.empty((5, 2, z.size, q.size))
+    for r in range(z.size):
+        for k in range(q.size):
+            shape = shape_of(q[k], z[r], height, nu)
+            out[0, 0, r, k], out[0, 1, r, k], out[1, 0, r, k], out[1, 1, r, k] = displacement(q[k], z[r], height, G, nu)
+            out[2, 0, r, k], out[2, 1, r, k] = lateral(shape)
+            out[3, 0, r, k], out[3, 1, r, k] = normal(shape)
+            out[4, 0, r, k], out[4, 1, r, k] = shear(shape)
+    return out

@@ -7,7 +7,7 @@ export const theme = () => document.documentElement.dataset.theme
 
 // Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a whole
 // number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
-export function shades(low, high, [below, above] = ["pull", "push"], ends = rampEnds) {
+export function shades(low, high, [below, above] = ["pull", "push"], ends = rampIn(document.documentElement)) {
   const step = Math.max(Math.min(-low, high) / SHADES, (high - low) / MOST)
   const ramp = (name, end) => {
     const [from, to] = ends(name)
@@ -20,7 +20,8 @@ export function shades(low, high, [below, above] = ["pull", "push"], ends = ramp
   return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over], nan_color: "rgba(0,0,0,0)" }
 }
 
-const rampEnds = (name) => [0, 1].map((end) => digits(colour(`--${name}-${end}`)))
+// [from, to] of a ramp as an element of the page has it
+export const rampIn = (element) => (name) => [0, 1].map((end) => digits(getComputedStyle(element).getPropertyValue(`--${name}-${end}`).trim()))
 const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
 
 // The next larger number of one digit or so

@@ -9,6 +9,7 @@ import { by } from "./dom.js"
 import { adopt, paint, rewrite, tellStretch, useNodes } from "./figures.js"
 import { connectFringes } from "./fringes.js"
 import { connectHand } from "./hand.js"
+import { connectInside } from "./inside.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import * as pages from "./pages.js"
@@ -47,6 +48,7 @@ export function start({ wire, figures, slots, looks, nodes, terms, usual, positi
   connectLens(player.show)
   connectHand(positions)
   connectFringes(player.show)
+  connectInside(player.show)
   address.connect(player)
   print.connect()
   channel.listen("chunk", player.receive)
@@ -54,7 +56,6 @@ export function start({ wire, figures, slots, looks, nodes, terms, usual, positi
   channel.listen("status", status.heard)
   channel.listen("accuracy", accuracy.measured)
   channel.listen("page", pages.told)
-  channel.listen("picture", pages.pictured)
   let resized = 0 // what rests is drawn anew once a change of size has come to its end
   new ResizeObserver(() => {
     tellStretch()

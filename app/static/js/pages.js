@@ -1,5 +1,5 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/views/pages.py). A page may have
-// a module, with any of connect(), opened(), told(news), frame(run, k), painted(), pictured(buffer), closed().
+// a module, with any of connect(), opened(), told(news), frame(run, k), painted(), closed().
 
 import { order } from "./channel.js"
 import { by, offerTable, readdress } from "./dom.js"
@@ -93,5 +93,3 @@ export function paintPage() {
   shadeImages()
   call("painted")
 }
-
-export const pictured = (buffer) => call("pictured", buffer)

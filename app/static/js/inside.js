@@ -1,0 +1,109 @@
+// What is inside the layer, summed from the tractions of a frame and a table of how each of their modes reaches into it
+// (solver/analysis/interior.py), sent once for a geometry.
+
+import { listen, opened, order } from "./channel.js"
+
+const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/layer.py
+const KEPT = 3 // of each
+const LOST = 2000 // ms after which a table that did not come is asked for again
+const FACTORS = 10 // of a mode: of u_x, u_z, sigma_xx, sigma_zz, sigma_xz, each even and odd (tasks.layer_table)
+const BY_SHEAR = [true, false, false, false, true] // of which of T_x and T_z the even factor tells
+// Weights of these five
+export const XX = [0, 0, 1, 0, 0], ZZ = [0, 0, 0, 1, 0], XZ = [0, 0, 0, 0, 1], APART = [0, 0, -1, 1, 0], SHEARED = [0, 0, 0, 0, 2]
+export const mean = ({ nu }) => [0, 0, (1 + nu) / 3, (1 + nu) / 3, 0]
+export const moved = ({ E, nu }) => [[(2 * (1 + nu)) / E, 0, 0, 0, 0], [0, (2 * (1 + nu)) / E, 0, 0, 0]] // over G
+
+const tables = new Map(), waves = new Map() // those made last, by what they are of: tables; cosines and sines of modes over places
+const keep = (map, key, value) => {
+  if (map.size >= KEPT) map.delete(map.keys().next().value)
+  map.set(key, value)
+  return value
+}
+let asked = "", since = 0
+
+export function connectInside(redraw) {
+  listen("layer", (buffer) => {
+    const table = tableOf(buffer)
+    keep(tables, keyOf(table.geometry, table.asked), table)
+    asked = ""
+    redraw()
+  })
+}
+
+export function tableOf(buffer) {
+  const { head, start } = opened(buffer)
+  return { ...head, factors: new Float32Array(buffer.slice(start)) }
+}
+
+const keyOf = (geometry, { rows, modes, depth }) => JSON.stringify([geometry, rows, modes, depth])
+
+// The table of a scene, {rows, modes, depth (nm)}, once it is there
+export function tableFor(scene, wanted) {
+  const key = keyOf(GEOMETRY.map((name) => scene[name]), wanted), table = tables.get(key), now = performance.now()
+  if (!table && (!asked || now - since > LOST)) {
+    asked = key
+    since = now
+    order("layer", wanted)
+  }
+  return table
+}
+
+// Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of `weights` a
+// Float32Array (rows, x.length), the row at the surface first; GPa and nm
+export function sumsIn(run, k, { counts, factors }, x, weights) {
+  const T = tractionsOf(run, k, counts[0]), modes = wavesOver(x, counts[0], run.headOf(k)), wide = x.length
+  const sums = weights.map(() => new Float32Array(counts.length * wide))
+  const terms = weights.map((weight) => weight.flatMap((w, f) => (w ? [[f, w, T[BY_SHEAR[f] ? 0 : 1], T[BY_SHEAR[f] ? 1 : 0]]] : [])))
+  let at = 0
+  counts.forEach((count, r) => {
+    const rows = sums.map((sum) => sum.subarray(r * wide, (r + 1) * wide))
+    for (let m = 0; m < count; m++, at += FACTORS) {
+      const { cos, sin } = modes[m]
+      for (let n = 0; n < rows.length; n++) {
+        let p = 0, q = 0
+        for (const [f, w, own, other] of terms[n]) {
+          const even = w * factors[at + 2 * f], odd = w * factors[at + 2 * f + 1]
+          p += even * own.cos[m] - odd * other.sin[m]
+          q -= even * own.sin[m] + odd * other.cos[m]
+        }
+        const row = rows[n]
+        for (let i = 0; i < wide; i++) row[i] += p * cos[i] + q * sin[i]
+      }
+    }
+  })
+  return sums
+}
+
+// [T_x, T_z] by modes: c + i s of T = Re sum (c + i s) exp(i q x), all but the first counted twice
+function tractionsOf(run, k, modes) {
+  const [{ head, fields }, row] = run.places[k], { nodes, first, scales, scene: { nodes: n } } = head, base = turnsOf(n)
+  return ["T_x", "T_z"].map((name) => {
+    const cos = new Float64Array(modes), sin = new Float64Array(modes), part = fields[name].subarray(row * nodes, (row + 1) * nodes)
+    if (head.flat) cos[0] = part[0] * scales[name] // of nodes that are alike some were sent
+    else part.forEach((value, i) => {
+      const each = (value * scales[name]) / n
+      if (each === 0) return
+      for (let m = 0, turn = 0; m < modes; m++) {
+        cos[m] += (m ? 2 : 1) * each * base.cos[turn]
+        sin[m] -= (m ? 2 : 1) * each * base.sin[turn]
+        turn = (turn + first + i) % n
+      }
+    })
+    return { cos, sin }
+  })
+}
+
+const turns = {} // cosines and sines of n parts of a turn
+function turnsOf(n) {
+  const angle = (i) => (2 * Math.PI * i) / n
+  return (turns[n] ??= { cos: Float64Array.from({ length: n }, (_, i) => Math.cos(angle(i))), sin: Float64Array.from({ length: n }, (_, i) => Math.sin(angle(i))) })
+}
+
+function wavesOver(x, modes, { middle, scene: { width } }) {
+  const step = (2 * Math.PI) / width, key = [step, modes, x.length, x[0], x.at(-1), middle].join()
+  const over = (m, of) => Float32Array.from(x, (v) => of(m * step * (v + middle)))
+  return waves.get(key) ?? keep(waves, key, Array.from({ length: modes }, (_, m) => ({ cos: over(m, Math.cos), sin: over(m, Math.sin) })))
+}
+
+// Middles of so many equal parts of -half..half
+export const middles = (count, half) => Array.from({ length: count }, (_, i) => ((2 * i + 1) / count - 1) * half)
