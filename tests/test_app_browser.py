@@ -135,7 +135,7 @@ def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
     page.wait_for_function(
         "() => window.punch?.run?.sheared >= 0 && punch.status.state === 'running'", timeout=PATIENCE
     )
-    assert re.search(r"running \d+ of \d+ increments", page.inner_text("#status"))
+    assert re.search(r"running\s+\d+ of \d+ increments", page.inner_text("#status"))
     page.fill("#E-entry", "500")
     page.keyboard.press("Enter")
     finished(page, run=2)

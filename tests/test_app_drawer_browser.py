@@ -13,8 +13,6 @@ def test_the_views_make_room_for_the_drawer(visit, size):
     page = visit()
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
-    if size[0] < 600:
-        page.get_by_role("button", name="Menu").click()
     page.get_by_role("button", name="Parameters").click()
     drawer = page.get_by_role("dialog", name="Parameters")
     drawer.wait_for()

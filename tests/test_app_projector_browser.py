@@ -16,7 +16,7 @@ def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
     thin = page.evaluate(WIDTH)
     page.locator("body").press("p")
     assert "view=projector" in page.url
-    assert page.evaluate(FONT) == "24px" and page.evaluate(WIDTH) >= 2 * thin
+    assert page.evaluate(FONT) == "22px" and page.evaluate(WIDTH) >= 2 * thin
     assert page.locator("main figure:visible").count() == 2  # the punch and one curve
     page.get_by_role("button", name="Projector").click()
     assert "view=" not in page.url

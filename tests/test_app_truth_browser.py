@@ -17,13 +17,13 @@ def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_th
     assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
     page.evaluate(
         f"""() => new MutationObserver(() => {{
-            if ({GREY}) (window.said ??= []).push([punch.run.number, {SAID}])
+            if ({GREY}) (window.saidThen ??= []).push([punch.run.number, {SAID}])
         }}).observe(document.querySelector('.page'), {{ attributes: true }})"""
     )
     page.fill("#E-entry", "21.5")
     page.keyboard.press("Enter")
     finished(page, run=2)
-    assert {tuple(said) for said in page.evaluate("window.said")} == {(1, "computed for E = 20")}
+    assert {tuple(said) for said in page.evaluate("window.saidThen")} == {(1, "computed for E = 20")}
     assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
     page.fill("#E-entry", "7000000")  # refused: the run on screen is that of the sliders
     page.keyboard.press("Enter")

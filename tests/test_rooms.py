@@ -2,7 +2,9 @@
 
 import ast
 import inspect
+import re
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -95,3 +97,27 @@ def test_rooms_of_the_app_do_not_import_each_other_but_what_they_stand_on(room):
     for path in (APP / room).glob("*.py"):
         through = [name for name in imported(path) if any(f"{name}.".startswith(f"{wall}.") for wall in WALLS[room])]
         assert not through, f"{path.name}: {through}"
+
+
+def scripts():
+    """{script: scripts that it needs at once}; those that it fetches when they are asked for come later."""
+    found = {}
+    for path in (APP / "static" / "js").rglob("*.js"):
+        names = re.findall(r'(?:from|^import) "(\.[^"]+)"', path.read_text(encoding="utf-8"), re.M)
+        found[path] = {(path.parent / name).resolve() for name in names}
+    return found
+
+
+def test_no_script_leads_back_to_itself():
+    graph = scripts()
+    assert len(graph) > 40 and all(path.is_file() for needed in graph.values() for path in needed)
+    TopologicalSorter(graph).prepare()
+
+
+def test_elements_are_made_in_one_place():
+    makers = [
+        path.name
+        for path in scripts()
+        if re.search(r"createElement(NS)?\((?!\"canvas\")", path.read_text(encoding="utf-8"))
+    ]
+    assert makers == ["dom.js"]

@@ -181,3 +181,12 @@ def test_fringes_finer_than_the_picture_are_grey_and_others_stay(tab):
     assert tab.evaluate(seen % fine.tolist()) == pytest.approx(np.full(16, 0.5))
     across = np.tile(wide[:8], 2)
     assert tab.evaluate(seen % across.tolist()) == pytest.approx(np.sin(np.pi * across) ** 2, abs=2e-3)
+
+
+def test_the_state_of_the_page_has_declared_fields_only(tab):
+    refused = """import("http://scripts/js/state.js").then(({ me }) => {
+        me.at = 3
+        try { me.att = 3 } catch (error) { return [me.at, error.name] }
+    })"""
+    tab.evaluate("document.body.innerHTML = ''")
+    assert tab.evaluate(f"(async () => {{ 'use strict'; return await {refused} }})()") == [3, "TypeError"]

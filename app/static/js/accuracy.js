@@ -1,7 +1,7 @@
 // The dialog "Accuracy": asks for a measurement, shows its progress, and draws what is measured as it comes.
 
 import { order } from "./channel.js"
-import { by, minus, offerTable, on } from "./dom.js"
+import { by, make, makeShape, minus, offerTable, on } from "./dom.js"
 import { me } from "./state.js"
 
 // series: [class in style.css, outline of the marker around 0, 0, place of the text beside it: x, y, anchor]
@@ -54,7 +54,7 @@ function tellBench() {
   by(pressed).disabled = true
   by("bench-sentence").hidden = by("others").hidden = !sentence
   by("bench-sentence").textContent = sentence ?? ""
-  by("others").replaceChildren(...(others ?? []).map((line) => Object.assign(document.createElement("li"), { textContent: line })))
+  by("others").replaceChildren(...(others ?? []).map((line) => make("li", {}, line)))
 }
 
 function drawBench() {
@@ -65,17 +65,14 @@ function drawBench() {
 }
 
 function svg(parent, name, attributes, text) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name)
-  for (const key in attributes) made.setAttribute(key, attributes[key])
-  if (text !== undefined) made.textContent = text
-  return parent.appendChild(made)
+  return parent.appendChild(makeShape(name, attributes, ...(text === undefined ? [] : [text])))
 }
 
 function drawKey(points) {
   const key = by("bench-key")
   key.replaceChildren()
   const entry = (text, draw) => {
-    const item = key.appendChild(document.createElement("span"))
+    const item = key.appendChild(make("span"))
     draw(svg(item, "svg", { viewBox: "-15 -8 30 16", "aria-hidden": true }))
     item.append(text)
   }

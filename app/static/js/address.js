@@ -3,7 +3,7 @@
 
 import { order } from "./channel.js"
 import { by, on, readdress } from "./dom.js"
-import { leaveBehind, me } from "./state.js"
+import { leaveBehind, me, onFrame } from "./state.js"
 
 const VERSION = "1" // of what the names in an address mean
 const BURST = 900 // ms: changes of one parameter by hand that are closer than this to each other are one
@@ -127,7 +127,7 @@ export function connect(player) {
   ({ goto } = player)
   const version = new URLSearchParams(location.search).get("v")
   if (version && version !== VERSION) console.info(`an address of version ${version}, read as version ${VERSION}`)
-  me.also.push(drawn)
+  onFrame(drawn)
   addEventListener("popstate", popped)
   on("undo", "click", undo)
   on("redo", "click", redo)

@@ -11,7 +11,6 @@ let unheard = [] // {n, what, values, at} of those not yet answered
 
 export const connect = (given) => { wire = given }
 export const listen = (what, call) => onChange(wire, what, () => call(wire[what]))
-export const latest = () => orders - 1 // number of the last order: the server says which one it has heard
 export const waiting = () => unheard
 export const silence = () => (unheard.length ? performance.now() - unheard[0].at : 0) // ms
 

@@ -18,11 +18,26 @@ export function readdress(change) {
   if (address.href !== location.href) history.replaceState(history.state, "", address)
 }
 
+// An element with properties, attributes where they have a hyphen, and `data` of its own; and what it holds
+export function make(tag, { data = {}, ...given } = {}, ...parts) {
+  const made = document.createElement(tag)
+  for (const name in given) if (name.includes("-")) made.setAttribute(name, given[name]); else made[name] = given[name]
+  Object.assign(made.dataset, data)
+  made.append(...parts)
+  return made
+}
+export const makeButton = (given, ...parts) => make("button", { type: "button", ...given }, ...parts)
+
+// A shape of a drawing with its attributes, and what it holds
+export function makeShape(tag, attributes, ...parts) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag)
+  for (const name in attributes) made.setAttribute(name, attributes[name])
+  made.append(...parts)
+  return made
+}
+
 // A button in a figure's caption that opens its numbers
 export function offerTable(figure, view, name, open) {
-  const button = Object.assign(document.createElement("button"), { type: "button", className: "as-table", title: "As a table", textContent: "▦" })
-  button.dataset.view = view
-  button.setAttribute("aria-label", `${name}, as a table`)
-  button.addEventListener("click", async () => open(await import("./tables.js")))
-  figure.querySelector("figcaption")?.append(button)
+  const onclick = async () => open(await import("./tables.js"))
+  figure.querySelector("figcaption")?.append(makeButton({ className: "as-table", title: "As a table", data: { view }, "aria-label": `${name}, as a table`, onclick }, "▦"))
 }

@@ -1,6 +1,6 @@
 // Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py).
 
-import { by, minus } from "./dom.js"
+import { by, make, minus } from "./dom.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
@@ -19,12 +19,10 @@ function draw(name, marks, values) {
   const apart = Math.max(APART[0], APART[1] / (by(name).clientWidth || Infinity))
   for (const old of scale.querySelectorAll(".mark")) old.remove()
   for (const [value, said] of marks) {
-    const at = place(value, values), mark = document.createElement("span")
-    mark.className = "mark"
+    const at = place(value, values), mark = make("span", { className: "mark", title: `${said} at ${minus(Number(value.toPrecision(2)))}` })
     mark.style.left = `calc(8px + ${at} * (100% - 16px))`
-    mark.title = `${said} at ${minus(Number(value.toPrecision(2)))}`
     if (labels.every((other) => Math.abs(other - at) > apart)) {
-      mark.append(Object.assign(document.createElement("span"), { textContent: said }))
+      mark.append(make("span", {}, said))
       mark.dataset.side = at < ENDS[0] ? "right" : at > ENDS[1] ? "left" : ""
       labels.push(at)
     }

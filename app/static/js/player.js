@@ -7,7 +7,7 @@ import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
 import { Picture } from "./picture.js"
-import { exact, me, QUIET, reduced } from "./state.js"
+import { exact, frameDrawn, me, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
 import { drawStory, nextSlip } from "./story.js"
 import { drawFringes } from "./fringes.js"
@@ -128,7 +128,7 @@ function showFrame() {
   }
   framePage()
   me.drawnAt = performance.now()
-  for (const draw of me.also) draw(run, k)
+  frameDrawn(run, k)
   if (me.preview === null) by("scrub").value = k
   tellFrame(run, k)
   drawBands(run, k)

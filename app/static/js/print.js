@@ -3,7 +3,7 @@
 import { holderOf, pictureOf } from "./bokeh.js"
 import { by } from "./dom.js"
 import { figures } from "./figures.js"
-import { embedded, me } from "./state.js"
+import { embedded, me, onFrame } from "./state.js"
 import { described } from "./words.js"
 
 // The canvases over a view
@@ -43,5 +43,5 @@ function tellEmbedded() {
 export function connect() {
   addEventListener("beforeprint", before)
   addEventListener("afterprint", after)
-  if (embedded) me.also.push(tellEmbedded)
+  if (embedded) onFrame(tellEmbedded)
 }

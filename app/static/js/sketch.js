@@ -2,6 +2,7 @@
 // figure, for Bokeh would paint axes and all anew, in ten times as long. What is sketched looks as Bokeh draws it.
 
 import { frameBox, lookOf } from "./bokeh.js"
+import { make } from "./dom.js"
 import { cleared } from "./pen.js"
 
 const sheets = {} // view: {canvas, columns: {label: columns}, changed}
@@ -14,7 +15,7 @@ export function put(view, label, columns) {
 }
 
 export function over(view) {
-  const canvas = Object.assign(document.createElement("canvas"), { className: "story" })
+  const canvas = make("canvas", { className: "story" })
   const place = document.querySelector(`.view[data-view="${view}"]`) ?? document.getElementById(`${view}-view`)
   place.insertBefore(canvas, place.querySelector(".story")) // under what is written there
   return canvas

@@ -3,7 +3,7 @@
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
 export const QUIET = 150 // ms after a change in which the new run has the processor, and between two pictures of a growing one
-export const me = {
+export const me = Object.seal({ // what is not declared here cannot be set
   run: null, ghost: null, behind: null, anchor: null, // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
   coming: null, // the run that takes the place of what is on screen once it is whole
   origin: null, from: null, // the run, and [its number, frame], that a change carries on from
@@ -15,9 +15,13 @@ export const me = {
   fresh: false, mapped: true, begun: 0, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
   filmed: null, // takes the frames of a motion through a slip
   beside: null, // takes the frames of runs that are not on screen
-  also: [], // what else is drawn with every frame: functions of the run and the frame
   drawnAt: 0, freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
-}
+})
+
+// What else is drawn with every frame: functions of the run and the frame
+const followers = []
+export const onFrame = (call) => followers.push(call)
+export const frameDrawn = (run, k) => { for (const call of followers) call(run, k) }
 
 // Whether a run is what was asked for, and not what is shown in its place while a slider is held
 export const exact = (run) => Boolean(run) && !run.followed && !run.coarse

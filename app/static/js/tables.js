@@ -1,7 +1,7 @@
 // What a plot shows as a table, built from the frames that are here; opened with its button, and only then loaded.
 
 import { drawnBy } from "./bokeh.js"
-import { by, fixed, minus } from "./dom.js"
+import { by, fixed, make, minus } from "./dom.js"
 import { figures, parts } from "./figures.js"
 import { me } from "./state.js"
 
@@ -96,9 +96,9 @@ export function openMeasured(points) {
 }
 
 function open({ title, headings, rows }) {
-  const table = document.createElement("table")
+  const table = make("table")
   const head = table.createTHead().insertRow()
-  for (const text of headings) head.append(Object.assign(document.createElement("th"), { scope: "col", textContent: text }))
+  for (const text of headings) head.append(make("th", { scope: "col" }, text))
   const body = table.createTBody()
   for (const cells of rows) {
     const row = body.insertRow()

@@ -1,5 +1,7 @@
 // Terms of the field in the texts of the page: underlined, and explained on hover, focus or touch by later/glossary.js.
 
+import { makeButton } from "./dom.js"
+
 let forms = {}, found = null // {form of a word: term} (app/glossary.py), and what finds them in a text
 
 // The text of an element again, the first occurrence of each term in it as a button
@@ -10,14 +12,8 @@ export function explain(element, text = element.textContent) {
     const term = i % 2 ? forms[part.toLowerCase()] : undefined
     if (!term || seen.has(term)) return part
     seen.add(term)
-    return button(term, part)
+    return makeButton({ className: "term", data: { term } }, part)
   }))
-}
-
-function button(term, text) {
-  const made = Object.assign(document.createElement("button"), { type: "button", className: "term", textContent: text })
-  made.dataset.term = term
-  return made
 }
 
 const termAt = (event) => event.target.closest?.(".term")

@@ -3,7 +3,7 @@
 import { frameBox } from "./bokeh.js"
 import { order } from "./channel.js"
 import { colour } from "./colours.js"
-import { by, fixed, minus, readdress } from "./dom.js"
+import { by, fixed, make, makeButton, minus, readdress } from "./dom.js"
 import { figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
@@ -39,15 +39,8 @@ function close() {
   by("tour").focus()
 }
 
-const make = (tag, props = {}, ...children) => {
-  const element = Object.assign(document.createElement(tag), props)
-  element.append(...children)
-  return element
-}
-
 function makeCard() {
-  const made = make("section", { id: "tour-card" })
-  made.setAttribute("aria-label", "Tour")
+  const made = make("section", { id: "tour-card", "aria-label": "Tour" })
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
   document.addEventListener("keydown", onDigit)
   document.querySelector("main").append(made)
@@ -149,7 +142,7 @@ function write() {
   const stop = STOPS[at]
   document.documentElement.dataset.tour = phase
   const title = make("h2", { textContent: `${at + 1} of ${STOPS.length}: ${stop.name}` }), truth = phase === "wait" ? 0 : right()
-  const end = make("button", { type: "button", textContent: "End tour", onclick: close })
+  const end = makeButton({ textContent: "End tour", onclick: close })
   card.replaceChildren(make("div", { className: "top" }, title, end))
   if (phase === "wait") card.append(make("p", { textContent: "getting ready …" }))
   else if (phase !== "turn") {
@@ -161,7 +154,7 @@ function write() {
     const row = make("div", { className: "answers" })
     for (const i of stop.order) {
       if (phase === "why" && i !== chosen && i !== truth) continue
-      const button = make("button", { type: "button", className: "answer", textContent: stop.answers[i], disabled: phase !== "ask", onclick: () => answer(i) })
+      const button = makeButton({ className: "answer", textContent: stop.answers[i], disabled: phase !== "ask", onclick: () => answer(i) })
       if (hands[i]) button.append(make("span", { className: "hands", textContent: ` ${hands[i]} hand${hands[i] > 1 ? "s" : ""}` }))
       if (phase !== "ask" && (i === chosen || i === truth)) button.dataset.mark = i === truth ? "right" : "wrong"
       if (phase === "show" && i !== chosen) delete button.dataset.mark
@@ -181,8 +174,8 @@ function write() {
   }
   if (phase !== "why" && phase !== "turn") return
   const ways = [make("span", { className: "said", textContent: stop.ask })]
-  if (phase === "why") ways.push(make("button", { type: "button", textContent: "Your turn", onclick: takeTurn }))
-  if (at + 1 < STOPS.length) ways.push(make("button", { type: "button", textContent: `Next: ${STOPS[at + 1].name}`, onclick: () => openTour(at + 2) }))
+  if (phase === "why") ways.push(makeButton({ textContent: "Your turn", onclick: takeTurn }))
+  if (at + 1 < STOPS.length) ways.push(makeButton({ textContent: `Next: ${STOPS[at + 1].name}`, onclick: () => openTour(at + 2) }))
   card.append(make("div", { className: "answers ways" }, ...ways))
   if (phase === "why") ways.at(-1).focus({ preventScroll: true })
 }

@@ -11,7 +11,7 @@ import { goto, show, tellFrame } from "../player.js"
 import { FILM, Run } from "../run.js"
 import { tellNow } from "../saying.js"
 import { over } from "../sketch.js"
-import { me } from "../state.js"
+import { me, onFrame } from "../state.js"
 import { drawStory, nextSlip, slipAt } from "../story.js"
 import { forceUnit } from "../units.js"
 
@@ -124,7 +124,7 @@ function end() {
 }
 
 me.filmed = receive
-me.also.push(() => { // something else is drawn: it goes on from there
+onFrame(() => { // something else is drawn: it goes on from there
   if (!film || (!film.frames && me.run === film.run && Math.floor(me.at) === film.k)) return
   leave()
 })

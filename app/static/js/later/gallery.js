@@ -2,52 +2,38 @@
 // the width in contact. Loaded when it is first opened; pictures are drawn as they come.
 
 import { listen, order } from "../channel.js"
-import { by } from "../dom.js"
+import { by, make, makeButton, makeShape } from "../dom.js"
 import { me } from "../state.js"
 
 const WIDE = 120, HIGH = 64, EDGE = 3 // of a picture, in units of its own
 const BAND = 0.4 // of the height, for the width in contact
-const SVG = "http://www.w3.org/2000/svg"
-const made = (name, values = {}, ...parts) => {
-  const element = Object.assign(document.createElement(name), values)
-  element.append(...parts)
-  return element
-}
-
-function shape(name, values) {
-  const element = document.createElementNS(SVG, name)
-  for (const key in values) element.setAttribute(key, values[key])
-  return element
-}
 
 const path = (points) => `M${points.map((point) => point.map((v) => v.toFixed(1)).join(" ")).join("L")}`
 
 // along, force, area: lists of numbers; the area of a path that goes one way only
 function picture({ along, force, area }) {
-  const svg = shape("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, "aria-hidden": "true" })
+  const svg = makeShape("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, "aria-hidden": "true" })
   const [from, to] = [Math.min(...along), Math.max(...along)], [low, high] = [Math.min(0, ...force), Math.max(0, ...force)]
   const x = (v) => EDGE + ((v - from) / (to - from || 1)) * (WIDE - 2 * EDGE)
   const y = (v) => HIGH - EDGE - ((v - low) / (high - low || 1)) * (HIGH - 2 * EDGE)
   const largest = Math.max(...area) || 1, top = area.map((A, i) => [x(along[i]), HIGH - (A / largest) * BAND * HIGH])
   const oneWay = along.every((v, i) => i === 0 || v >= along[i - 1])
-  if (oneWay) svg.append(shape("path", { class: "area", d: `${path([[top[0][0], HIGH], ...top, [top.at(-1)[0], HIGH]])}Z` }))
+  if (oneWay) svg.append(makeShape("path", { class: "area", d: `${path([[top[0][0], HIGH], ...top, [top.at(-1)[0], HIGH]])}Z` }))
   svg.append(
-    shape("path", { class: "zero", d: path([[0, y(0)], [WIDE, y(0)]]) }),
-    shape("path", { class: "force", d: path(force.map((F, i) => [x(along[i]), y(F)])) }),
+    makeShape("path", { class: "zero", d: path([[0, y(0)], [WIDE, y(0)]]) }),
+    makeShape("path", { class: "force", d: path(force.map((F, i) => [x(along[i]), y(F)])) }),
   )
   return svg
 }
 
 function card(option) {
-  const button = made("button", { type: "button", className: "card" },
-    made("span", { className: "picture", textContent: "…" }), made("span", { textContent: option.textContent }), " ", made("small", { textContent: option.dataset.figure }))
-  button.dataset.preset = option.value
-  button.addEventListener("click", () => {
+  const onclick = () => {
     by("gallery").close()
     by("preset").value = option.value
     by("preset").dispatchEvent(new Event("change"))
-  })
-  return button
+  }
+  return makeButton({ className: "card", data: { preset: option.value }, onclick },
+    make("span", { className: "picture" }, "…"), make("span", {}, option.textContent), " ", make("small", {}, option.dataset.figure))
 }
 
 function drawn(text) {
@@ -57,7 +43,7 @@ function drawn(text) {
 
 function fill() {
   by("gallery-groups").replaceChildren(...[...by("preset").querySelectorAll("optgroup")].map((group) => (
-    made("section", {}, made("h3", { textContent: group.label }), made("div", { className: "cards" }, ...[...group.children].map(card))))))
+    make("section", {}, make("h3", { textContent: group.label }), make("div", { className: "cards" }, ...[...group.children].map(card))))))
 }
 
 // Ask for the pictures that are missing, also what a busy server had no time for

@@ -1,7 +1,7 @@
 // The explanation beside a term: there while the pointer is on it or on the term, or the keyboard on the term; a click
 // or a touch keeps it and has it read out; Escape or a press elsewhere takes it away.
 
-import { by } from "../dom.js"
+import { by, make } from "../dom.js"
 
 const AWAY = 250 // ms for the pointer to reach the explanation
 let asked = null, at = null, kept = false, leaving = 0, box = null
@@ -23,8 +23,8 @@ export async function show(button) {
   const [name, meaning] = await said(button.dataset.term).catch(() => ["", "The explanation could not be loaded."])
   if (at !== button) return
   if (!button.matches(":hover, :focus")) return hide() // by now pointer and keyboard are elsewhere
-  box ??= make()
-  box.replaceChildren(Object.assign(document.createElement("b"), { textContent: name }), ` ${meaning}`)
+  box ??= makeBox()
+  box.replaceChildren(make("b", {}, name), ` ${meaning}`)
   button.setAttribute("aria-describedby", "term")
   box.showPopover()
   place()
@@ -51,9 +51,8 @@ function hide() {
   box?.hidePopover()
 }
 
-function make() {
-  const made = Object.assign(document.createElement("div"), { id: "term", popover: "manual" })
-  made.setAttribute("role", "tooltip")
+function makeBox() {
+  const made = make("div", { id: "term", popover: "manual", role: "tooltip" })
   document.querySelector("main").append(made)
   const on = (event) => [at, made].some((element) => element?.contains(event.target))
   document.addEventListener("mouseover", (event) => {

@@ -3,10 +3,10 @@
 import { linkTo, restore, sceneOf } from "../address.js"
 import { order } from "../channel.js"
 import { colour } from "../colours.js"
-import { by, readdress } from "../dom.js"
+import { by, make, makeButton, makeShape, readdress } from "../dom.js"
 import { drawCurves, fill, overlays, painted } from "../figures.js"
 import { BESIDE, Run } from "../run.js"
-import { me } from "../state.js"
+import { me, onFrame } from "../state.js"
 import { value } from "../words.js"
 
 const MOST = 4
@@ -109,52 +109,34 @@ export function load(one, k = null) {
   restore(one.scene, k)
 }
 
-function button(text, label, call) {
-  const made = Object.assign(document.createElement("button"), { type: "button", textContent: text, title: label })
-  made.setAttribute("aria-label", label)
-  made.addEventListener("click", call)
-  return made
-}
+const button = (text, label, onclick, more) => makeButton({ title: label, "aria-label": label, onclick, ...more }, text)
 
 export function swatch(slot) {
-  const { ink, dash } = style(slot)
-  const line = document.createElementNS("http://www.w3.org/2000/svg", "svg")
-  line.setAttribute("class", "swatch")
-  line.setAttribute("aria-hidden", "true")
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path")
-  for (const [name, text] of Object.entries({ d: "M1 5 H33", stroke: ink, "stroke-width": 3, "stroke-dasharray": DASHES[dash] ?? "" })) path.setAttribute(name, text)
-  line.append(path)
-  return line
+  const { ink, dash } = style(slot), stroke = { stroke: ink, "stroke-width": 3, "stroke-dasharray": DASHES[dash] ?? "" }
+  return makeShape("svg", { class: "swatch", "aria-hidden": true }, makeShape("path", { d: "M1 5 H33", ...stroke }))
 }
 
 function chip(one) {
-  const made = Object.assign(document.createElement("span"), { className: "chip" })
   const show = button("", `Show ${titleOf(one)}`, () => {
     one.shown = !one.shown
     redraw()
     chipOf(one)?.querySelector("button").focus()
-  })
-  show.setAttribute("aria-pressed", one.shown)
+  }, { "aria-pressed": one.shown })
   show.append(swatch(one.slot), ` ${titleOf(one)}${one.run ? "" : " …"}`)
   const goTo = button("load", `Load ${one.name}`, () => load(one))
   const twin = button("side by side", `Side by side with ${one.name}`, async () => {
     (await import("./twin.js")).toggle(one)
     tell()
     chipOf(one).querySelector("[data-twin]").focus()
-  })
-  twin.setAttribute("aria-pressed", Boolean(one.twin))
-  twin.dataset.twin = ""
+  }, { "aria-pressed": Boolean(one.twin), data: { twin: "" } })
   const rename = button("rename", `Rename ${one.name}`, () => edit(one, show))
-  made.append(show, twin, goTo, rename, button("×", `Remove ${one.name}`, () => remove(one)))
-  made.dataset.slot = one.slot
-  return made
+  return make("span", { className: "chip", data: { slot: one.slot } }, show, twin, goTo, rename, button("×", `Remove ${one.name}`, () => remove(one)))
 }
 
 const chipOf = (one) => document.querySelector(`.chip[data-slot="${one.slot}"]`)
 
 function edit(one, show) {
-  const entry = Object.assign(document.createElement("input"), { type: "text", value: one.name, maxLength: 40 })
-  entry.setAttribute("aria-label", "Name of the pinned run")
+  const entry = make("input", { type: "text", value: one.name, maxLength: 40, "aria-label": "Name of the pinned run" })
   const end = (kept) => {
     if (!entry.isConnected) return
     if (kept && entry.value.trim()) one.name = entry.value.trim()
@@ -221,5 +203,5 @@ me.beside = receive
 overlays.curves = (run, part, name, factor) => drawable(run).map((one) => part(one.run, name, factor).value)
 overlays.drawn = drawBeside
 overlays.has = (run) => pins.some((one) => one.shown && one.run === run)
-me.also.push(drawSurfaces)
+onFrame(drawSurfaces)
 new MutationObserver(redraw).observe(document.documentElement, { attributeFilter: ["data-theme"] })

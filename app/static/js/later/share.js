@@ -4,7 +4,7 @@ import { linkTo } from "../address.js"
 import { holderOf, svgOf } from "../bokeh.js"
 import { listen, opened, order } from "../channel.js"
 import { colour } from "../colours.js"
-import { by } from "../dom.js"
+import { by, make } from "../dom.js"
 import { figures } from "../figures.js"
 import { sharpen } from "../pen.js"
 import { drawOver } from "../print.js"
@@ -49,7 +49,7 @@ function wrapped(pen, text, width) {
 
 // Where title, key and caption go around a view of that size, px
 function layout(holder, width, height) {
-  const pen = document.createElement("canvas").getContext("2d")
+  const pen = make("canvas").getContext("2d")
   pen.font = FONT
   const key = [], lines = wrapped(pen, described(me.run, me.drawn), width - 2 * MARGIN)
   let x = MARGIN, row = 0
@@ -64,7 +64,7 @@ function layout(holder, width, height) {
 }
 
 function download(blob, name) {
-  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name })
+  const link = make("a", { href: URL.createObjectURL(blob), download: name })
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000)
   say(`saved ${name}`)
@@ -73,7 +73,7 @@ function download(blob, name) {
 // A view with its title, key and caption, in so many pixels for each of the page
 export async function png(name, scale = 1) {
   const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect(), place = layout(holder, width, height)
-  const canvas = Object.assign(document.createElement("canvas"), { width: Math.round(width * scale), height: Math.round(place.whole * scale) })
+  const canvas = make("canvas", { width: Math.round(width * scale), height: Math.round(place.whole * scale) })
   const plot = new Image(), pen = canvas.getContext("2d")
   plot.src = `data:image/svg+xml,${encodeURIComponent(svgOf(figures[name]))}`
   await plot.decode()

@@ -7,7 +7,7 @@ import { by, say } from "../dom.js"
 import { adopt, drawn, figures, fitFrames, overlays, paint } from "../figures.js"
 import { slot } from "../pages.js"
 import { show } from "../player.js"
-import { me } from "../state.js"
+import { me, onFrame } from "../state.js"
 import { drawStory } from "../story.js"
 import { matched, named, onPins, pins, swatch, titleOf, walksAlong } from "./pins.js"
 
@@ -61,5 +61,5 @@ function draw(run, k) {
 }
 
 overlays.punches = (run, k) => (drawable(run) ? [["twin", chosen().run, matched(chosen(), run, k)]] : [])
-me.also.push(draw)
+onFrame(draw)
 onPins(tell)

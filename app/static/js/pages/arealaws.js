@@ -1,26 +1,16 @@
 // The page "Area laws": tables of the fits, and what can be chosen in them.
 
 import { ask } from "../channel.js"
-import { by, minus, on, say } from "../dom.js"
+import { by, make, makeButton, minus, on, say } from "../dom.js"
 
 const known = (value) => value !== undefined && value !== null
 const small = (value, digits = 3) => (known(value) ? minus(value.toFixed(digits)) : "–")
 const thousand = (value, error) => (known(value) ? `${small(1000 * value)} ± ${small(1000 * error)}` : "–")
 
-function row(texts) {
-  const made = document.createElement("tr")
-  made.append(...texts.map((text) => {
-    const cell = document.createElement("td")
-    cell.append(text)
-    return cell
-  }))
-  return made
-}
+const row = (texts) => make("tr", {}, ...texts.map((text) => make("td", {}, text)))
 
 function seriesRow(s, k) {
-  const pick = Object.assign(document.createElement("button"), { type: "button", textContent: s.name })
-  pick.setAttribute("aria-pressed", s.shown)
-  pick.addEventListener("click", () => ask({ what: "show", series: k }))
+  const pick = makeButton({ "aria-pressed": s.shown, onclick: () => ask({ what: "show", series: k }) }, s.name)
   const bend = known(s.bend) ? `${small(-100 * s.bend, 1)} %, ${small(s.r2_beyond, 3)}` : "–"
   return row([s.mark, pick, thousand(s.tau_c, s.tau_c_error), thousand(s.F_nc, s.F_nc_error), small(s.r2, 4),
     s.done < s.of ? `${s.done} of ${s.of} runs` : bend])

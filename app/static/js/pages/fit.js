@@ -1,7 +1,7 @@
 // The page "Fit": a measured curve, over it that of the sliders, and what a fit has found.
 
 import { ask, order } from "../channel.js"
-import { by, minus, on } from "../dom.js"
+import { by, make, minus, on } from "../dom.js"
 import { fill } from "../figures.js"
 import { leaveBehind } from "../state.js"
 
@@ -41,11 +41,10 @@ export function told(news) {
 }
 
 function row(name, i) {
-  const box = by("fit-free").querySelector(`[name="${name}"]`), tr = document.createElement("tr")
+  const box = by("fit-free").querySelector(`[name="${name}"]`)
   const others = found.correlations[i].slice(0, i).map((value) => minus(value.toFixed(2))).join("  ")
   const texts = [box.parentElement.textContent, `${minus(found.values[name])} ${box.value}`, `${found.errors[name]}`, others]
-  texts.forEach((text, k) => { tr.append(Object.assign(document.createElement(k ? "td" : "th"), { textContent: text })) })
-  return tr
+  return make("tr", {}, ...texts.map((text, k) => make(k ? "td" : "th", {}, text)))
 }
 
 function show() {

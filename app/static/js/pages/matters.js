@@ -2,7 +2,7 @@
 
 import { frameBox } from "../bokeh.js"
 import { order } from "../channel.js"
-import { by, minus, on } from "../dom.js"
+import { by, make, makeButton, minus, on } from "../dom.js"
 import { figures } from "../figures.js"
 import { inks } from "../pen.js"
 import { leaveBehind, me } from "../state.js"
@@ -36,15 +36,10 @@ function draw() {
   rows.sort(([, a], [, b]) => Math.abs(b) - Math.abs(a))
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9)
   by("matters-bars").replaceChildren(...rows.map(([name, value]) => {
-    const row = Object.assign(document.createElement("button"), { type: "button", title: `${minus(found.values[name])}, five per cent more` })
-    const [label, bar, number] = ["span", "i", "b"].map((tag) => document.createElement(tag))
-    label.textContent = said(name) + (found.values[name] === 0 ? " (by 0.01)" : "")
+    const bar = make("i", { className: value < 0 ? "less" : "more" })
     bar.style.setProperty("--part", Math.abs(value) / most)
-    bar.className = value < 0 ? "less" : "more"
-    number.textContent = signed(value)
-    row.append(label, bar, number)
-    row.addEventListener("click", () => raise(name))
-    return row
+    return makeButton({ title: `${minus(found.values[name])}, five per cent more`, onclick: () => raise(name) },
+      make("span", {}, said(name) + (found.values[name] === 0 ? " (by 0.01)" : "")), bar, make("b", {}, signed(value)))
   }))
   tellBand(rows.map(([, value]) => value))
 }
