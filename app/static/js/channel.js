@@ -5,19 +5,22 @@ import { me } from "./state.js"
 
 const ANSWERED = ["scene", "preset", "restore", "reset"] // orders that change the scene: the server always says that it has heard
 let wire = null
-let orders = 0, asks = 0
+let orders = 0, asks = 0, changing = 0 // changing: number of the last order that changes the scene
 let hears = () => {} // what is done with every answer
 let unheard = [] // {n, what, values, at} of those not yet answered
 
 export const connect = (given) => { wire = given }
 export const listen = (what, call) => onChange(wire, what, () => call(wire[what]))
-export const latest = () => orders - 1 // number of the last order: the server says which one it has heard
+export const upToDate = (n) => n >= changing // whether the server, which has heard order n, knows all changes
 export const waiting = () => unheard
 export const silence = () => (unheard.length ? performance.now() - unheard[0].at : 0) // ms
 
 export function order(what, values, more) {
   const n = orders++
-  if (ANSWERED.includes(what)) unheard.push({ n, what, values, at: performance.now() })
+  if (ANSWERED.includes(what)) {
+    changing = n
+    unheard.push({ n, what, values, at: performance.now() })
+  }
   if (!me.lost) wire.order = JSON.stringify({ do: what, values, n, ...more })
 }
 

@@ -1,7 +1,7 @@
 // What the server says of the run and of what was entered, in words and in the address.
 
 import { goToAsked, writeAddress } from "./address.js"
-import { heard as acknowledged, latest, order } from "./channel.js"
+import { heard as acknowledged, order, upToDate } from "./channel.js"
 import { by, fixed, minus, on, say } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { me } from "./state.js"
@@ -28,7 +28,7 @@ export function heard(text) {
     if (me.following && me.playing) me.at = Math.max(0, me.run.sheared)
     me.following = false
   }
-  if (me.status.heard === latest() && !me.entered) { // not the echo of a position the slider has left
+  if (upToDate(me.status.heard) && !me.entered) { // not the echo of a position the slider has left
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
     if (frames > 0 && !me.dragging) writeAddress()
     say("profile-error", errors.profile)
