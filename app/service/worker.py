@@ -1,7 +1,7 @@
 """What runs inside a worker process: a slice of the load path, packed for the browser; NumPy and `solver` only."""
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import e, inf
 from time import perf_counter
@@ -103,24 +103,14 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     processor time for an increment. One that takes longer is left out, and may be tried again with more.
     """
     begun = perf_counter()
-    try:
-        if history and (checkpoint is None or isinstance(checkpoint, Carrying)):
-            checkpoint = carried((*history, (scene, 0)), checkpoint or Carrying(), begun + budget, limit)
-            if isinstance(checkpoint, Carrying):
-                return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=_slow(begun, budget))
-    except (NotConverged, SceneError, NotInShear) as error:  # the state does not lead on into this scene
-        if isinstance(error, OutOfTime) and limit < SLOW:
-            return Slice((), 0, None, 0, 0.0, 0.0, checkpoint, None, False, None, heavy=True)
-        return Slice((), 0, None, 0, 0.0, 0.0, None, None, True, str(error))
-    latest = begun + APPROACH * budget
-    frames, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
-    while checkpoint.stage == "approach" and not checkpoint.done and perf_counter() < latest:
-        more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
-        frames += more
+    if history and (checkpoint is None or isinstance(checkpoint, Carrying)):
+        checkpoint = _on_the_way(scene, checkpoint, begun, budget, history, limit)
+        if isinstance(checkpoint, Slice):
+            return checkpoint
+    frames, checkpoint = _advanced(scene, checkpoint, begun, budget, limit)
     heavy = checkpoint.late or (limit == SLOW and _slow(begun, budget))
     if checkpoint.late and limit < SLOW:
         checkpoint = in_time(checkpoint)
-    widest = max((_width(scene, frame) for frame in frames), default=0.0)
     skeleton = None
     if scene.path == "shear" and not history:
         works = [0.0] * len(frames)
@@ -136,7 +126,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         ahead=_ahead(scene, checkpoint),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
-        widest=widest,
+        widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=float(max((frame.safe_damping for frame in frames), default=0.0)),
         checkpoint=checkpoint,
         last=last,
@@ -145,6 +135,27 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         heavy=heavy,
         skeleton=skeleton,
     )
+
+
+def _on_the_way(scene, way, begun, budget, history, limit):
+    """The Checkpoint from which a run goes on from others; or a Slice without frames: not there yet, or no way."""
+    none = Slice((), 0, None, 0, 0.0, 0.0, way, None, False, None, heavy=True)
+    try:
+        found = carried((*history, (scene, 0)), way or Carrying(), begun + budget, limit)
+    except (NotConverged, SceneError, NotInShear) as error:  # the state does not lead on into this scene
+        if isinstance(error, OutOfTime) and limit < SLOW:
+            return none
+        return replace(none, ahead=0, checkpoint=None, done=True, failure=str(error), heavy=False)
+    return replace(none, checkpoint=found, heavy=_slow(begun, budget)) if isinstance(found, Carrying) else found
+
+
+def _advanced(scene, checkpoint, begun, budget, limit):
+    """(frames, Checkpoint) after the budget, or after APPROACH times that where the shear has not begun."""
+    frames, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
+    while checkpoint.stage == "approach" and not checkpoint.done and perf_counter() < begun + APPROACH * budget:
+        more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
+        frames += more
+    return frames, checkpoint
 
 
 def _slow(begun, budget):

@@ -4,7 +4,7 @@ import logging
 import time
 from concurrent.futures import CancelledError
 
-from app.limits import increments_of
+from app.limits import coarse, increments_of
 from app.service import metrics, packing, worker
 from app.service.finished import Finished
 from app.service.pool import EXACT, HEAVY, SCREEN
@@ -22,19 +22,8 @@ PATIENTLY = 4, 8  # times that if nothing of its run was seen; if it is a coarse
 COARSE = 0.6  # s of work in the first slice of a coarse run, which nearly always is the whole of it
 ITS_TIME = 1.2  # s that a coarse run has to itself: most of its work is in few increments, a late curve beats none
 LONGER = 1.5  # s that it may still need then, to be finished all the same
-STEP = 0.5  # delta_t, delta_n: of the increments while a slider is held; slips are located all the same
-SHORTEST = 40  # such increments at least
-LOOSE = 1e-6  # nm, tolerance of such a run
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
 WAITS = 1.0  # s in the queue, after which a visitor is told its place
-
-
-def coarse(scene):
-    """The scene with larger increments, where a held slider is not followed; a flat's are too near to its period."""
-    if scene.surface == "flat":
-        return scene
-    step = max(scene.du_x, min(STEP, scene.u_x_max / (SHORTEST * scene.delta_t)))
-    return scene.changed(du_x=step, du_z=max(scene.du_z, STEP), tolerance=max(scene.tolerance, LOOSE))
 
 
 class Computing:
@@ -246,27 +235,12 @@ class Computing:
 
     def _show(self, piece):
         run = self.run
-        run.checkpoint, run.last = piece.checkpoint, piece.last
-        run.frames += piece.frames
-        run.heavy = piece.heavy
-        if piece.ahead is not None:
-            run.total = run.frames + piece.ahead
-            self.chains.grown(run)
-        run.evaluations += piece.evaluations
         metrics.count("slices")
         metrics.count("evaluations", piece.evaluations)
-        run.residual = max(run.residual, piece.residual)
-        run.widest = max(run.widest, piece.widest)
-        run.safe_damping = max(run.safe_damping, piece.safe_damping)
-        run.blocks += piece.blocks
-        run.seen = run.seen or piece.done or (piece.frames > 0 and piece.checkpoint.stage != "approach")
-        run.seconds = time.monotonic() - run.started
-        if run.state == "warming":
-            run.state, run.started = "running", time.monotonic()
+        run.add(piece, time.monotonic())
+        if piece.ahead is not None:
+            self.chains.grown(run)
         if piece.done:
-            run.state, run.why = ("failed", piece.failure) if piece.failure else ("finished", "")
-            run.total = run.frames if run.state == "finished" else run.total
-            run.checkpoint = run.last = None
             if run.refines:
                 self._send(run.blocks)
             self._keep(piece.skeleton)
@@ -293,9 +267,7 @@ class Computing:
 
     def _show_known(self, known):
         run = self.run
-        run.state, run.frames, run.total, run.kept_as = "finished", known.frames, known.frames, run.scene
-        run.evaluations, run.residual, run.widest = known.evaluations, known.residual, known.widest
-        run.safe_damping = known.safe_damping
+        run.take_over(known)
         self.cautions = cautions(run.scene, run.widest, run.safe_damping)
         self.chains.grown(run)
         self._send(known.blocks)

@@ -4,9 +4,9 @@ import json
 from collections import Counter
 from functools import cache
 
+from app.limits import coarse
 from app.service import tasks
 from app.service.sweep import LIVES, Sweep
-from app.session.computing import coarse
 from solver.continuation.state import OutOfTime
 from solver.presets import presets
 

@@ -44,6 +44,32 @@ class Run:
         """Whether the run that was asked for is still to come, and one with coarser increments on screen."""
         return (self.refines and self.state == "running") or (self.coarse and self.state == "finished")
 
+    def add(self, piece, now):
+        """One more Slice is done; now: s, monotonic."""
+        self.checkpoint, self.last = piece.checkpoint, piece.last
+        self.frames += piece.frames
+        self.heavy = piece.heavy
+        if piece.ahead is not None:
+            self.total = self.frames + piece.ahead
+        self.evaluations += piece.evaluations
+        for name in ("residual", "widest", "safe_damping"):
+            setattr(self, name, max(getattr(self, name), getattr(piece, name)))
+        self.blocks += piece.blocks
+        self.seen = self.seen or piece.done or (piece.frames > 0 and piece.checkpoint.stage != "approach")
+        self.seconds = now - self.started
+        if self.state == "warming":
+            self.state, self.started = "running", now
+        if piece.done:
+            self.state, self.why = ("failed", piece.failure) if piece.failure else ("finished", "")
+            self.total = self.frames if self.state == "finished" else self.total
+            self.checkpoint = self.last = None
+
+    def take_over(self, known):
+        """All of it is known: a Finished."""
+        self.state, self.total, self.kept_as = "finished", known.frames, self.scene
+        for name in ("frames", "evaluations", "residual", "widest", "safe_damping"):
+            setattr(self, name, getattr(known, name))
+
     def place(self, k, shelf):
         """(packed block, row) of frame k as the browser numbers them, its own or on the Shelf; None if it is gone."""
         k -= sum(frames for _, frames in self.history)  # those of the runs before are not kept

@@ -44,51 +44,43 @@ def tables(results, forms, limits):
     """[(title, DataFrame of text)] of the whole report."""
     from pandas import DataFrame  # takes longer to import than the solver
 
-    def frame(header, rows):
-        return DataFrame(rows, columns=header)
+    sheets = [_scenes(results), _closed_forms(forms), _conditioning(limits), *_not_converged(results)]
+    return [(title, DataFrame(rows, columns=header)) for title, header, rows in sheets]
 
-    unfinished = [r for r in results if r["verdict"] not in ("converged", "refused")]
-    command = "python -m solver run"
-    return [
-        (
-            f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones; unstable frames:"
-            " {} of {} judged by the spectrum of the motion".format(*unstable(results)),
-            frame(
-                ("probed", *GOOD, *BAD, "unstable frames"),
-                [(name, *counts(some).values(), "{} of {}".format(*unstable(some)))
-                 for name, some in (("all", results), *by_region(results))],
-            ),
-        ),
-        (
-            "Closed forms",
-            frame(
-                ("form", "error", "allowed", "held", "reason for what is allowed", "source"),
-                [(f.name, f"{f.error:.1e}", f"{f.tolerance:.0e}", "yes" if f.held else "NO", f.reason, f.source)
-                 for f in forms],
-            ),
-        ),
-        (
-            "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)",
-            frame(
-                ("where", "attained", "as printed", "remedy"),
-                [(c.name, f"{c.attained:.1e}", _number(c.textbook), c.remedy) for c in limits],
-            ),
-        ),
-        (
-            "Scenes that gave up, or worse",
-            frame(
-                ("verdict", command, "reason"),
-                [(r["verdict"], r["set"], r["reason"]) for r in unfinished] or [("none", "", "")],
-            ),
-        ),
-        (
-            "Scenes within every range, refused for their combination",
-            frame(
-                ("verdict", command, "reason"),
-                [("refused", r["set"], r["reason"]) for r in results if r["verdict"] == "refused" != r["kind"]],
-            ),
-        ),
-    ]  # fmt: skip
+
+# Each of these is (title, header, rows) of one table.
+
+
+def _scenes(results):
+    title = f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones; unstable frames:"
+    title += " {} of {} judged by the spectrum of the motion".format(*unstable(results))
+    groups = ("all", results), *by_region(results)
+    rows = [(name, *counts(some).values(), "{} of {}".format(*unstable(some))) for name, some in groups]
+    return title, ("probed", *GOOD, *BAD, "unstable frames"), rows
+
+
+def _closed_forms(forms):
+    header = "form", "error", "allowed", "held", "reason for what is allowed", "source"
+    rows = [
+        (f.name, f"{f.error:.1e}", f"{f.tolerance:.0e}", "yes" if f.held else "NO", f.reason, f.source) for f in forms
+    ]
+    return "Closed forms", header, rows
+
+
+def _conditioning(limits):
+    title = "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)"
+    rows = [(c.name, f"{c.attained:.1e}", _number(c.textbook), c.remedy) for c in limits]
+    return title, ("where", "attained", "as printed", "remedy"), rows
+
+
+def _not_converged(results):
+    header = "verdict", "python -m solver run", "reason"
+    lost = [r for r in results if r["verdict"] not in ("converged", "refused")]
+    refused = [r for r in results if r["verdict"] == "refused" != r["kind"]]
+    gave_up = [(r["verdict"], r["set"], r["reason"]) for r in lost] or [("none", "", "")]
+    yield "Scenes that gave up, or worse", header, gave_up
+    combined = [("refused", r["set"], r["reason"]) for r in refused]
+    yield "Scenes within every range, refused for their combination", header, combined
 
 
 def _number(value):
