@@ -138,8 +138,7 @@ class _Arc:
                 return self._fold(points)
             if found[0] >= self.target:
                 return self._arrived(points)
-            ended = self._ended(points)
-            if ended:
+            if ended := self._ended(points):
                 return ended
         return self._lost()
 
@@ -192,12 +191,14 @@ class _Arc:
             points = [points[0], found, *points[1:3]] if found[0] < target else [found, *points[1:3]]
         else:
             return self._lost()
+        return self._judged(points, v, active, fold)
+
+    def _judged(self, points, v, active, fold):
+        """The State v at the target, or the end of the branch before it; other arguments as of `_arrived`."""
+        state, target = self.state, self.target
         mode = self.judge.rightmost(self.problem, v, active, state.mode, self.corrector.inverse)
         if not mode.rests:
-            ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
-            if ahead is not None and ahead[0] < points[0][0]:
-                return self._fold([ahead, *points])
-            return self._located(points[1], (target, v), mode)
+            return self._end(points, (target, v), mode, fold)
         found = on_branch(self.corrector, state, target, v, active, mode)
         return replace(found, past=[(target, v), *[p for p in points if p[0] < target][:3]])
 
@@ -206,16 +207,14 @@ class _Arc:
         (load, v), (before, w) = points[:2]
         last = State(before, w, self.state.active, mode=self.mode)
         self.mode = self.judge.accept(self.problem, (load, v, self.state.active), last, self.corrector.inverse)
-        if self.mode.rests:
-            return None
-        if self.mode.kind == "flutter":
-            return self._located(points[1], points[0], self.mode)
-        ahead = self._just_beyond(points)
-        if ahead is None:
-            return None
-        if ahead[0] < points[0][0]:
+        return None if self.mode.rests else self._end(points, points[0], self.mode)
+
+    def _end(self, points, after, mode, fold=None):
+        """The LimitPoint before `after`, (load, v), whose `mode` grows: a fold, if the load falls beyond the points."""
+        ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
+        if ahead is not None and ahead[0] < points[0][0]:
             return self._fold([ahead, *points])
-        return self._located(points[1], points[0], self.mode)
+        return self._located(points[1], after, mode)
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""
