@@ -35,16 +35,13 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """
     names = changing(frames)
     after = [f for f in frames if f.stage != "approach"]
+    told = {"converged": _converged(scene, frames), **_totals(frames, names)}
+    told["A_0"] = after[0].A_bar if after else None
+    told["slips"] = sum(len(f.slips) for f in after)
     found, event = _first_slip(after)
-    converged = _ended(scene, after) and all(f.residual <= f.scene.tolerance for f in frames)
-    told = {"converged": converged, **_totals(frames, names)}
-    told |= {
-        "A_0": after[0].A_bar if after else None,
-        "slips": sum(len(f.slips) for f in after),
-        "U_s": event and event.load,
-        "F_s": event and event.F_bar,
-        "A_s": event and event.A_bar,
-    }
+    told |= {"U_s": None, "F_s": None, "A_s": None}
+    if event:
+        told |= {"U_s": event.load, "F_s": event.F_bar, "A_s": event.A_bar}
     pull_off = [f.L_bar for f in after if f.stage == "unload"]
     if pull_off:
         told["L_min"] = min(pull_off)
@@ -54,7 +51,7 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
 
 
 def _totals(frames, names):
-    """What is summed up over all Frames, the approach included; names: as of `changing`."""
+    """What all Frames have together, the approach included; names: as of `changing`."""
     return {
         "evaluations": sum(f.evaluations for f in frames),
         "events": [one.as_dict() | _values(f, names) for f in frames for one in f.slips],
@@ -68,13 +65,14 @@ def _first_slip(after):
     return next(((f, event) for f in after if f.stage == "shear" for event in f.slips), (None, None))
 
 
-def _ended(scene, after):
-    """Whether the Frames after the approach lead to the end of the path."""
+def _converged(scene, frames):
+    """Whether the Frames lead to the end of the path, each to its tolerance."""
     last = load_steps_of(scene)[-1]
-    if not after or after[-1].stage != last.stage:
+    if not frames or frames[-1].stage != last.stage:
         return False
     name, sign = STAGES[last.stage]
-    return sign * getattr(after[-1], name) >= last.at(last.increments) - 1e-9 * last.increment
+    ended = sign * getattr(frames[-1], name) >= last.at(last.increments) - 1e-9 * last.increment
+    return ended and all(f.residual <= f.scene.tolerance for f in frames)
 
 
 def _values(frame, names):
