@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from math import ceil, e, floor, pi, sqrt
+from sys import float_info
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from numpy.typing import NDArray
 from .schema import Choice, Range, SceneError, number, parameters, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
-EPSILON = 2.2e-16  # round-off of double precision
 ROUNDINGS = 2.0  # round-off found in a residual over the estimate of `Scene.attainable`; measured on soft scenes
 LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
 SPACING = (0.05, 20.0)  # a/delta_t; finer lattices carry no friction, on coarser ones a node feels one site at most
@@ -169,7 +169,7 @@ class Scene:
         compliance = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)) * h + min(h, long_waves * h)
         drawn = compliance / self.shear_modulus * self.phi_n / (e * self.delta_n)
         largest = self.u_x_max + self.delta_0 + abs(self.delta) + min(drawn, 0.5 * float(self.profile.max()))
-        return ROUNDINGS * EPSILON * largest * stiffness * h / self.shear_modulus * share
+        return ROUNDINGS * float_info.epsilon * largest * stiffness * h / self.shear_modulus * share
 
     @property
     def spacing(self) -> float:

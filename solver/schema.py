@@ -4,7 +4,7 @@ Command line, address, entries and drawer of the app, and all messages read thes
 """
 
 from dataclasses import field, fields
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
 LONGEST = 60  # characters of a value that a message repeats
@@ -43,10 +43,7 @@ class Range(NamedTuple):
 
     def checked(self, name: str, value: Any) -> float:
         """`value` as an int or float; raises SceneError, which calls the parameter `name`."""
-        try:
-            number = float("nan" if isinstance(value, (bool, str, bytes)) else value)
-        except (TypeError, ValueError, OverflowError):
-            number = float("nan")
+        number = as_number(value)
         if self.unbounded and number == inf:
             return number
         if isfinite(number) and self.low <= number <= self.high and (not self.whole or number == int(number)):
@@ -68,6 +65,14 @@ class Choice(NamedTuple):
         if not isinstance(value, str) or value not in self.choices:
             raise SceneError(name, value, f"allowed: {', '.join(self.choices)}", "choose one of them")
         return value
+
+
+def as_number(value: Any) -> float:
+    """`value` as a float; nan for what is not a number, texts and truth values among it."""
+    try:
+        return nan if isinstance(value, (bool, str, bytes)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        return nan
 
 
 def number(default: float, *declared: Any, **more: Any) -> Any:

@@ -14,6 +14,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .schema import as_number
+
 STEEPEST = 0.3  # slope of a wave or a measured profile; beyond it slopes are not small: 1 - cos of the angle is 5 %
 FEWEST_NODES = 8  # to a wavelength of a wave
 SHORTEST = 4  # node spacings to the cut-off wavelength
@@ -69,10 +71,7 @@ class Profile:
 
 def _length(value):
     """A Profile's length as a float."""
-    try:
-        length = np.nan if isinstance(value, (str, bytes)) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        length = np.nan
+    length = as_number(value)
     if not LENGTHS[0] <= length <= LENGTHS[1]:  # nan fails it too
         allowed = f"{LENGTHS[0]:g} .. {LENGTHS[1]:g} nm"
         raise ProfileError(f"length = {value!r}: allowed: {allowed}; give a number in that range")

@@ -31,23 +31,25 @@ def number_from_text(name, text, notes=None, known=None, whole=None):
         given = given.replace(other, usual)
     found = NUMBER.fullmatch(given)
     known = known or LIMITS[name]
-    units = UNITS.get(known.unit, {known.unit: 1.0})
-    if whole:
-        units = units | {unit: nm / whole for unit, nm in UNITS["nm"].items()}
-    remedy = "give a number in that range"
+    units = _units(known, whole)
     if found and THOUSANDS.fullmatch(found["mantissa"]):
         other = given.replace(",", "")
         raise SceneError(
             name, text, f"{given.replace(',', '.')} or {other}? allowed: {known.span}", "write a decimal point"
         )
     if not found or found["unit"] not in {"", *units}:
-        if known.unit:
-            remedy += f", alone or with its unit ({', '.join(units)})"
-        raise SceneError(name, text, f"allowed: {known.span}", remedy)
+        unit = f", alone or with its unit ({', '.join(units)})" if known.unit else ""
+        raise SceneError(name, text, f"allowed: {known.span}", f"give a number in that range{unit}")
     value = float(found["mantissa"].replace(",", ".") + found["exponent"])
     if "," in given and notes is not None:
         notes.append(f"{name} = {given}: the comma was read as a decimal point, {value:g}.")
     return value * units.get(found["unit"], 1.0)
+
+
+def _units(known, whole):
+    """{unit: what it is of the Range's own} that may follow a number; whole: as of `number_from_text`."""
+    lengths = {unit: nm / whole for unit, nm in UNITS["nm"].items()} if whole else {}
+    return UNITS.get(known.unit, {known.unit: 1.0}) | lengths
 
 
 def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, notes: list[str] | None = None) -> Scene:

@@ -8,7 +8,6 @@ import pytest
 from solver import Scene, SceneError
 from solver.cautions import flutter
 from solver.continuation.rest import Judge, rate
-from solver.continuation.state import State
 from solver.run.loadpath import Checkpoint, Run, load_path
 from solver.verification import spectrum
 from solver.work_precision import verdict
@@ -151,16 +150,14 @@ def test_waves_cannot_flutter_on_the_default():
 def test_a_look_goes_on_from_the_one_before_and_is_left_out_where_little_has_changed():
     *_, (_, problem, state) = states(Scene(u_x_max=9.0), 10)
     judge = Judge(1.0)
-    known = State.at_rest(state.load, state.v, state.active)
     begun = problem.evaluations
-    known.mode = judge.rightmost(problem, state.v, state.active)
+    known = judge.rightmost(problem, state.v, state.active)
     before = problem.evaluations
-    looked = judge.accept(problem, (state.load + 0.1, state.v + 0.21, state.active), known)
+    looked = judge.accept(problem, state.v + 0.25, state.active, known)
     assert looked.rests and 0 < problem.evaluations - before < before - begun
     before = problem.evaluations
-    known.mode = looked
-    again = judge.accept(problem, (state.load + 0.4, state.v + 0.21, state.active), known)
-    assert again.rests and problem.evaluations == before
+    assert judge.accept(problem, state.v + 0.26, state.active, looked) is looked
+    assert problem.evaluations == before
 
 
 def test_a_flat_surface_is_judged_by_the_blocks_of_all_waves():

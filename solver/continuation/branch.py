@@ -13,15 +13,14 @@ import numpy as np
 
 from .anderson import dot
 from .interpolation import combine, lagrange
-from .state import LimitPoint, State
+from .state import MOVED, LimitPoint, State
 
 
 @dataclass(frozen=True)
 class Limits:
     """Of the continuation; a "unit" is the problem's `unit`, distances of states are the largest of any unknown."""
 
-    order: int = 3  # of the polynomial that extrapolates in the load
-    farthest: float = 0.5  # units from the last state; increments that lead farther are followed by arc length
+    order: int = 3  # of the polynomial that extrapolates in the load; with 2 to 6 evaluations change by 3 %
     # units from the extrapolation; farther off likewise, as a short slip may lie in between; and the arc's first step
     short: float = 0.1
     long: float = 0.3  # units, longest step
@@ -29,9 +28,10 @@ class Limits:
     growth: float = 3.0  # times the step before, at most: extrapolation over more means nothing; and times the step, a
     # point farther off lies on another branch
     points: int = 400  # of one increment on the arc, at most
-    beyond: float = 0.1  # of the last step; a point so much farther on tells whether the load falls there
+    # of the last step: a point so much farther on tells whether the load falls there; a state at the load asked for may
+    # lie beyond the newest point by that
+    beyond: float = 0.1
     sharpness: float = 1e-9  # units, error of the load at the end of a branch
-    passed: float = 0.01  # of the last step, by which a state at the load asked for may lie beyond the newest point
     start: float = 0.05  # units from the end of the branch, where the motion starts; from farther, soft layers
     # reach other rests
 
@@ -76,7 +76,7 @@ def on_branch(corrector, state, target, v, active, mode=None):
 
 def _by_load(corrector, judge, state, target):
     """The state at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
-    farthest = LIMITS.farthest * corrector.problem.unit
+    farthest = MOVED * corrector.problem.unit  # increments that lead farther are followed by arc length
     past = state.past[: LIMITS.order + 1]
     v = combine(lagrange([load for load, _ in past], target), [u for _, u in past])
     if np.abs(v - state.v).max() > farthest:
@@ -87,7 +87,7 @@ def _by_load(corrector, judge, state, target):
         return None
     if len(past) > 1 and np.abs(v - guess).max() > LIMITS.short * corrector.problem.unit:
         return None
-    mode = judge.accept(corrector.problem, (target, v, active), state, corrector.inverse)
+    mode = judge.accept(corrector.problem, v, active, state.mode, corrector.inverse)
     return on_branch(corrector, state, target, v, active, mode) if mode.rests else None
 
 
@@ -138,8 +138,7 @@ class _Arc:
                 return self._fold(points)
             if found[0] >= self.target:
                 return self._arrived(points)
-            ended = self._ended(points)
-            if ended:
+            if ended := self._ended(points):
                 return ended
         return self._lost()
 
@@ -184,7 +183,7 @@ class _Arc:
             active = self.corrector.settle(v, state.active, target, state.secants)
             chord, here = _on_chord(points)
             # beyond the newest point it may be a state past the fold, on the branch that does not rest
-            if active is not None and dot(chord, v) <= here[0][0] + LIMITS.passed * (here[0][0] - here[1][0]):
+            if active is not None and dot(chord, v) <= here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]):
                 break
             found = self._point_at(chord, here[1][0] + part * (here[0][0] - here[1][0]), here)
             if found is None:
@@ -192,30 +191,29 @@ class _Arc:
             points = [points[0], found, *points[1:3]] if found[0] < target else [found, *points[1:3]]
         else:
             return self._lost()
+        return self._judged(points, v, active, fold)
+
+    def _judged(self, points, v, active, fold):
+        """The State v at the target, or the end of the branch before it; other arguments as of `_arrived`."""
+        state, target = self.state, self.target
         mode = self.judge.rightmost(self.problem, v, active, state.mode, self.corrector.inverse)
         if not mode.rests:
-            ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
-            if ahead is not None and ahead[0] < points[0][0]:
-                return self._fold([ahead, *points])
-            return self._located(points[1], (target, v), mode)
+            return self._end(points, (target, v), mode, fold)
         found = on_branch(self.corrector, state, target, v, active, mode)
         return replace(found, past=[(target, v), *[p for p in points if p[0] < target][:3]])
 
     def _ended(self, points):
         """The LimitPoint between the last two points, if the newest does not rest; else None."""
-        (load, v), (before, w) = points[:2]
-        last = State(before, w, self.state.active, mode=self.mode)
-        self.mode = self.judge.accept(self.problem, (load, v, self.state.active), last, self.corrector.inverse)
-        if self.mode.rests:
-            return None
-        if self.mode.kind == "flutter":
-            return self._located(points[1], points[0], self.mode)
-        ahead = self._just_beyond(points)
-        if ahead is None:
-            return None
-        if ahead[0] < points[0][0]:
+        v, active = points[0][1], self.state.active
+        self.mode = self.judge.accept(self.problem, v, active, self.mode, self.corrector.inverse)
+        return None if self.mode.rests else self._end(points, points[0], self.mode)
+
+    def _end(self, points, after, mode, fold=None):
+        """The LimitPoint before `after`, (load, v), whose `mode` grows: a fold, if the load falls beyond the points."""
+        ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
+        if ahead is not None and ahead[0] < points[0][0]:
             return self._fold([ahead, *points])
-        return self._located(points[1], points[0], self.mode)
+        return self._located(points[1], after, mode)
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""

@@ -10,16 +10,15 @@ from math import isfinite
 import numpy as np
 
 from .motion import Creep, ExplicitMotion
-from .state import MOVED, Increment, NotConverged, Slip, State
+from .state import Increment, NotConverged, Slip, State, slipped
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Of an increment; a "unit" is the problem's `unit`."""
+    """Of an increment."""
 
     check: int = 20  # steps between two looks at the residual
-    budget: int = 1_000_000  # force evaluations
-    diverged: float = 1e9  # units, of the residual
+    budget: int = 1_000_000  # steps
 
 
 LIMITS = Limits()
@@ -41,10 +40,9 @@ class Gfmd:
                 break
             self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
-        moved, unit = np.abs(v - state.v).max(), self.problem.unit
-        slipped = moved > MOVED * unit + 2.0 * abs(target - state.load)
-        after = State.at_rest(target, v, active)
-        slips = (Slip(state.load, state.v, state.active, "lost", False, after),) if slipped else ()
+        after, slips = State.at_rest(target, v, active), ()
+        if slipped(self.problem, state, target, after):
+            slips = (Slip(state.load, state.v, state.active, "lost", False, after),)
         return Increment(after, residual, slips)
 
     def _settled(self, state, target):
@@ -61,9 +59,8 @@ class Gfmd:
     def _moved(self, v, active, load, target):
         """(v, residual) at rest under load `target`, from rest at `load`."""
         problem, dynamics, r = self.problem, self.problem.motion(), np.empty(self.problem.size)
-        limit = problem.evaluations + LIMITS.budget
         motion = self._motion(dynamics, dynamics.start(v, active, load), target)
-        while True:
+        for _ in range(0, LIMITS.budget, LIMITS.check):
             motion.soften(self._stiffness(dynamics, v, active), self.pace)
             motion.advance(active, LIMITS.check)
             v = dynamics.unknowns(motion.y)
@@ -71,12 +68,9 @@ class Gfmd:
             if residual <= problem.tolerance:
                 return v, residual
             problem.active(v, target)  # raises PulledOff once the contact no longer carries a held load
-            if not residual < LIMITS.diverged * problem.unit:
+            if not isfinite(residual):
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
-            if problem.evaluations > limit:
-                raise NotConverged(
-                    f"residual {residual:.2g} nm after {LIMITS.budget} force evaluations of damped motion"
-                )
+        raise NotConverged(f"residual {residual:.2g} nm after {LIMITS.budget} steps of damped motion")
 
     def _motion(self, dynamics, y, load):
         return (ExplicitMotion if isfinite(self.damping) else Creep)(dynamics, y, load, self.damping, self.closed)

@@ -28,8 +28,6 @@ class Limits:
     """Of the motion's steps; "closed": a node on springs in registry and in touch, where they are stiffest."""
 
     step: float = 0.4  # times period/(2 pi) of a closed node; from 0.5 on, slips of little damping stop short
-    weak: float = 0.6  # damping below which steps shorten with it: errors of energy decide over how many sites it slips
-    sigma: float = 1.0  # least sigma in the masses, over the closed stiffness
     safe: float = 0.6  # largest stiffness of the interface, over that at which steps grow unstable
     idle: int = 2  # powers of two by which the interface may soften before steps are adapted to it
     explicit: float = 0.5  # of the longest stable explicit step
@@ -46,7 +44,8 @@ class Motion:
         """closed: stiffness of closed springs (see Limits), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
-        self._step = LIMITS.step / sqrt(closed) * min(1.0, damping / LIMITS.weak)
+        # below critical damping shorter: errors of energy decide over how many sites it slips
+        self._step = LIMITS.step / sqrt(closed) * min(1.0, damping)
         self.load = load
         self._power, self._mass, self._starts = None, None, True
         self._tables = lru_cache(maxsize=16)(self._of_stiffness)
@@ -71,7 +70,7 @@ class Motion:
         step, stiffness = pace * self._step, 2.0**power * LIMITS.safe
         if 2.0 / 3.0 * self._stiffest() + stiffness <= LIMITS.safe * 4.0 / step**2:
             return self._newmark(step, lambda k: 1.0 + step * step / 12.0 * k)
-        sigma = max(0.0, 2.0**power - 4.0 / step**2) + LIMITS.sigma * self.closed
+        sigma = max(0.0, 2.0**power - 4.0 / step**2) + self.closed
         return self._newmark(step, lambda k: 1.0 + 0.25 * step * step * (k + sigma))
 
     def _stiffest(self):

@@ -18,10 +18,10 @@ class Linearised(Protocol):
     size: int  # N
 
     def product(self, x):
-        """(J - K) x, (N,), a new array; one evaluation."""
+        """(J - K) x, (N,), a new array."""
 
     def tangent(self, w):
-        """dR/dv w, (size of the problem,), a new array; one evaluation."""
+        """dR/dv w, (size of the problem,), a new array."""
 
     def inverse(self, solve: Callable, f):
         """x (N,) with (K - J) x = f; solve: the function that gives w for dR/dv w. For N > `rest.LIMITS.dense`."""
@@ -54,7 +54,7 @@ class Dynamics(Protocol):
         """v (size of the problem,) of y, a new array."""
 
     def force(self, y, active, s):
-        """T + K U in the coordinates y, complex (2, modes), a buffer; one evaluation."""
+        """T + K U in the coordinates y, complex (2, modes), a buffer."""
 
     def interface(self, v, active) -> float:
         """The largest stiffness of the interaction in v, GPa/nm: a bound on dT/du by row sums."""
@@ -66,11 +66,10 @@ class Problem(Protocol):
     size: int
     unit: float  # nm, over which the interaction changes
     tolerance: float  # nm, of max |R|
-    evaluations: int  # force evaluations so far
     direction: np.ndarray  # dR/ds (size,), constant; v + k a direction is v moved on by k periods a of the lattice
 
     def residual(self, v, active, s, out) -> float:
-        """Fill out (size,) with R, nm; returns its largest magnitude; one evaluation."""
+        """Fill out (size,) with R, nm; returns its largest magnitude."""
 
     def active(self, v, s, before=None, settled=None):
         """The nodes that interact in v. Given those `before`: these themselves while no node has clearly crossed the

@@ -9,7 +9,7 @@ from .branch import continue_branch
 from .corrector import Corrector
 from .rest import Judge
 from .slip import motion_to_rest
-from .state import MOVED, Increment, LimitPoint, NotConverged, Slip, State
+from .state import Increment, LimitPoint, NotConverged, Slip, State, slipped
 
 SLIPS = 100  # of an increment, at most; soft layers drawn into contact make some ten
 
@@ -27,7 +27,7 @@ class QuasiStatic:
 
     def increment(self, state, target):
         """The Increment from `state` to load `target`, nm; raises NotConverged. May change the state's secant pairs."""
-        slips = []
+        slips = []  # [(the problem it began in, Slip)]
         while len(slips) <= SLIPS:
             if state.unsure:
                 state = self._released(state)
@@ -37,9 +37,9 @@ class QuasiStatic:
             if isinstance(found, LimitPoint):
                 before, problem = state, self.problem
                 state = self._through(found)
-                if self._slipped(before, found, state):
-                    slips.append(Slip(found.load, found.v, found.active, found.kind, found.located, state))
-                slips = [self._carried(problem, slip) for slip in slips]
+                if problem is not self.problem or self._ended(before, found, state):
+                    slip = Slip(found.load, found.v, found.active, found.kind, found.located, state)
+                    slips.append((problem, slip))
                 if state.load < target:
                     continue
             else:
@@ -47,15 +47,18 @@ class QuasiStatic:
             wide = self._grown(state)
             if wide is None or state.load > target:
                 residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
-                return Increment(state, residual, tuple(slips))
-            problem, (self.problem, state) = self.problem, wide
+                return Increment(state, residual, tuple(self._carried(*slip) for slip in slips))
+            self.problem, state = wide
             self.corrector = Corrector(self.problem)
-            slips = [self._carried(problem, slip) for slip in slips]
         raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")
+
+    def _ended(self, before, end, after):
+        """Whether the branch of the State `before` ended in the LimitPoint `end`, or was merely lost, and goes on."""
+        return end.located or slipped(self.problem, before, end.load, after)
 
     def _released(self, state):
         """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
-        mode = self.judge.accept(self.problem, (state.load, state.v, state.active))
+        mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
             return replace(state, unsure=False, mode=mode)
         away = mode.x * (BRANCH.start * self.problem.unit / np.abs(mode.x).max())
@@ -80,10 +83,3 @@ class QuasiStatic:
         if problem is not self.problem:
             self.problem, self.corrector = problem, Corrector(problem)
         return state
-
-    def _slipped(self, before, end, after):
-        """Whether the branch of the State `before` ended in `end`, or was merely lost, and goes on."""
-        if end.located or after.v.size != before.v.size:
-            return True
-        moved = np.abs(after.v - before.v).max()
-        return bool(moved >= MOVED * self.problem.unit + 2.0 * abs(end.load - before.load))

@@ -23,7 +23,6 @@ class Limits:
     same: float = 0.01  # units of the problem; states closer than that are the same, others are part of a site off
     begins: float = 1e-6  # nm by which a branch is taken to begin before its first state, lest rounding decide
     stencil: int = 6  # known states through which one in between is interpolated
-    longest: int = 12  # sites, longest period that is looked for
 
 
 LIMITS = Limits()
@@ -133,7 +132,7 @@ class Replay:
         """Find out whether the state in which a slip landed was passed some sites before: if so, a period is known."""
         first, landed = record.branches[0].loads[0], slip.after
         same = LIMITS.same * self.problem.unit
-        for sites in range(1, min(LIMITS.longest, floor((slip.load - first) / self.spacing + 1e-3)) + 1):
+        for sites in range(1, floor((slip.load - first) / self.spacing + 1e-3) + 1):
             period = sites * self.spacing
             home = landed.load - period
             branch = record.branch_at(max(home, first))
@@ -162,13 +161,14 @@ class Replay:
         if load > target - shift:  # the surface does not rest before; else `target` stays as it is, to the last bit
             target = load + shift
         v, active = branch.state_at(load)
-        guess, before = v + shift * problem.direction, problem.evaluations
+        guess = v + shift * problem.direction
         v = guess.copy()
         secants = state.secants or self.stepper.corrector.secants()
         active = self.stepper.corrector.settle(v, active, target, secants)
-        if active is None or not self._same(np.abs(v - guess).max(), branch, load):
+        moved = np.abs(v - guess).max()
+        if active is None or not self._same(moved, branch, load):
             return None
-        if problem.evaluations > before + 1:  # interpolation did not meet the tolerance: the record takes the solution
+        if moved > 0.0:  # interpolation did not meet the tolerance: the record takes the solution
             branch.add(load, v - shift * problem.direction, active)
         slips = tuple(self._slips(record, state.load, target))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]

@@ -28,18 +28,14 @@ class Limits:
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
     kept: int = 4  # vectors carried to the next state: two complex pairs
     fine: float = 1e-8  # error of a growth where an end is located
-    coarse: float = 1e-3  # error of a growth where a state is accepted
     clear: float = 0.25  # a growth below minus that need not be known better
     sure: float = 4.0  # errors by which a growth must differ from zero to be told from it
     others: int = 3  # vectors of no known symmetry that an exact look begins with; with one a mode was missed
     most: int = 60  # vectors that a look may add to the space
-    # the one rule when to look: a state is accepted without while the mode's growth is `clear`, no carried mode is as
-    # soft as `near` (a mode of that margin was a fold two states on), no unknown has moved farther than `far` since the
-    # last look, in units of the problem, and states move with the load at most `faster` times as fast: towards a fold
-    # at a distance d in load they move as d^-1/2
-    near: float = 0.2
+    # the one rule when to look: a state is accepted without while the mode's growth is `clear` and no unknown has moved
+    # farther since the last look than `far` units, times the margin: towards a fold both shrink as the root of the
+    # distance in load
     far: float = 0.2
-    faster: float = 1.15
 
 
 LIMITS = Limits()
@@ -56,14 +52,10 @@ class Mode:
     mu: complex
     x: np.ndarray | None
     hidden: bool = False
-    safety: tuple = (
-        0.0,
-        None,
-    )  # damping over critical above which no wave can flutter, and `Linearised.safe_damping`'s
+    safety: tuple = (0.0, None)  # damping over critical above which no wave can flutter, and for what state that is
     basis: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
     v: np.ndarray | None = None  # (size,) where it was looked for, and
     margin: float = 0.0  # of the carried modes from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J
-    pace: float = 0.0  # how far the unknown that moved most did per load there
 
     @property
     def rests(self):
@@ -82,25 +74,21 @@ class Judge:
     def __init__(self, damping):
         self.damping, self._scratch = damping, None
 
-    def accept(self, problem, point, before=None, smooth=None):
-        """The Mode at a `point` (load, v, active) that may become a frame: that of the State before, or one looked for.
+    def accept(self, problem, v, active, known=None, smooth=None):
+        """The Mode of an equilibrium v (size,) that may become a frame: that `known` of a state before, if it will do.
 
-        load: nm; smooth: a function close to the inverse of -dR/dv, if one is at hand.
+        smooth: a function close to the inverse of -dR/dv, if one is at hand.
         """
-        load, v, active = point
-        here, known = problem.linearised(v, active), before and before.mode
-        if not _fits(known, v):
-            return self._looked(problem, here, v, active, None, smooth, fine=True)
-        pace = np.abs(v - before.v).max() / max(abs(load - before.load), 1e-300)
-        calm = known.growth < -LIMITS.clear * self._scale(problem) and known.margin > LIMITS.near
-        if calm and pace < LIMITS.faster * known.pace and np.abs(v - known.v).max() < LIMITS.far * problem.unit:
+        here, fits = problem.linearised(v, active), _fits(known, v)
+        near = fits and np.abs(v - known.v).max() < LIMITS.far * problem.unit * min(known.margin, 1.0)
+        if near and known.growth < -LIMITS.clear * self._scale(problem):
             safety = here.safe_damping(known.safety)
             if self.damping >= safety[0] or here.size > LIMITS.dense_waves:
                 return known if safety is known.safety else replace(known, safety=safety)
-        return replace(self._looked(problem, here, v, active, known, smooth, fine=False), pace=pace)
+        return self._looked(problem, here, v, active, known, smooth, fine=not fits)
 
     def rightmost(self, problem, v, active, known=None, smooth=None):
-        """The Mode of an equilibrium v (size,), to `fine`; other arguments as in `accept`."""
+        """The same, looked for in any case, to `fine`."""
         return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
 
     def _scale(self, problem):
@@ -109,13 +97,12 @@ class Judge:
         return self.damping * critical if np.isfinite(self.damping) else 0.25 * critical**2
 
     def _looked(self, problem, here, v, active, known, smooth, fine):
-        critical = problem.motion().critical
+        critical, fits = problem.motion().critical, _fits(known, v)
         friction = self.damping * critical
         if (waves := here.waves()) is not None:
             return _of_waves(here, *waves, friction)
         if here.size <= LIMITS.dense:
             return _dense(here, friction)
-        fits = _fits(known, v)
         safety = here.safe_damping(known.safety) if fits else here.safe_damping()
         if self.damping < safety[0] and here.size <= LIMITS.dense_waves:
             return _dense(here, friction)
@@ -124,7 +111,7 @@ class Judge:
         growth, mu, x, basis, M = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
         J = here.projected(basis)
         margin = 1.0 - float(np.linalg.eigvals(np.linalg.solve(J - M, J)).real.max())
-        return Mode(growth, mu, here.seen(x), basis=basis, v=v, margin=margin, safety=safety)
+        return Mode(growth, mu, here.seen(x), False, safety, basis, v, margin)
 
     def _emptied(self, problem, here, v, active, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""
@@ -204,7 +191,7 @@ def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
                 space.add(here.inverse(inverse.solve, part))
         if not rows < space.rows < most:
             break
-    return found.growth_told, *found.carried()
+    return found.growth, *found.carried()
 
 
 class _Ritz:
@@ -234,12 +221,6 @@ class _Ritz:
         if self.sure or self.depth[self.fastest] <= 0.0:
             return {self.fastest}
         return {self.worst, self.fastest} if fine else {self.worst}
-
-    @property
-    def growth_told(self):
-        """The growth, less its error where that is large, so that what is called unstable is."""
-        doubtful = self.growth > 0.0 and self.error > LIMITS.coarse * self.scale
-        return self.growth - 2.0 * self.error if doubtful else self.growth
 
     def carried(self):
         """(mu and x of the fastest mode; an orthonormal basis (k, size) of those nearest to growing; J - K on it)."""

@@ -11,7 +11,7 @@ from .rest import Mode
 if TYPE_CHECKING:
     from .replay import Record
 
-MOVED = 0.5  # units of the problem, and twice the load's increment: a state that moved farther has slipped
+MOVED = 0.5  # units of the problem, farther than which a state may be on another branch
 
 
 class NotConverged(RuntimeError):
@@ -54,6 +54,12 @@ class State:
         """The state of a problem in which nothing acts on the unknowns but the load."""
         v = problem.undeformed(load)
         return State.at_rest(load, v, problem.active(v, load))
+
+
+def slipped(problem, before, load, after):
+    """Whether a State `after` lies farther from that `before` than a branch leads up to that load, nm."""
+    moved = np.abs(after.v - before.v).max()
+    return bool(moved >= MOVED * problem.unit + 2.0 * abs(load - before.load))
 
 
 @dataclass(frozen=True)

@@ -126,30 +126,14 @@ def contact_area(scene, T):
 
 @njit(cache=True, nogil=True)
 def _repelled(T, closed, least):
-    """The length under repulsion, in node spacings; closed: T covers the cell, whose last node is next to the first.
-
-    Summed from a node without contact on, so that a patch across the ends of the cell gives what any other does.
-    """
+    """The length under repulsion, in node spacings; closed: T covers the cell, whose last node is next to the first."""
     n = T.shape[1]
-    start, stop = -1, n
-    if closed:
-        start = 0
-        while start < n and T[1, start] > least:
-            start += 1
-        if start == n:
-            return float(n)
-        if start > 0 and T[1, n - 1] <= least:
-            start = -1
-        stop = start + n
-    length, here = 0.0, T[1, start] - least if closed else -least
-    for i in range(start, stop):
-        after = (T[1, (i + 1) % n] if closed or i + 1 < n else 0.0) - least
-        if here > 0.0 and after > 0.0:
-            length += 1.0
-        elif after > 0.0:
-            length += 1.0 - here / (here - after)
-        elif here > 0.0:
-            length += here / (here - after)
+    length, here = 0.0, (T[1, n - 1] if closed else 0.0) - least
+    for i in range(n if closed else n + 1):
+        after = (T[1, i] if i < n else 0.0) - least
+        repelled = max(here, 0.0) + max(after, 0.0)
+        if repelled > 0.0:  # that share of a spacing over which T_z is linear
+            length += repelled / (abs(here) + abs(after))
         here = after
     return length
 

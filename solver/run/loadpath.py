@@ -85,31 +85,36 @@ class Run:
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.watch = self._watch if limit < inf else None
-        index, load, slips, before = checkpoint.index, step.at(checkpoint.index), (), stepper.problem.evaluations
-        state = checkpoint.state or State.undeformed(stepper.problem, load)
-        try:
-            done = stepper.increment(state, load)
-            while done.state.load > load:  # after a slip the surface rests at a higher load only: no frame at this one
-                slips += done.slips
-                if index == step.increments:  # that is beyond the last increment, whose frame shows it
-                    done = replace(done, slips=())
-                    break
-                index += 1
-                load = step.at(index)
-                done = replace(done, slips=()) if done.state.load > load else stepper.increment(done.state, load)
-        except NotConverged as failure:
-            self._place = None  # the problem may have grown beyond the checkpoint's patch
-            raise self._with_remedy(failure, step, load) from None
-        if slips:
-            done = replace(done, slips=slips + done.slips)
-        problem = stepper.problem
-        contact = problem.contact
+        before = stepper.problem.evaluations
+        state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.index))
+        index, done = self._increment(step, checkpoint.index, state)
+        contact = stepper.problem.contact
         events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
-        spent, stage = contact.evaluations - before, step.stage
-        frame = frame_of(scene, problem, done.state, stage, index, done.residual, spent, events, done.repeated)
+        spent = contact.evaluations - before
+        frame = frame_of(
+            scene, stepper.problem, done.state, step.stage, index, done.residual, spent, events, done.repeated
+        )
         where = contact.first, contact.size
         self._place = step, where, checkpoint.pressure
         return frame, replace(checkpoint, **self._after(checkpoint, load_steps, step, index, done), patch=where)
+
+    def _increment(self, step, index, state):
+        """(its index, the Increment) to the next increment of `step`, from `index` on, at whose load the surface rests.
+
+        After a slip that may be a later one: there is no frame at the loads before. Beyond the last, that one shows it.
+        """
+        load, slips = step.at(index), ()
+        try:
+            done = self._stepper.increment(state, load)
+            while done.state.load > load and index < step.increments:
+                slips += done.slips
+                index += 1
+                load = step.at(index)
+                done = replace(done, slips=()) if done.state.load > load else self._stepper.increment(done.state, load)
+        except NotConverged as failure:
+            self._place = None  # the problem may have grown beyond the checkpoint's patch
+            raise self._with_remedy(failure, step, load) from None
+        return index, replace(done, slips=slips + done.slips)
 
     def _watch(self):
         """Called now and then during an increment: raises OutOfTime once it has taken too long."""

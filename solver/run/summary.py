@@ -35,34 +35,44 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """
     names = changing(frames)
     after = [f for f in frames if f.stage != "approach"]
-    first = next(((f, event) for f in after if f.stage == "shear" for event in f.slips), None)
-    found, event = first or (None, None)
+    told = {"converged": _converged(scene, frames), **_totals(frames, names)}
+    told["A_0"] = after[0].A_bar if after else None
+    told["slips"] = sum(len(f.slips) for f in after)
+    found, event = _first_slip(after)
+    told |= {"U_s": None, "F_s": None, "A_s": None}
+    if event:
+        told |= {"U_s": event.load, "F_s": event.F_bar, "A_s": event.A_bar}
     pull_off = [f.L_bar for f in after if f.stage == "unload"]
-    return (
-        {
-            "converged": _ended(scene, after) and all(f.residual <= f.scene.tolerance for f in frames),
-            "evaluations": sum(f.evaluations for f in frames),
-            "A_0": after[0].A_bar if after else None,
-            "slips": sum(len(f.slips) for f in after),
-            "events": [one.as_dict() | _values(f, names) for f in frames for one in f.slips],
-            "safe_damping": max((f.safe_damping for f in frames), default=0.0),
-            "may_flutter": sum(f.may_flutter for f in frames),
-            "U_s": event and event.load,
-            "F_s": event and event.F_bar,
-            "A_s": event and event.A_bar,
-        }
-        | ({"L_min": min(pull_off)} if pull_off else {})
-        | ({"E_s": found and found.scene.E, "changes": _changes(frames, names)} if names else {})
-    )
+    if pull_off:
+        told["L_min"] = min(pull_off)
+    if names:
+        told |= {"E_s": found and found.scene.E, "changes": _changes(frames, names)}
+    return told
 
 
-def _ended(scene, after):
-    """Whether the Frames after the approach lead to the end of the path."""
+def _totals(frames, names):
+    """What all Frames have together, the approach included; names: as of `changing`."""
+    return {
+        "evaluations": sum(f.evaluations for f in frames),
+        "events": [one.as_dict() | _values(f, names) for f in frames for one in f.slips],
+        "safe_damping": max((f.safe_damping for f in frames), default=0.0),
+        "may_flutter": sum(f.may_flutter for f in frames),
+    }
+
+
+def _first_slip(after):
+    """(Frame, SlipEvent) of the first slip in shear, or (None, None)."""
+    return next(((f, event) for f in after if f.stage == "shear" for event in f.slips), (None, None))
+
+
+def _converged(scene, frames):
+    """Whether the Frames lead to the end of the path, each to its tolerance."""
     last = load_steps_of(scene)[-1]
-    if not after or after[-1].stage != last.stage:
+    if not frames or frames[-1].stage != last.stage:
         return False
     name, sign = STAGES[last.stage]
-    return sign * getattr(after[-1], name) >= last.at(last.increments) - 1e-9 * last.increment
+    ended = sign * getattr(frames[-1], name) >= last.at(last.increments) - 1e-9 * last.increment
+    return ended and all(f.residual <= f.scene.tolerance for f in frames)
 
 
 def _values(frame, names):
