@@ -38,7 +38,7 @@ def test_a_run_without_shear_or_without_contact_has_axes_and_says_why(visit, que
     start, end = page.evaluate(f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.x_range)")
     assert start < end
     assert len(column(page, "forces.L", "U_x")) > 0
-    apart = "The surfaces do not reach each other" in page.inner_text("main")
+    apart = "Too far apart to hold on" in page.inner_text("main")
     assert apart == ("delta_bar=-1" in query)
 
 
