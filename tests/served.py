@@ -21,6 +21,7 @@ FAULTS = """() => {
     const said = []
     const name = (e) => e.id ? `#${e.id}` : `${e.tagName.toLowerCase()} “${e.textContent.trim().slice(0, 30)}”`
     const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden], .unseen')
+        && getComputedStyle(e).clipPath === 'none'
     const all = (what) => [...document.querySelectorAll(what)].filter(seen)
     if (document.documentElement.scrollWidth > innerWidth) said.push(`${document.documentElement.scrollWidth} px wide`)
     const inside = (e) => [...e.children, ...e.shadowRoot?.children ?? []]

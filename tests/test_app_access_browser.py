@@ -54,7 +54,7 @@ def test_axe_finds_nothing_in_any_sheet_or_view(visit, theme):
     page.locator(".chip [data-twin]").click()
     page.wait_for_function("document.getElementById('twin-view').style.visibility === ''", timeout=PATIENCE)
     assert not found_by_axe(page)
-    page.locator("figcaption .term").first.focus()
+    page.locator("figcaption .term:visible").first.focus()
     page.locator("#term").wait_for()
     assert not found_by_axe(page)
     page.keyboard.press("Escape")
