@@ -19,9 +19,9 @@ def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
     assert page.evaluate(FONT) == "22px" and page.evaluate(WIDTH) >= 2 * thin
     assert page.locator("main figure:visible").count() == 2  # the punch and one curve
     page.get_by_role("button", name="Projector").click()
-    assert "view=" not in page.url
+    assert "view=lab" in page.url
     assert page.evaluate(FONT) == "13px" and page.evaluate(WIDTH) == thin
-    assert page.locator("main figure:visible").count() == 4  # the first screen
+    assert page.locator("main figure:visible").count() == 5  # the laboratory, as before
 
 
 @pytest.mark.thorough

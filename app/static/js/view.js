@@ -8,14 +8,16 @@ import { embedded } from "./state.js"
 
 const TOOLS = ["reset", "back", "step", "carry", "speed", "lens-on", "fringes-on", "bar"] // in the menu; in the laboratory where they act
 const CURVES = ["forces", "area", "map"]
+let before = "hero" // how one looked before
 const homes = [] // [tool, the mark that keeps its place]
 
 export const view = () => document.documentElement.dataset.view
 export const isLab = () => view() === "lab"
 
-// Look that way; where one looks so already, at the hero
+// Look that way; where one looks so already, at the hero, or from the lecture hall the way one did before
 export function look(wanted) {
-  const next = wanted === view() ? "hero" : wanted
+  const next = wanted !== view() ? wanted : wanted === "projector" ? before : "hero"
+  before = isLab() ? "lab" : "hero"
   document.documentElement.dataset.view = next
   if (next !== "projector" && !embedded) localStorage.setItem("view", next)
   readdress((address) => (next === "hero" ? address.delete("view") : address.set("view", next)))
