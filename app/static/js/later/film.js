@@ -124,7 +124,7 @@ function end() {
 }
 
 me.filmed = receive
-onFrame(() => { // something else is drawn: it goes on from there
-  if (!film || (!film.frames && me.run === film.run && Math.floor(me.at) === film.k)) return
+onFrame(() => { // another increment is drawn: it goes on from there; the same one, where the page has changed its size
+  if (!film || (me.run === film.run && Math.floor(me.at) === film.k)) return
   leave()
 })
