@@ -57,9 +57,11 @@ def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
     page.locator("[data-name=E] .mark").first.wait_for(timeout=120_000)  # the last to be computed
+    page.wait_for_function("!document.querySelector('#row .picture:not(:has(svg))')", timeout=120_000)
     page.screenshot(path=HERE / "app.png")
     for _ in range(2):
         page.evaluate("document.getElementById('lens-on').click()")
+    page.evaluate("document.getElementById('fringes-on').click()")  # their colours are too many for a GIF
     images = []
     for k in range(FIRST, LAST, STEP):
         shown(page, k)
