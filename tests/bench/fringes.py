@@ -22,9 +22,16 @@ def busy(session):
     return {metric["name"]: metric["value"] for metric in metrics}["TaskDuration"]
 
 
+COUNT = """async () => {
+    const { onFrame } = await import(new URL("./app/static/js/state.js", document.baseURI))
+    window.counter ??= onFrame(() => { window.drawn++ })
+    window.drawn = 0
+}"""
+
+
 def measured(page, session):
     """(frames a second, share of the main thread) while the run plays."""
-    page.evaluate("window.drawn = 0; window.counter ??= punch.also.push(() => { window.drawn++ })")
+    page.evaluate(COUNT)
     start, before = time.perf_counter(), busy(session)
     page.wait_for_timeout(1000 * SECONDS)
     passed = time.perf_counter() - start
