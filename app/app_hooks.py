@@ -10,7 +10,6 @@ from tornado.ioloop import PeriodicCallback
 from app import telling, web
 from app.page import shared
 from app.service import metrics
-from app.service.finished import shelf
 from app.service.pool import pool
 from app.session.session import visitors
 from app.views.pages import compose_all
@@ -23,10 +22,6 @@ web.install()
 compose_all()  # before anybody can wait for it
 shared(f"/{Path(__file__).parent.name}")
 cohesive_law.traction(Scene(), np.zeros(1), 0.0)  # of which the page on the law makes use: the kernel is here then
-metrics.gauge("visitors", "visitors who are here", lambda: len(visitors))
-metrics.gauge("queue", "tasks that wait or run for somebody", lambda: pool.in_flight)
-metrics.gauge("workers", "workers that are ready", lambda: pool.ready)
-metrics.gauge("shelf_bytes", "of finished runs that are kept", lambda: shelf.size)
 
 
 def on_server_loaded(server_context):

@@ -5,8 +5,9 @@ other by plain names; the import map of the page says which address that is. All
 page, so that they hold behind any prefix.
 """
 
+import gzip
 import hashlib
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
@@ -17,9 +18,11 @@ def assets(page):
     folder = page.rstrip("/").rsplit("/", 1)[-1]
     files = sorted(path for path in STATIC.rglob("*") if path.suffix in (".js", ".css"))
     names = {path: f"./{folder}/static/{path.relative_to(STATIC).as_posix()}" for path in files}
-    return {name: f"{name}?v={_version(path, path.stat().st_mtime_ns)}" for path, name in names.items()}
+    return {name: f"{name}?v={content(path, path.stat().st_mtime_ns)[2]}" for path, name in names.items()}
 
 
-@cache
-def _version(path, changed):
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:12]
+@lru_cache(200)
+def content(path, changed):
+    """(content, the same compressed, its hash) of a file as it was changed last at that time."""
+    raw = path.read_bytes()
+    return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]

@@ -8,7 +8,7 @@ import json
 import logging
 import re
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 
 import panel as pn
@@ -37,11 +37,6 @@ TITLE = "Why does it stick, peel and slip?"
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
 MARK = "@{}@"  # in the page, where each visitor has something of one's own
-
-
-@cache
-def _file(name):
-    return (HERE / name).read_text(encoding="utf-8")
 
 
 @dataclass(frozen=True)
@@ -128,7 +123,11 @@ def _html(doc, files):
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
     }
-    template = _file("html/page.html").replace("<!-- pages -->", "".join(map(section, PAGES)))
+    template = (
+        (HERE / "html" / "page.html")
+        .read_text(encoding="utf-8")
+        .replace("<!-- pages -->", "".join(map(section, PAGES)))
+    )
     return html_page_for_render_items((script, ""), {}, [item], TITLE, template, variables)
 
 
@@ -140,6 +139,17 @@ def _grouped():
     return groups
 
 
+def _told():
+    """What the browser is told of presets, nodes, terms and sliders, declared in Python alone."""
+    return {
+        "looks": {preset.name: preset.look for preset in presets().values()},
+        "nodes": {name: vars(node) for name, node in schema.NODES.items()},
+        "terms": forms(),
+        "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
+        "positions": {control.name: list(control.positions) for control in CONTROLS},
+    }
+
+
 def _player(wire, figures, slots, files):
     """The browser's half of the app, with the models it changes."""
     return CustomJS(
@@ -147,15 +157,11 @@ def _player(wire, figures, slots, files):
             "wire": wire,
             "figures": figures,
             "slots": slots,
-            "looks": {preset.name: preset.look for preset in presets().values()},
-            "nodes": {name: vars(node) for name, node in schema.NODES.items()},
-            "terms": json.dumps(forms()),
-            "usual": json.dumps({preset.name: values_of(preset.scene) for preset in presets().values()}),
-            "positions": {control.name: list(control.positions) for control in CONTROLS},
+            "told": json.dumps(_told()),
             "main": next(name for name in files if name.endswith("/main.js")),
         },
         code="""
-            const given = { wire, figures, slots, looks, nodes, terms, usual, positions, index: cb_context.index }
+            const given = { wire, figures, slots, told, index: cb_context.index }
             import(new URL(main, document.baseURI)).then(({ start }) => start(given))
         """,
     )

@@ -5,14 +5,12 @@ those of an application get their `application_context`, and how a session's tok
 """
 
 import gzip
-import hashlib
 import html
 import logging
 import mimetypes
 import os
 import re
 import secrets
-from functools import lru_cache
 from pathlib import Path
 
 from bokeh.server import urls
@@ -21,7 +19,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id
 from panel.io.server import DocHandler  # puts Panel's handlers into the patterns when it is imported
 from tornado.web import RequestHandler, authenticated
 
-from app.assets import STATIC
+from app.assets import STATIC, content
 from app.door import door, turned_away
 from app.page import shared
 from app.service import metrics
@@ -122,7 +120,7 @@ class Files(Plain):
         path = (self.folder / name).resolve()
         if not path.is_relative_to(self.folder) or not path.is_file():
             return self.send_error(404)
-        raw, packed, self.tag = kept(path, path.stat().st_mtime_ns)
+        raw, packed, self.tag = content(path, path.stat().st_mtime_ns)
         kind = {".js": "text/javascript", ".css": "text/css"}.get(path.suffix) or mimetypes.guess_type(path.name)[0]
         self.set_header("Content-Type", f"{kind or 'application/octet-stream'}; charset=utf-8")
         self.set_header("Vary", "Accept-Encoding")
@@ -137,13 +135,6 @@ class Files(Plain):
 
     def compute_etag(self):
         return getattr(self, "tag", None) and f'"{self.tag}"'
-
-
-@lru_cache(200)
-def kept(path, changed):
-    """(content, the same compressed, its hash) of a file."""
-    raw = path.read_bytes()
-    return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]
 
 
 class Metrics(Plain):

@@ -2,17 +2,16 @@
 
 import csv
 import os
-import sys
 
 from . import __version__
 from .command import (
-    INTERRUPTED,
     NOT_CONVERGED,
     InputError,
     check_writable,
     progress,
     scene_of,
     settings,
+    writing,
 )
 from .files import write_json
 from .isolated import Lost, outcomes
@@ -47,23 +46,17 @@ def stability(arguments):
         raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
     for option in ("json", "html"):
         check_writable(option, getattr(arguments, option))
-    try:
-        with progress(100, "%") as bar:
-            asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
-            results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n))
-        forms = closed_forms.closed_forms() if arguments.scenes is None else []
-        report = results, forms, conditioning.conditioning()
-    except KeyboardInterrupt:
-        print("Interrupted; run again to finish", file=sys.stderr)
-        return INTERRUPTED
+    with progress(100, "%") as bar:
+        asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
+        results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n))
+    forms = closed_forms.closed_forms() if arguments.scenes is None else []
+    report = results, forms, conditioning.conditioning()
     print(atlas_report.text(*report))
-    try:
+    with writing():
         if arguments.json is not None:
             write_json(arguments.json, {"version": __version__} | atlas_report.data(*report))
         if arguments.html is not None:
             atlas_report.write_page(arguments.html, *report)
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
     return NOT_CONVERGED if atlas_report.failed(*report) else 0
 
 
@@ -76,22 +69,15 @@ def flats(arguments):
     asked = points(scene_of(settings(arguments.set)), arguments.points)
     check_writable("csv", arguments.csv)
     rows = [None] * len(asked)
-    try:
-        with progress(len(asked), " points") as bar:
-            for k, found in outcomes(regime, asked, arguments.scheduler or os.cpu_count() or 1, LIMIT):
-                _, E, phi_t = asked[k]
-                rows[k] = {"E": E, "phi_t": phi_t, "reason": found.reason} if isinstance(found, Lost) else found
-                bar.update()
-    except KeyboardInterrupt:
-        print("Interrupted; run again to finish", file=sys.stderr)
-        return INTERRUPTED
-    try:
-        with open(arguments.csv, "w", newline="", encoding="utf-8") as out:
-            writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    with progress(len(asked), " points") as bar:
+        for k, found in outcomes(regime, asked, arguments.scheduler or os.cpu_count() or 1, LIMIT):
+            _, E, phi_t = asked[k]
+            rows[k] = {"E": E, "phi_t": phi_t, "reason": found.reason} if isinstance(found, Lost) else found
+            bar.update()
+    with writing(), open(arguments.csv, "w", newline="", encoding="utf-8") as out:
+        writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
     without = sum(bool(row["reason"]) for row in rows)
     print(
         f"{len(rows)} points: {sum(bool(row.get('slips')) for row in rows)} stick and slip, {without} without a result"

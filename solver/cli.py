@@ -23,6 +23,7 @@ from .command import (
     progress,
     scene_of,
     settings,
+    writing,
 )
 from .derivatives import add_fit, add_sensitivities, add_spread
 from .files import write_csv, write_json, write_npz
@@ -62,6 +63,9 @@ def main(argv=None):
     except (ClusterError, InputError, PresetError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
+    except (NotConverged, KeyboardInterrupt) as error:
+        print(str(error) or "Interrupted; run again to finish", file=sys.stderr)
+        return NOT_CONVERGED if isinstance(error, NotConverged) else INTERRUPTED
 
 
 def add_run(commands):
@@ -111,22 +115,16 @@ def accuracy(arguments):
         raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
     for option in ("json", "html"):
         check_writable(option, getattr(arguments, option))
-    try:
-        with progress(100, "%") as bar:
-            for done, so_far in measure(scene, arguments.quick, arguments.slips):
-                bar.update(int(100 * done) - bar.n)
-                report = so_far
-    except (NotConverged, KeyboardInterrupt) as error:
-        print(str(error) or "Interrupted; run again to finish", file=sys.stderr)
-        return NOT_CONVERGED if isinstance(error, NotConverged) else INTERRUPTED
+    with progress(100, "%") as bar:
+        for done, so_far in measure(scene, arguments.quick, arguments.slips):
+            bar.update(int(100 * done) - bar.n)
+            report = so_far
     print(verdict.text(report))
-    try:
+    with writing():
         if arguments.json is not None:
             write_json(arguments.json, {"version": __version__} | verdict.data(report))
         if arguments.html is not None:
             page.write_page(arguments.html, report)
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
     return 0
 
 
@@ -157,15 +155,13 @@ def run(arguments):
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames)))
-    try:
+    with writing():
         if arguments.csv is not None:
             write_csv(arguments.csv, after)
         if arguments.npz is not None:
             write_npz(arguments.npz, scene, after)
         if arguments.json is not None:
             write_json(arguments.json, report)
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
     if failure is not None:
         print(failure, file=sys.stderr)
     return code

@@ -1,6 +1,7 @@
 """What the commands share: what is given to them, what they show while they work, and how they end."""
 
 import os
+from contextlib import contextmanager
 from pathlib import Path
 
 from .profile import ProfileError, read_profile
@@ -67,6 +68,15 @@ def check_writable(option, file):
         raise InputError(f"--{option} {file!r}: {reason}; allowed: a writable file in an existing directory") from None
     if new:
         os.remove(file)
+
+
+@contextmanager
+def writing():
+    """Raises InputError where what is done within cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
 
 
 def progress(total, unit):

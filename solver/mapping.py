@@ -16,6 +16,7 @@ from .command import (
     progress,
     scene_of,
     settings,
+    writing,
 )
 from .isolated import Lost, crew
 
@@ -131,19 +132,16 @@ def _parameters(grid, point):
 
 def _write(arguments, grid, points, columns):
     """The file: a row per point, or a table of one column."""
-    try:
-        with Path(arguments.csv).open("w", newline="", encoding="utf-8") as file:
-            if arguments.of is not None:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerow([f"{grid.y.name} \\ {grid.x.name}", *map(float, grid.x.values)])
-                table = _table(grid, points, arguments.of)
-                writer.writerows([float(y), *row] for y, row in zip(grid.y.values, table, strict=True))
-                return
-            writer = csv.DictWriter(file, [*columns[:2], grid.x.name, grid.y.name, *columns[2:]], lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(point.as_row() | _parameters(grid, point) for point in points)
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    with writing(), Path(arguments.csv).open("w", newline="", encoding="utf-8") as file:
+        if arguments.of is not None:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow([f"{grid.y.name} \\ {grid.x.name}", *map(float, grid.x.values)])
+            table = _table(grid, points, arguments.of)
+            writer.writerows([float(y), *row] for y, row in zip(grid.y.values, table, strict=True))
+            return
+        writer = csv.DictWriter(file, [*columns[:2], grid.x.name, grid.y.name, *columns[2:]], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(point.as_row() | _parameters(grid, point) for point in points)
 
 
 def _table(grid, points, of):

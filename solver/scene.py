@@ -93,64 +93,41 @@ class Scene:
             object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
         if not isinstance(self.measured, Profile | None):
             raise SceneError("measured", self.measured, "allowed: a Profile or None", "use solver.read_profile")
-        self._check_geometry()
-        self._check_tolerance()
-        self._check_length()
+        for name, allowed, remedy in self._refusals():
+            raise SceneError(name, getattr(self, name), allowed, remedy)
 
-    def _check_geometry(self):
-        """Raises SceneError for a surface, path or lattice that cannot be."""
+    def _refusals(self):
+        """(parameter, what is allowed, remedy) of each combination that cannot be."""
         if refused := SURFACES[self.surface].refused(self):
-            raise SceneError(refused[0], getattr(self, refused[0]), *refused[1:])
+            yield refused
         if self.path == "unload" and self.hold == "load":
-            raise SceneError("hold", self.hold, "allowed with path 'unload': delta", "choose path 'shear' or 'loop'")
-        if self.delta >= self.height * self.width:
-            raise SceneError(
+            yield "hold", "allowed with path 'unload': delta", "choose path 'shear' or 'loop'"
+        thick = self.height * self.width
+        if self.delta >= thick:
+            through = f"where the top of a layer {thick:.3g} nm thick would be pressed through its bottom"
+            yield (
                 "delta_bar",
-                self.delta_bar,
-                f"allowed: below {self.height * self.width / self.delta_0:.3g}, where the top of a layer"
-                f" {self.height * self.width:.3g} nm thick would be pressed through its bottom",
+                f"allowed: below {thick / self.delta_0:.3g}, {through}",
                 "lower it, or enlarge height or width",
             )
-        ratio = self.spacing / self.delta_t
-        if not SPACING[0] <= ratio <= SPACING[1]:
-            raise SceneError(
-                "nodes",
-                self.nodes,
-                f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
-                f" {SPACING[0] * self.delta_t:g} .. {SPACING[1] * self.delta_t:g} nm",
-                "give x and z of the profile in nm, or change nodes"
-                if self.surface == "measured"
-                else "change nodes, width or delta_t",
-            )
-
-    def _check_tolerance(self):
-        """Raises SceneError where round-off is larger than the tolerance."""
-        if self.attainable > LIMITS["tolerance"].high:
-            raise SceneError(
-                "E",
-                self.E,
-                f"too compliant a layer: by round-off alone the residual is {self.attainable:.1g} nm, more than any"
-                " tolerance allowed",
-                "enlarge it, or lower height",
-            )
-        if self.tolerance < self.attainable:
-            raise SceneError(
-                "tolerance",
-                self.tolerance,
-                f"allowed: {self.attainable:.1g} .. {LIMITS['tolerance'][1]:g} for so compliant a layer, by round-off",
-                "enlarge it, or E",
-            )
-
-    def _check_length(self):
-        """Raises SceneError where the run would take too many increments."""
+        low, high = (limit * self.delta_t for limit in SPACING)
+        if not low <= self.spacing <= high:
+            remedy = "change nodes, width or delta_t"
+            if self.surface == "measured":
+                remedy = "give x and z of the profile in nm, or change nodes"
+            spacing = f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
+            yield "nodes", f"{spacing} {low:g} .. {high:g} nm", remedy
+        least, most = self.attainable, LIMITS["tolerance"].high
+        if least > most:
+            compliant = f"too compliant a layer: by round-off alone the residual is {least:.1g} nm"
+            yield "E", f"{compliant}, more than any tolerance allowed", "enlarge it, or lower height"
+        if self.tolerance < least:
+            allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
+            yield "tolerance", allowed, "enlarge it, or E"
         for name, steps in (("du_x", self.shear_increments), ("du_z", self.approach_increments)):
             if steps > LARGEST_RUN:
-                raise SceneError(
-                    name,
-                    getattr(self, name),
-                    f"the run would take {steps} increments, at most {LARGEST_RUN} are allowed",
-                    f"enlarge {name} or shorten the run",
-                )
+                allowed = f"the run would take {steps} increments, at most {LARGEST_RUN} are allowed"
+                yield name, allowed, f"enlarge {name} or shorten the run"
 
     @property
     def attainable(self) -> float:
@@ -216,7 +193,7 @@ class Scene:
     @property
     def profile(self) -> NDArray[np.float64]:
         """Undeformed gap at delta = 0, nm, shape (nodes,); a new array."""
-        return undeformed_gap(self)
+        return undeformed_gap(self).copy()
 
     def changed(self, **values: Any) -> "Scene":
         """The same scene with other values."""

@@ -3,11 +3,10 @@
 Command line, address, entries and drawer of the app, and all messages read these declarations.
 """
 
+import reprlib
 from dataclasses import field, fields
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
-
-LONGEST = 60  # characters of a value that a message repeats
 
 
 class SceneError(ValueError):
@@ -16,9 +15,7 @@ class SceneError(ValueError):
     def __init__(self, name: str, value: object, allowed: str, remedy: str) -> None:
         self.name = name
         self._given = name, value, allowed, remedy
-        shown = repr(value)
-        shown = shown if len(shown) <= LONGEST else f"{shown[:LONGEST]}..."
-        super().__init__(f"{name} = {shown}: {allowed}; {remedy}")
+        super().__init__(f"{name} = {reprlib.repr(value)}: {allowed}; {remedy}")
 
     def __reduce__(self):  # by default it would be made from its message alone, and a worker that raises it be lost
         return SceneError, self._given

@@ -141,24 +141,15 @@ def rough(scene):
     The sum of cosines with amplitudes sqrt(C) at q = 2 pi k/w, scaled to the exact rms slope. Mode k has the same phase
     at any cut-off and number of nodes.
     """
-    phases = 2.0 * np.pi * _uniform(scene.seed, _modes(scene))
-    k = np.arange(1, phases.size + 1)
+    k = np.arange(1, int(1.0 / scene.cut_off + 1e-9) + 1)
+    # made from the generator's raw bits, so that every NumPy gives the same
+    phases = 2.0 * np.pi * (np.random.Philox(key=scene.seed).random_raw(k.size) >> np.uint64(11)) * 2.0**-53
     amplitude = np.maximum(k, 1.0 / scene.roll_off) ** (-0.5 - scene.hurst)
     slope = np.sqrt(0.5 * np.sum((2.0 * np.pi * k / scene.width * amplitude) ** 2))
     spectrum = np.zeros(scene.nodes // 2 + 1, complex)
     spectrum[k] = 0.5 * scene.nodes * scene.rms_slope / slope * amplitude * np.exp(1j * phases)
     gap = np.fft.irfft(spectrum, scene.nodes)
     return np.roll(gap - gap.min(), -int(np.argmax(gap)))
-
-
-def _uniform(seed, count):
-    """`count` random numbers in [0, 1), made from the generator's raw bits, so that every NumPy gives the same."""
-    return (np.random.Philox(key=seed).random_raw(count) >> np.uint64(11)) * 2.0**-53
-
-
-def _modes(scene):
-    """How often the shortest wave of a rough profile fits into the cell: the number of its modes."""
-    return int(1.0 / scene.cut_off + 1e-9)
 
 
 def _rough_refused(scene):
@@ -220,11 +211,7 @@ SURFACES = {
 }
 
 
-def undeformed_gap(scene: Any) -> NDArray[np.float64]:
-    """g0 of every node, nm, (nodes,); a new array."""
-    return _kept(scene).copy()
-
-
 @lru_cache(maxsize=8)
-def _kept(scene):
+def undeformed_gap(scene: Any) -> NDArray[np.float64]:
+    """g0 of every node, nm, (nodes,); kept, to be copied."""
     return SURFACES[scene.surface].gap(scene)

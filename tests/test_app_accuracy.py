@@ -66,7 +66,7 @@ def test_a_session_says_its_cautions_once_a_run_has_ended_and_again_for_a_known_
     other = Page(pool, page.session.scene, shelf=page.session.shelf)
     other.order("hello")
     assert other.status()["notes"] == page.status()["notes"]
-    assert page.session.run.widest == other.session.run.widest > 0.0
+    assert page.session.run.made.widest == other.session.run.made.widest > 0.0
     page.session.close()
     other.session.close()
 

@@ -9,7 +9,8 @@ import pytest
 from visitor import NoPool, Page, say, unpacked
 
 from app.service import following, metrics, packing, worker
-from app.service.finished import Finished, Shelf
+from app.service.finished import Shelf
+from app.service.packing import Frames
 from app.service.pool import EXACT, LATER, SCREEN
 from app.session.following import OFF
 from solver import Scene
@@ -22,9 +23,7 @@ MOST = 60_000  # bytes of a picture
 def finished(scene):
     """A whole run as the server keeps it."""
     piece = worker.compute(scene, None, 600.0)
-    return Finished(
-        piece.blocks, piece.frames, piece.evaluations, piece.residual, piece.widest, skeleton=piece.skeleton
-    )
+    return Frames(piece.blocks, piece.frames, piece.evaluations, piece.residual, piece.widest, skeleton=piece.skeleton)
 
 
 @pytest.fixture(scope="module")
@@ -218,7 +217,7 @@ def test_what_cannot_be_followed_is_computed_coarsely_and_counted_by_its_reason(
     page.pool.answer(page, following.followed, 'the contact is "lost"')
     (task,) = page.pool.waiting(worker.compute)
     assert task.call[1].delta_bar == 0.05 and task.call[1].du_x > SCENE.du_x  # where the hand is by now
-    assert "contact_not_followed_total{reason=\"the contact is 'lost'\"} 1\n" in metrics.text()
+    assert b'contact_not_followed_total{reason="the contact is \\"lost\\""} 1.0\n' in metrics.text()
     task.set_running_or_notify_cancel()
     move(page, 0.06)
     assert not page.pool.waiting(following.followed)  # a coarse run that has begun comes to its end

@@ -11,11 +11,11 @@ import pytest
 from visitor import PATIENCE, Page, say
 
 from app.service import packing
-from app.service.finished import Finished
+from app.service.packing import Frames
 from app.session import orders, share
 from app.session.controls import address_of, scene_from_address
 from app.session.profiles import LONGEST, Profiles
-from app.session.run import Chains, Run
+from app.session.run import Run
 from app.session.share import SCANNED, python_lines
 from solver import LIMITS, Profile, ProfileError, Scene
 from solver.presets import presets
@@ -141,23 +141,23 @@ def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, mon
 def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_alone(page):
     page.order("hello")
     page.until("finished")
-    assert page.session.run.blocks == [] and page.session.run.kept_as == page.session.scene
+    assert page.session.run.made.blocks == () and page.session.run.kept_as == page.session.scene
     say(page.session, {"do": "scene", "values": {"delta_bar": "0.1"}, "from": [1, 120]})
     page.until("finished")
     run, shelf = page.session.run, page.session.shelf
-    assert run.history and run.blocks == [] and page.session.scene not in shelf
+    assert run.history and run.made.blocks == () and page.session.scene not in shelf
     assert sum(packing.header(block)["frames"] for block in shelf.get(run.kept_as).blocks) == run.frames - 121
-    shelf.put(page.session.scene, Finished((b"of the whole run of that scene",), 1, 1, 0.0))
+    shelf.put(page.session.scene, Frames((b"of the whole run of that scene",), 1, 1, 0.0))
     block, row = run.place(run.frames - 1, shelf)
     assert block is shelf.get(run.kept_as).blocks[-1] and row == packing.header(block)["frames"] - 1
 
 
-def test_a_run_goes_on_from_another_so_often_only(session):
-    chains = session.computing.chains = Chains(longest=2)
+def test_a_run_goes_on_from_another_so_often_only(session, monkeypatch):
+    monkeypatch.setattr("app.session.session.LEGS", 2)
     session.scene = Scene(delta_bar=0.1)
     for number in (1, 2, 3):
         before = tuple((Scene(delta_bar=0.01 * k), 10) for k in range(number - 1))
-        chains.add(Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200))
+        session.computing.runs[number] = Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200)
     for number, usable in ((1, True), (2, True), (3, False)):
         assert session._usable(Scene(delta_bar=0.2), (number, 150)) == ((number, 150) if usable else None)
     assert "starts anew" in session.notes[-1] and len(session.notes) == 1
@@ -189,3 +189,10 @@ def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says
     assert page.status()["notes"] == ["Slow motion: no branch ends here."]
     page.order("film", run=run, frame=5000)
     assert "no longer at hand" in page.status()["notes"][0]
+
+
+def test_while_a_newer_scene_waits_for_a_slice_what_is_taken_away_is_its_run(session):
+    session.hello()
+    session.pool.tasks[-1].set_running_or_notify_cancel()
+    session.change({"E": "90"})
+    assert session.computing.wanted and session.computing.legs == ((session.scene, None),)

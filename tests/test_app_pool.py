@@ -8,7 +8,8 @@ import pytest
 from helpers import until
 
 from app.service import worker
-from app.service.finished import BESIDE, Finished, Shelf
+from app.service.finished import BESIDE, Shelf
+from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, LATER, SCREEN, Line, Pool, Task
 from solver import Scene, isolated
 
@@ -111,11 +112,11 @@ def test_owners_take_turns_and_are_told_how_many_come_before():
 def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
     shelf = Shelf(capacity=2 * BESIDE + 250)
     for E in (20.0, 30.0, 40.0):
-        shelf.put(Scene(E=E), Finished((bytes(60), bytes(40)), 1, 1, 0.0))
+        shelf.put(Scene(E=E), Frames((bytes(60), bytes(40)), 1, 1, 0.0))
         shelf.get(Scene(E=20.0))
-    assert len(shelf) == 2 and shelf.size == 2 * BESIDE + 200
+    assert len(shelf) == 2 and shelf.currsize == 2 * BESIDE + 200
     assert shelf.get(Scene(E=20.0)) and shelf.get(Scene(E=40.0)) and shelf.get(Scene(E=30.0)) is None
-    shelf.put(Scene(E=50.0), Finished((bytes(shelf.capacity),), 1, 1, 0.0))
+    shelf.put(Scene(E=50.0), Frames((bytes(int(shelf.maxsize)),), 1, 1, 0.0))
     assert shelf.get(Scene(E=50.0)) is None
 
 

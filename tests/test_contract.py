@@ -6,6 +6,7 @@ import toys
 
 from solver import Scene
 from solver.continuation.problem import Dynamics, Linearised, Problem
+from solver.continuation.rest import LIMITS
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.load_control import LoadControl
@@ -27,12 +28,16 @@ def one_for_all():
     return Equilibrium(Contact(flat, 0, 1), sideways(-1.0, -flat.delta))
 
 
+def held(problem, pressure):
+    return LoadControl(problem.contact, problem.loading, pressure)
+
+
 PROBLEMS = {
     "patch": on_patch,
     "all nodes": on_all_nodes,
     "one node for all": one_for_all,
-    "held load": lambda: LoadControl(on_patch(), -1e-3),
-    "held load, one node for all": lambda: LoadControl(one_for_all(), 2e-3),
+    "held load": lambda: held(on_patch(), -1e-3),
+    "held load, one node for all": lambda: held(one_for_all(), 2e-3),
     "cubic": toys.cubic,
     "lattice": lambda: toys.lattice((1.0, 0.0)),
     "spiral": toys.spiral,
@@ -65,12 +70,13 @@ def members(protocol):
 
 def test_every_member_is_offered(problem):
     v, active = state(problem)
+    few = {"noise"} if problem.linearised(v, active).size <= LIMITS.dense else set()
     for part, protocol in (
         (problem, Problem),
         (problem.motion(), Dynamics),
         (problem.linearised(v, active), Linearised),
     ):
-        assert [name for name in members(protocol) if not hasattr(part, name)] == []
+        assert [name for name in members(protocol) if name not in few and not hasattr(part, name)] == []
 
 
 def test_the_residual_is_linear_in_the_load(problem):
@@ -87,9 +93,9 @@ def test_the_tangent_is_the_slope_of_the_residual(problem):
     assert problem.linearised(v, active).tangent(w) == pytest.approx(slope, abs=1e-7 * np.abs(slope).max())
 
 
-def test_a_sharp_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
+def test_a_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
     v, active = state(problem)
-    inverse = problem.preconditioner(v, active, sharp=True)
+    inverse = problem.preconditioner(v, active)
     w = np.random.default_rng(1).normal(size=problem.size)
     if inverse is None:
         assert problem.size <= 3  # too few unknowns to be worth one
@@ -133,8 +139,10 @@ def test_a_force_is_answered_by_the_disturbance_that_bears_it(problem):
     matrix = np.array([here.tangent(e) for e in np.eye(problem.size)]).T
     f = np.random.default_rng(3).normal(size=here.size)
     if not hasattr(problem, "contact") or not problem.contact.uniform:
-        x = here.inverse(lambda b: np.linalg.solve(matrix, b), f)
+        x, layer = here.inverse(lambda b: np.linalg.solve(matrix, b), f)
         assert here.product(x) == pytest.approx(-f, abs=1e-8 * np.abs(f).max())
+        rough, layer = here.inverse(lambda b: 0.9 * np.linalg.solve(matrix, b), f)
+        assert here.interaction(rough) - layer == pytest.approx(here.product(rough), abs=1e-8 * np.abs(f).max())
     assert here.seen(f).shape == (problem.size,)
 
 

@@ -26,10 +26,10 @@ def test_the_inverse_of_a_tangent_undoes_it(name, held):
     u = np.array([rng.uniform(-0.3, 0.3, 108), rng.uniform(-0.2, 0.5, 108) - scene.profile[10:118]])
     v = u.reshape(-1)
     if held:
-        problem, v = LoadControl(problem, 0.01), np.append(v, -scene.delta)
+        problem, v = LoadControl(problem.contact, problem.loading, 0.01), np.append(v, -scene.delta)
     active = np.arange(108) % 7 > 0
     right = rng.normal(size=problem.size)
-    w = problem.preconditioner(v, active, sharp=True)(right)
+    w = problem.preconditioner(v, active)(right)
     assert problem.linearised(v, active).tangent(w) == pytest.approx(-right, abs=1e-3 * np.abs(w).max())
 
 
@@ -43,4 +43,4 @@ def test_a_singular_tangent_or_none_at_all_has_no_inverse():
     """No node acts: nothing to invert. Then other steps are taken."""
     scene = SCENES["stiff"]
     problem = Equilibrium(Contact(scene, 10, 108), sideways(1.0, -scene.delta))
-    assert problem.preconditioner(problem.undeformed(0.0), np.zeros(108, bool), sharp=True) is None
+    assert problem.preconditioner(problem.undeformed(0.0), np.zeros(108, bool)) is None

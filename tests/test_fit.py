@@ -8,8 +8,9 @@ import pytest
 
 from solver import Scene, skeleton_of
 from solver.analysis.fit import fit
-from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
+from solver.analysis.measurement import Measurement, MeasurementError, noise_of, read_measurement
 from solver.analysis.spread import deviations, spread_of
+from solver.analysis.trial import Model
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 NOISE = 0.01  # of the largest force
@@ -34,6 +35,21 @@ def test_slips_and_noise_of_a_curve_are_found(skeleton):
     for index, load in zip(data.slips, loads, strict=True):
         assert data.U_x[index - 1] <= load <= data.U_x[index]
     assert data.noise["F_bar"] == pytest.approx(NOISE * np.abs(skeleton.curve(data.U_x)[0]).max(), rel=0.2)
+
+
+def test_slips_are_not_taken_for_noise():
+    """A sawtooth that slips at each tenth point; the error of 4,000 differences is some 2 %."""
+    noise = np.random.default_rng(2).normal(size=4000)
+    assert noise_of(100.0 * (np.arange(4000) % 10) / 10.0 + noise) == pytest.approx(1.0, rel=0.06)
+
+
+def test_slips_that_repeat_themselves_have_one_place(skeleton):
+    """At a known distance of each other, they all lie off by as much; with a free scale each lies where it lies."""
+    data = measured(skeleton, load=True)
+    for free, alike in ((("phi_n",), True), (("phi_n", "scale_U"), False)):
+        model = Model(SMALL, data, free)
+        off = model.residuals(model.start(None))[-len(data.slips) :]
+        assert (np.ptp(off) < 1e-6) == alike
 
 
 def test_what_made_the_curve_is_found_from_elsewhere(skeleton):

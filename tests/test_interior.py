@@ -72,7 +72,7 @@ def test_surface_tractions_are_recovered(nodes, height):
 def test_surface_moves_by_load_and_compliance(nodes, nu, height):
     """u = U + C T at every node as the solver has it, Nyquist's mode included, to round-off of the sums."""
     scene = Scene(nodes=nodes, width=2.4 * nodes, height=height, nu=nu)
-    layer = Convolution(Modes.of(scene).compliance, nodes, nodes)
+    layer = Convolution(Modes.of(scene), nodes)
     layer.field[:] = tractions(nodes)
     layer.apply()
     u = inside(scene, 0, tractions(nodes), LOAD, scene.x, [0.0]).u[:, 0]

@@ -64,7 +64,7 @@ def test_uniform_mode_is_shear_and_confined_compression_of_the_layer():
 def test_pressing_a_half_plane_draws_its_surface_towards_the_load():
     """The sign of the coupling: for nu < 1/2 the surface beside a pressed spot moves towards it (Boussinesq)."""
     scene = Scene(nodes=512, width=512.0, nu=0.2, height=10.0)
-    layer = Convolution(Modes.of(scene).compliance, 512, 512)
+    layer = Convolution(Modes.of(scene), 512)
     layer.field[1, 250:263] = 1.0
     layer.apply()
     u = layer.product
@@ -76,7 +76,7 @@ def test_pressing_a_half_plane_draws_its_surface_towards_the_load():
 def test_mirroring_the_tractions_mirrors_the_displacements():
     scene = Scene(nodes=130, width=300.0)
     tractions = np.random.default_rng(1).normal(size=(2, 130))
-    layer = Convolution(Modes.of(scene).compliance, 130, 130)
+    layer = Convolution(Modes.of(scene), 130)
     layer.field[:] = tractions
     layer.apply()
     u = layer.product.copy()
@@ -108,15 +108,7 @@ def test_product_on_a_patch_is_the_sum_over_all_modes(nodes, size):
             -(odd @ c_c) @ tractions[0] + (even @ c_zz) @ tractions[1],
         ]
     )
-    layer = Convolution(Modes.of(scene).compliance, nodes, size)
+    layer = Convolution(Modes.of(scene), size)
     layer.field[:] = tractions
     layer.apply()
     assert layer.product == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
-
-
-def test_shift_is_the_inverse_of_one_plus_sigma_times_compliance():
-    modes, sigma = Modes(64, 100.0, 100.0, 70.0, 0.3), 3.0
-    s_xx, s_zz, s_c = modes.shifted(sigma)
-    c_xx, c_zz, c_c = modes.compliance
-    assert (1 + sigma * c_xx) * s_xx - sigma * c_c * s_c * -1.0 == pytest.approx(1.0, abs=1e-12)
-    assert (1 + sigma * c_zz) * s_zz + sigma * c_c * s_c == pytest.approx(1.0, abs=1e-12)

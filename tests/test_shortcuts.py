@@ -9,7 +9,6 @@ from solver.run.shortcuts import ALL, RULES, account
 SCENES = {
     "uniform": Scene(surface="flat", phi_ratio=0.1, u_x_max=20.0, nodes=256, width=625.0),
     "window": Scene(u_x_max=12.0),
-    "friction": Scene(phi_ratio=0.0, u_x_max=3.0),
     "translation": Scene(u_x_max=22.0),
 }
 
@@ -44,7 +43,6 @@ def test_the_account_counts_what_a_rule_applied_to(rule):
     counted = {
         "uniform": scene.nodes - 1,
         "window": scene.nodes - frames[-1].u.shape[1],
-        "friction": evaluations(frames),
         "translation": sum(f.repeated for f in frames),
     }[rule]
     told = account(frames)[rule]

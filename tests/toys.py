@@ -32,7 +32,7 @@ class Toy:
     def active(self, v, s, before=None, settled=None):
         return np.ones(1, bool) if before is None else before
 
-    def preconditioner(self, v, active, sharp=False):
+    def preconditioner(self, v, active):
         return None
 
     def grown(self, v, active, s, hidden=False):
@@ -94,10 +94,11 @@ class Disturbed:
         return self._matrix @ w / self.problem.k
 
     def inverse(self, solve, f):
-        return solve(-f / self.problem.k)
+        x = solve(-f / self.problem.k)
+        return x, self.problem.k * x
 
-    def projected(self, basis):
-        return basis @ self.problem.J(self.v) @ basis.T
+    def interaction(self, x):
+        return self.problem.J(self.v) @ x
 
     def seen(self, x):
         return x.copy()

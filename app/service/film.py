@@ -12,18 +12,16 @@ from solver.run.frame import STAGES, Frame
 
 def slow_motion(scene, before, after):
     """Packed blocks of the motion between two frames, each (packed block, row); or why there is none."""
-    stage, index, load = place_of(*after)
+    goal = frame_of(scene, *after)
+    name, sign = STAGES[goal.stage]
+    load = sign * getattr(goal, name)
     try:
-        film, _ = through(scene, frame_of(scene, *before), stage, load, limit=worker.SLOW)
+        film, _ = through(scene, frame_of(scene, *before), goal.stage, load, limit=worker.SLOW)
     except (NotConverged, ValueError) as error:
         return str(error)
     if not film:
         return "no branch ends here"
-    film = [replace(frame, index=index) for frame in film]
-    if scene.surface == "flat":
-        film = [packing.middle(scene, frame) for frame in film]
-    blocks = list(packing.same_patch([(frame, 0.0) for frame in film]))
-    return tuple(packing.pack(scene, block, block is blocks[-1]) for block in blocks)
+    return packing.packed(scene, [(replace(frame, index=goal.index), 0.0) for frame in film], True)
 
 
 def frame_of(scene, block, row):
@@ -35,11 +33,3 @@ def frame_of(scene, block, row):
     place = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
     u = np.array([u_x, gap - profile])
     return Frame(scene, **place, **known, first=head["first"], u=u, T=np.array(T), evaluations=0)
-
-
-def place_of(block, row):
-    """(stage, index, load along it in nm) of a row of a packed block."""
-    _, columns, _ = packing.unpack(block)
-    stage = packing.ORDER[int(columns["stage"][row])]
-    name, sign = STAGES[stage]
-    return stage, int(columns["index"][row]), sign * float(columns[name][row])

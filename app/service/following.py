@@ -4,16 +4,16 @@ A picture is what `pack` makes of two frames, that where sliding begins and the 
 the whole run in front. It takes some 40 kB, a run 1.3 MB.
 """
 
-import json
 import pickle
 import re
 import struct
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, e
 
 import numpy as np
 
-from app.service.packing import FREE, middle, pack
+from app.service.packing import FREE, headed, middle, pack
 from solver import NotFollowed, follow, skeleton_from
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
@@ -87,13 +87,7 @@ def picture(skeleton, at):
     }
     body = np.ascontiguousarray(curves).tobytes() + cells.tobytes()
     block = struct.pack("<I", 0) + pack(scene, [(frame, 0.0) for frame in frames], True)
-    return _headed(header) + body + b"\0" * (-len(body) % 4) + block
-
-
-def _headed(header):
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 4)
-    return struct.pack("<I", len(text)) + text
+    return headed(header, body + b"\0" * (-len(body) % 4) + block)
 
 
 def _loads(scene, slips):
@@ -138,17 +132,12 @@ def remembered(scene, frames, last, done):
         all_frames = _unpacked(scene, known) + frames
         repeats = next((k for k, frame in enumerate(all_frames) if frame.repeated), None)
         if repeats is not None or done:
-            known, skeleton = None, _skeleton(scene, all_frames[: None if repeats is None else repeats + 1])
+            known = None
+            with suppress(NotFollowed):
+                skeleton = pickle.dumps(skeleton_from(scene, all_frames[: None if repeats is None else repeats + 1]))
         else:
             known = _packed(all_frames)
     return (skeleton if done else None), (known, skeleton)
-
-
-def _skeleton(scene, frames):
-    try:
-        return pickle.dumps(skeleton_from(scene, frames))
-    except NotFollowed:
-        return None
 
 
 def _packed(frames):

@@ -3,9 +3,7 @@
 from collections import OrderedDict, deque
 from concurrent.futures import Future
 
-PATIENCE = (
-    20.0  # s without a result, beyond what a task asks for, after which its process is killed: a busy server is slow
-)
+PATIENCE = 20.0  # s beyond what a task asks for, after which its process is killed: a busy server is slow
 # what a task is for: somebody's screen; the exact run of what is on one already; a screen, but it takes long; the rest
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 
@@ -24,36 +22,42 @@ class Task(Future):
 
 
 class Line:
-    """Waiting tasks, whose owners take turns."""
+    """Waiting tasks: those of a lower rank come first, and in each rank owners take turns."""
 
     def __init__(self):
-        self._of = OrderedDict()  # owner: deque of tasks
+        self._of = tuple(OrderedDict() for _ in range(RANKS))  # {owner: deque of tasks}, by rank
 
     def __len__(self):
-        return sum(map(len, self._of.values()))
+        return sum(1 for _ in self)
 
     def __iter__(self):
-        return (task for tasks in self._of.values() for task in tasks)
+        return (task for owners in self._of for tasks in owners.values() for task in tasks)
+
+    @property
+    def rank(self):
+        """Of the task whose turn it is; None if there is none."""
+        return next((rank for rank, owners in enumerate(self._of) if owners), None)
 
     def add(self, task):
         """At the end of its owner's tasks."""
-        self._of.setdefault(task.owner, deque()).append(task)
+        self._of[task.rank].setdefault(task.owner, deque()).append(task)
 
     def take(self):
         """The task whose turn it is."""
-        owner, tasks = next(iter(self._of.items()))
+        owners = self._of[self.rank]
+        owner, tasks = next(iter(owners.items()))
+        owners.move_to_end(owner)
         task = tasks.popleft()
-        self._of.move_to_end(owner)
         if not tasks:
-            del self._of[owner]
+            del owners[owner]
         return task
 
     def place(self, task):
         """How many have their turn before this task; None if it does not wait here."""
-        tasks = self._of.get(task.owner, ())
+        owners = self._of[task.rank]
+        tasks = owners.get(task.owner, ())
         if task not in tasks:
             return None
-        before = tasks.index(task)
-        owners = list(self._of)
-        ahead = owners.index(task.owner)
-        return sum(min(len(self._of[owner]), before + (k < ahead)) for k, owner in enumerate(owners))
+        before, ahead = tasks.index(task), list(owners).index(task.owner)
+        sooner = sum(len(tasks) for others in self._of[: task.rank] for tasks in others.values())
+        return sooner + sum(min(len(tasks), before + (k < ahead)) for k, tasks in enumerate(owners.values()))

@@ -1,62 +1,52 @@
 """What the server counts and what it can tell of its state, as text for Prometheus; nothing here names a visitor."""
 
 import os
-from collections import Counter
-from threading import Lock
 from time import monotonic
 
+from prometheus_client import CollectorRegistry, Counter, Gauge, disable_created_metrics, generate_latest
+
 KNOWN = {  # counted since the start
-    "pages_total": "pages sent",
-    "visits_total": "visitors who came",
-    "turned_away_total": "visitors for whom there was no room",
-    "slices_total": "slices of runs computed",
-    "evaluations_total": "force evaluations in them",
-    "shelf_hits_total": "runs that were known already",
-    "shelf_misses_total": "runs that had to be computed",
-    "followed_total": "pictures of runs that followed a hand on a slider",
-    "agreed_total": "runs that were as followed: slips to 1e-4 nm, F to 1e-3 of its largest",
-    "disagreed_total": "runs that were not",
-    "not_followed_total": "times a run could not be followed, by reason",
-    "tasks_total": "tasks done by workers",
-    "tasks_lost_total": "tasks that took too long or whose worker ended",
-    "worker_restarts_total": "workers replaced",
-    "refused_messages_total": "messages of browsers that were none of the page's",
+    "pages": "pages sent",
+    "visits": "visitors who came",
+    "turned_away": "visitors for whom there was no room",
+    "slices": "slices of runs computed",
+    "evaluations": "force evaluations in them",
+    "shelf_hits": "runs that were known already",
+    "shelf_misses": "runs that had to be computed",
+    "followed": "pictures of runs that followed a hand on a slider",
+    "agreed": "runs that were as followed: slips to 1e-4 nm, F to 1e-3 of its largest",
+    "disagreed": "runs that were not",
+    "tasks": "tasks done by workers",
+    "tasks_lost": "tasks that took too long or whose worker ended",
+    "worker_restarts": "workers replaced",
+    "refused_messages": "messages of browsers that were none of the page's",
 }
-_counts, _lock, _begun = Counter(), Lock(), monotonic()
-_reasons = {}  # name: Counter of reasons
-_gauges = {}  # name: (what it is, () -> value)
+disable_created_metrics()
+_registry, _begun = CollectorRegistry(), monotonic()
+_counters = {name: Counter(f"contact_{name}", said, registry=_registry) for name, said in KNOWN.items()}
+not_followed = Counter(
+    "contact_not_followed", "times a run could not be followed, by reason", ["reason"], registry=_registry
+)
 
 
-def count(name, more=1, reason=None):
-    """Count something of KNOWN, in any thread; with a reason, for each of them apart."""
-    with _lock:
-        _counts[f"{name}_total"] += more
-        if reason is not None:
-            _reasons.setdefault(f"{name}_total", Counter())[reason.replace('"', "'")] += more
+def count(name, more=1):
+    """Count something of KNOWN, in any thread."""
+    _counters[name].inc(more)
 
 
 def counted(name):
     """How often it was counted."""
-    return _counts[f"{name}_total"]
+    return _registry.get_sample_value(f"contact_{name}_total")
 
 
 def gauge(name, said, value):
     """Have `value()` told whenever somebody asks."""
-    _gauges[name] = said, value
+    Gauge(f"contact_{name}", said, registry=_registry).set_function(value)
 
 
 def text():
-    """All of it, in Prometheus's text format."""
-    lines = []
-    for name, said in KNOWN.items():
-        lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} counter"]
-        apart = _reasons.get(name) or {None: _counts[name]}
-        for reason, many in apart.items():
-            label = "" if reason is None else f'{{reason="{reason}"}}'
-            lines.append(f"contact_{name}{label} {many}")
-    for name, (said, value) in _gauges.items():
-        lines += [f"# HELP contact_{name} {said}", f"# TYPE contact_{name} gauge", f"contact_{name} {value():g}"]
-    return "\n".join(lines) + "\n"
+    """All of it, in Prometheus's text format, as bytes."""
+    return generate_latest(_registry)
 
 
 def memory():

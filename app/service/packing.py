@@ -5,7 +5,8 @@ Workers pack, the server hands the bytes on without looking into them, so that i
 
 import json
 import struct
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import groupby
 from math import e
 
 import numpy as np
@@ -15,26 +16,40 @@ from solver.run.frame import STAGES
 from solver.run.load_steps import lifts
 from solver.scene import PARAMETERS
 
-COLUMNS = (  # of a packed block: a number each per frame
-    *("stage", "index", "U_x", "delta", "F_bar", "L_bar", "A_bar"),
-    *("residual", "evaluations", "slip", "slip_at", "slip_F", "slip_A", "work"),  # slips in it, and of the first
-)
+OF_FRAME = ("index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations")
+# Of a packed block: a number each per frame; slips in it, and of the first
+COLUMNS = ("stage", *OF_FRAME, "slip", "slip_at", "slip_F", "slip_A", "work")
 ORDER = tuple(STAGES)  # what the column "stage" counts
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 FLAT = 160  # nodes sent of a flat surface, where all are alike
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
 
 
-def same_patch(rows):
-    """Cut a list of (frame, work) where the patch changes, so that every block is a rectangle."""
-    block = []
-    for frame, work in rows:
-        if block and (frame.first, frame.u.shape[1]) != (block[0][0].first, block[0][0].u.shape[1]):
-            yield block
-            block = []
-        block.append((frame, work))
-    if block:
-        yield block
+@dataclass(frozen=True)
+class Frames:
+    """Packed frames of a run, bytes, one block per patch; their number, and the sums over them."""
+
+    blocks: tuple = ()
+    frames: int = 0
+    evaluations: int = 0
+    residual: float = 0.0  # nm, the largest
+    widest: float = 0.0  # part of w over which anything acts, at most
+    safe_damping: float = 0.0  # the largest
+    skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
+
+    def __add__(self, more):
+        """These frames and those that follow."""
+        counted = (getattr(self, name) + getattr(more, name) for name in ("blocks", "frames", "evaluations"))
+        largest = (max(getattr(self, name), getattr(more, name)) for name in ("residual", "widest", "safe_damping"))
+        return Frames(*counted, *largest, more.skeleton)
+
+
+def packed(scene, rows, done):
+    """Blocks of rows (frame, work), a tuple, cut where the patch changes, so that every block is a rectangle."""
+    if scene.surface == "flat":
+        rows = [(middle(scene, frame), work) for frame, work in rows]
+    blocks = [list(block) for _, block in groupby(rows, lambda row: (row[0].first, row[0].u.shape[1]))]
+    return tuple(pack(scene, block, done and block is blocks[-1]) for block in blocks)
 
 
 def pack(scene, rows, last):
@@ -119,20 +134,8 @@ def _span(scene):
 
 def _numbers(frame, work):
     first = frame.slips[0] if frame.slips else None
-    return (
-        ORDER.index(frame.stage),
-        frame.index,
-        frame.U_x,
-        frame.delta,
-        frame.F_bar,
-        frame.L_bar,
-        frame.A_bar,
-        frame.residual,
-        frame.evaluations,
-        len(frame.slips),
-        *((first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)),
-        work,
-    )
+    slip = (first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)
+    return ORDER.index(frame.stage), *(getattr(frame, name) for name in OF_FRAME), len(frame.slips), *slip, work
 
 
 def middle(scene, frame):

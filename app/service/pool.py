@@ -15,7 +15,7 @@ from threading import Event, RLock, Thread
 from time import monotonic
 
 from app.service import metrics, worker
-from app.service.line import EXACT, HEAVY, LATER, PATIENCE, RANKS, SCREEN, Line, Task
+from app.service.line import EXACT, HEAVY, LATER, PATIENCE, SCREEN, Line, Task
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
@@ -60,7 +60,7 @@ class Pool:
         self.replaced = 0  # workers lost
         self.wisdom = None  # FFTW's, measured by one worker for all
         self.why = ""  # no worker can be started
-        self._seats, self._lines = [], tuple(Line() for _ in range(RANKS))
+        self._seats, self._line = [], Line()
         self._lock, self._closing, self._warm = RLock(), Event(), Event()
         self._answered = -inf  # when a worker last gave an answer, s, monotonic
         self._fit = -inf  # when a worker was last known to be fit, s, monotonic
@@ -80,7 +80,7 @@ class Pool:
     def in_flight(self):
         """How many tasks wait or run for somebody."""
         with self._lock:
-            tasks = [*(task for line in self._lines for task in line), *(seat.task for seat in self._seats)]
+            tasks = [*self._line, *(seat.task for seat in self._seats)]
             return sum(task is not None and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
@@ -106,7 +106,7 @@ class Pool:
             if self._closing.is_set() or self.status == "failing":
                 task.set_exception(Lost("closed", self.why or "the server is being stopped"))
             else:
-                self._lines[rank].add(task)
+                self._line.add(task)
         self._dispatch()
         return task
 
@@ -118,8 +118,7 @@ class Pool:
     def place(self, task):
         """How many tasks have their turn before this one; None if it does not wait."""
         with self._lock:
-            found = self._lines[task.rank].place(task)
-            return found if found is None else found + sum(len(line) for line in self._lines[: task.rank])
+            return self._line.place(task)
 
     def alive(self):
         """(whether a worker has answered lately, or one is idle whose process lives, what is to be said of it)."""
@@ -144,7 +143,7 @@ class Pool:
         atexit.unregister(self.close)
         with self._lock:
             seats, self._seats = self._seats, []
-            waiting, self._lines = [task for line in self._lines for task in line], tuple(Line() for _ in range(RANKS))
+            waiting, self._line = self._line, Line()
             callers = [seat.caller for seat in seats if seat.caller]
         for task in waiting:
             task.cancel()
@@ -168,14 +167,11 @@ class Pool:
                     seat.ring()
 
     def _next(self):
-        """The task whose turn it is, taken from its line, or None."""
-        screen, exact, *slow = self._lines
-        if screen or exact:
-            return (screen or exact).take()
+        """The task whose turn it is, taken from the line, or None."""
+        rank = self._line.rank
         free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
         hoped = sum(seat.failures < STARTS for seat in self._seats)
-        line = next(filter(len, slow), None)
-        return line.take() if line and free > (hoped > 1) else None
+        return self._line.take() if rank is not None and (rank <= EXACT or free > (hoped > 1)) else None
 
     # a seat, in its thread
 
@@ -264,10 +260,10 @@ class Pool:
                 self._fit = monotonic()
             hopeless = seat.failures >= STARTS and monotonic() > self._fit + HOPE
             hopeless = hopeless and not any(other.ready for other in self._seats)
-            waiting = []
+            waiting = ()
             if hopeless:
                 self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
-                waiting = [line.take() for line in self._lines for _ in range(len(line))]
+                waiting, self._line = self._line, Line()
         if task is not None:
             self._settle(task, lost)
         for other in waiting:
@@ -285,3 +281,5 @@ def made():
 
 
 pool = made()
+metrics.gauge("queue", "tasks that wait or run for somebody", lambda: pool.in_flight)
+metrics.gauge("workers", "workers that are ready", lambda: pool.ready)

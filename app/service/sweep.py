@@ -3,11 +3,13 @@
 import logging
 import pickle
 from concurrent.futures import CancelledError
+from contextlib import suppress
 from dataclasses import dataclass
 from threading import RLock
 from typing import Any
 
-from app.service.kept import Kept
+from cachetools import LRUCache
+
 from app.service.pool import LATER
 from app.service.tasks import Part
 from solver.continuation.state import OutOfTime
@@ -15,13 +17,13 @@ from solver.isolated import Lost
 
 log = logging.getLogger("app")
 CAPACITY = 50e6  # bytes of results kept
-LIVES = 3  # how often a slice may be lost with its worker
+LIVES = 3  # how often a slice may be lost with its worker, or take too long
 MADE = RuntimeError("the server could not compute it; its log says why")
 
 
 @dataclass
 class Asked:
-    """A call on its way: its task, who waits for it, how often a slice was lost, and what it has come to."""
+    """A call on its way: its task, who waits for it, how often a slice was lost, what it has come to."""
 
     owner: Any
     hearers: list
@@ -34,7 +36,7 @@ class Results:
     """Results by call, those used last; a call that several visitors want at the same time is made once."""
 
     def __init__(self, capacity=CAPACITY):
-        self._kept = Kept(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
+        self._kept = LRUCache(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
         self._asked, self._lock = {}, RLock()
 
     def clear(self):
@@ -84,15 +86,17 @@ class Results:
             try:
                 result = task.result()
             except (Lost, CancelledError) as error:
-                asked.lost += 1
-                if asked.lost < LIVES and getattr(error, "kind", "") == "crash":
-                    return self._submit(pool, call)
                 result = MADE if getattr(error, "kind", "") == "error" else error
             if isinstance(result, Part):
                 asked.kept = (result.kept,)
                 return self._submit(pool, call)
+            if isinstance(result, OutOfTime) or getattr(result, "kind", "") == "crash":  # the machine was busy
+                asked.lost += 1
+                if asked.lost < LIVES:
+                    return self._submit(pool, call)
             if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # it may be another one next time
-                self._kept.put(call, (call, result))
+                with suppress(ValueError):  # of what is larger than all that is kept
+                    self._kept[call] = call, result
             del self._asked[call]
         for hear in asked.hearers:
             hear(call, result)

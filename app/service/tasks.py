@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 
 from app.service import worker
+from app.service.packing import Frames
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, reach, search_on
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import points_of
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
+from solver.analysis.outputs import over_own
+from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
+from solver.analysis.spread import SLIP, WIDE, draw, spread_of, told
 from solver.cli import report_of
 from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
@@ -35,6 +39,16 @@ class Part:
     """What a call has come to in its time: made again with `kept` behind its arguments, it goes on from there."""
 
     kept: Any
+
+
+def whole_run(scene, kept=None):
+    """The Frames of a scene, or Part of it, or the NotConverged that ended it."""
+    run, checkpoint, last = kept or (Frames(), None, None)
+    piece = worker.compute(scene, checkpoint, SLICE, last)
+    run += piece
+    if piece.failure:
+        return NotConverged(piece.failure)
+    return run if piece.done else Part((run, piece.checkpoint, piece.last))
 
 
 def flat_curve(scene, kept=None):
@@ -112,8 +126,9 @@ def onset_of(scene, kept=None):
 def what_matters(scene):
     """What moves the first slip of a scene, as the page "What matters" draws it; or a sentence why there is nothing.
 
-    bars: {parameter: [U_s, F_s, A_s]}, change in per cent for one per cent more of the parameter, for 0.01 of one that
-    is zero; None of what is zero itself. nodes: change of F_s by the strength of each node from `first` on, over F_s.
+    bars: {parameter: [U_s, F_s, A_s]}, change (of nm and N/m) in per cent for one per cent more of the parameter, for
+    0.01 of one that is zero; None of what is zero itself. nodes: change of F_s by the strength of each node from
+    `first` on, over F_s.
     """
     try:
         found = sensitivities(skeleton_of(scene), branches=False)
@@ -122,17 +137,49 @@ def what_matters(scene):
     if not found.slips:
         return "nothing slips up to the end of the run"
     slip = found.slips[0]
-    now = np.array([slip.event.load, slip.event.F_bar, slip.event.A_bar])
     values = {name: getattr(scene, name) for name in slip.by}
     bars = {}
     for name, by in slip.by.items():
-        change = by[[0, 1, 3]] * (values[name] or 1.0)
-        bars[name] = [float(f"{d / v:.4g}") if v else None for d, v in zip(change, now, strict=True)]
+        change = over_own(scene, name, slip.values, by) * (values[name] or 1.0)
+        parts = [float(f"{d / v:.4g}") if v else None for d, v in zip(change, slip.values, strict=True)]
+        bars[name] = [parts[k] for k in (0, 1, 3)]
     held = slip.nodes[1] / (slip.event.F_bar or 1.0)
     acting = np.flatnonzero(held)
     first, last = (acting[0], acting[-1] + 1) if acting.size else (0, 0)
     nodes = [float(f"{share:.3g}") for share in held[first:last]]
     return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
+
+
+def spread_band(scene, percent, draws, kept=None):
+    """What is known of a run whose parameters have standard deviations of so many per cent, of 1 where one is zero.
+
+    bands: {"F", "L", "A": {"x": (k,) nm, "y": (k,)}}, polygons of 95 %, None between them; linear and drawn: {"U_s",
+    "F_s", "L_s", "A_s": (low, high)} of the first slip, by derivatives and by so many runs, drawn None without; differ:
+    names of those that differ; lost: draws without such a slip. Forces are over wE of the scene, A over its w, U_s in
+    nm. Or Part of it, or a sentence why there is nothing.
+    """
+    begun = perf_counter()
+    try:
+        of = {name: 0.01 * percent * abs(getattr(scene, name) or 1.0) for name in continuous(scene)}
+        found, rows = kept or (spread_of(skeleton_of(scene), of), [])
+    except (NotConverged, NotFollowed) as error:
+        return f"{error}".rstrip(".")
+    if not found.slips:
+        return "nothing slips up to the end of the run"
+    while len(rows) < draws:
+        if perf_counter() - begun > SLICE:
+            return Part((found, rows))
+        rows.append(draw(found.sensitivities.skeleton, of, len(rows)))
+    found = replace(found, **dict(zip(("drawn", "lost"), told(rows), strict=True)))
+    bands = {name: {"x": [], "y": []} for name in "FLA"}
+    for U_x, *rows in found.laid_out():
+        for band, value, deviation in zip(bands.values(), rows[:3], rows[3:], strict=True):
+            band["x"] += [*U_x.tolist(), *U_x[::-1].tolist(), None]
+            band["y"] += [*(value - WIDE * deviation).tolist(), *(value + WIDE * deviation)[::-1].tolist(), None]
+    linear, drawn = ({name: of(name) for name in SLIP} for of in (found.interval, found.drawn_interval))
+    differ = [name for name in SLIP if found.differs(name)]
+    said = {"linear": linear, "drawn": drawn if len(found.drawn) else None, "differ": differ}
+    return said | {"bands": bands, "draws": len(found.drawn), "lost": found.lost}
 
 
 def map_tile(tile, kept=()):

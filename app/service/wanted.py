@@ -1,5 +1,7 @@
 """One call of the workers that a visitor waits for: the newest counts, and what comes late is forgotten."""
 
+from app.service.tasks import Part
+
 
 class Wanted:
     """What one part of a visitor's page waits for; every method runs under the lock of the document."""
@@ -10,11 +12,11 @@ class Wanted:
     def ask(self, call, take, **how):
         """Have call = (function, *arguments) made in place of the one before, then `take(result)`, None if it failed.
 
-        how: rank and seconds, as of `Pool.submit`.
+        A call that gives a Part goes on from it. how: rank, seconds and near,
+        as of `Pool.submit`.
         """
         self.forget()
-        task = self.task = self.session.pool.submit(*call, owner=id(self.session), **how)
-        self.session.when_done(task, lambda done: self._done(done, take))
+        self._make(call, (), take, how)
 
     def forget(self):
         """Wait for nothing any longer."""
@@ -22,7 +24,16 @@ class Wanted:
             self.session.pool.abandon(self.task)
             self.task = None
 
-    def _done(self, task, take):
-        if task is self.task:
-            self.task = None
-            take(None if task.cancelled() or task.exception() else task.result())
+    def _make(self, call, kept, take, how):
+        task = self.task = self.session.pool.submit(*call, *kept, owner=id(self.session), **how)
+        self.session.when_done(task, lambda done: self._done(done, call, take, how))
+
+    def _done(self, task, call, take, how):
+        if task is not self.task:
+            return
+        self.task = None
+        result = None if task.cancelled() or task.exception() else task.result()
+        if isinstance(result, Part):
+            self._make(call, (result.kept,), take, how)
+        else:
+            take(result)

@@ -11,7 +11,7 @@ import numpy as np
 import pyfftw
 
 from app.service.following import remembered
-from app.service.packing import middle, pack, same_patch
+from app.service.packing import Frames, packed
 from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
@@ -29,26 +29,19 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 
 
 @dataclass(frozen=True)
-class Slice:
-    """The outcome of one task: packed frames (bytes, one block per patch), their number, the sums over them.
+class Slice(Frames):
+    """The outcome of one task.
 
     ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: what the next slice
     needs of the frames, for the work of a loop or for the skeleton of the run.
     """
 
-    blocks: tuple
-    frames: int
-    ahead: int
-    evaluations: int
-    residual: float  # nm, the largest of the slice
-    widest: float  # part of w over which anything acts, the largest of the slice
-    checkpoint: Any
-    last: Any
-    done: bool
-    failure: str | None
+    ahead: int | None = None
+    checkpoint: Any = None
+    last: Any = None
+    done: bool = False
+    failure: str | None = None
     heavy: bool = False  # whether an increment takes, or took, longer than QUICK
-    safe_damping: float = 0.0  # the largest of the slice's frames
-    skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
 
 
 def start(wisdom=None):
@@ -76,8 +69,7 @@ def ready():
 def measure():
     """Let FFTW try out its ways for the usual lengths; returns what it found, for `learn` in other workers."""
     for length in LENGTHS:
-        for normal_only in (False, True):
-            transforms(length, normal_only, measure=True)
+        transforms(length, measure=True)
     return pyfftw.export_wisdom()
 
 
@@ -117,11 +109,8 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         skeleton, last = remembered(scene, frames, last, checkpoint.done and not checkpoint.failure)
     else:
         works, last = _works(scene, frames, last)
-    if scene.surface == "flat":
-        frames = [middle(scene, frame) for frame in frames]
-    blocks = list(same_patch(list(zip(frames, works, strict=True))))
     return Slice(
-        blocks=tuple(pack(scene, block, checkpoint.done and block[-1][0] is frames[-1]) for block in blocks),
+        blocks=packed(scene, list(zip(frames, works, strict=True)), checkpoint.done),
         frames=len(frames),
         ahead=_ahead(scene, checkpoint),
         evaluations=int(sum(frame.evaluations for frame in frames)),
@@ -139,7 +128,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
 
 def _on_the_way(scene, way, begun, budget, history, limit):
     """The Checkpoint from which a run goes on from others; or a Slice without frames: not there yet, or no way."""
-    none = Slice((), 0, None, 0, 0.0, 0.0, way, None, False, None, heavy=True)
+    none = Slice(checkpoint=way, heavy=True)
     try:
         found = carried((*history, (scene, 0)), way or Carrying(), begun + budget, limit)
     except (NotConverged, SceneError, NotInShear) as error:  # the state does not lead on into this scene

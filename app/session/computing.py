@@ -4,12 +4,13 @@ import logging
 import time
 from concurrent.futures import CancelledError
 
+from cachetools import FIFOCache
+
 from app.limits import coarse, increments_of
 from app.service import metrics, packing, worker
-from app.service.finished import Finished
 from app.service.pool import EXACT, HEAVY, SCREEN
 from app.session.following import Following
-from app.session.run import Chains, Run
+from app.session.run import Run
 from solver.cautions import cautions
 from solver.isolated import Lost
 
@@ -23,6 +24,7 @@ COARSE = 0.6  # s of work in the first slice of a coarse run, which nearly alway
 ITS_TIME = 1.2  # s that a coarse run has to itself: most of its work is in few increments, a late curve beats none
 LONGER = 1.5  # s that it may still need then, to be finished all the same
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+RUNS = 40  # of a visitor, from which another run may go on
 WAITS = 1.0  # s in the queue, after which a visitor is told its place
 
 
@@ -35,8 +37,8 @@ class Computing:
 
     def __init__(self, session):
         self.session = session
-        self.run, self.chains = None, Chains()
-        self.wanted = None  # a newer (scene, run and frame to go on from), while a slice of the old one is in flight
+        self.run, self.runs = None, FIFOCache(RUNS)  # by number, from which another may go on
+        self.wanted = None  # a newer (scene, after, held, at), as of `want`, while a slice of the old one is in flight
         self.flight, self.budget, self.since = None, 0.0, 0.0  # the slice, s of work in it, when it was asked for
         self.last = None  # the slice before: the worker that did it is the best for the next
         self.cautions = []  # of the last finished run
@@ -47,8 +49,8 @@ class Computing:
     def legs(self):
         """((Scene, frames), ..., (Scene, None)) that lead to the run wanted last: see `solver.carried_path`."""
         if self.wanted is not None:
-            scene, after, _ = self.wanted
-            return (*(self.chains.history(*after) if after else ()), (scene, None))
+            scene, after, *_ = self.wanted
+            return (*(self.runs[after[0]].up_to(after[1]) if after else ()), (scene, None))
         return (*self.run.history, (self.run.wish, None)) if self.run else ((self.session.scene, None),)
 
     def close(self):
@@ -118,7 +120,7 @@ class Computing:
         if not held or after or makes_coarse or not self.following.want(scene, at):
             return False
         self.abandon()
-        self.session.marks.pause()
+        self.session.marks.cancel()  # until the run of where the hand goes has ended
         if self.run.state == "running":
             self.run.state = "skipped"
         return True
@@ -165,15 +167,18 @@ class Computing:
         self.abandon()
         if not held and not refines:
             self.following.goes_on_from(None)
-        number = self.run.number + 1 if self.run else 1
+        number = 1
+        if self.run:
+            number = self.run.number + 1
+            self.run.leave()
         state = "warming" if self.session.pool.status != "ready" else "running"
         scene = coarse(wish) if held and wish not in self.session.shelf else wish
         self.run = Run(number, scene, increments_of(scene), state, time.monotonic(), wish=wish, refines=refines)
         self.wanted = None
         if after:
-            self.run.after, self.run.history = after, self.chains.history(*after)
+            self.run.after, self.run.history = after, self.runs[after[0]].up_to(after[1])
             self.run.frames = after[1] + 1
-        self.chains.add(self.run)
+        self.runs[number] = self.run
         known = None if after else self.session.shelf.get(scene)
         metrics.count("shelf_misses" if known is None else "shelf_hits")
         if known is not None:
@@ -238,28 +243,24 @@ class Computing:
         metrics.count("slices")
         metrics.count("evaluations", piece.evaluations)
         run.add(piece, time.monotonic())
-        if piece.ahead is not None:
-            self.chains.grown(run)
         if piece.done:
             if run.refines:
-                self._send(run.blocks)
-            self._keep(piece.skeleton)
+                self._send(run.made.blocks)
+            self._keep()
         if not run.refines:
             self._send(piece.blocks)
 
-    def _keep(self, skeleton=None):
+    def _keep(self):
         """A run that has ended goes on the shelf: for all, or, if it is no whole run of its scene, for this visitor."""
         run = self.run
-        self.cautions = cautions(run.scene, run.widest, run.safe_damping)
         run.kept_as = run.scene if run.state == "finished" and not run.history else object()
-        sums = run.evaluations, run.residual, run.widest, run.safe_damping
-        whole = Finished(tuple(run.blocks), run.frames, *sums, skeleton)
-        self.session.shelf.put(run.kept_as, whole)
-        self._go_on_from(whole)
-        run.blocks = []
+        self.session.shelf.put(run.kept_as, run.made)
+        self._ended(run.made)
+        run.leave()
 
-    def _go_on_from(self, whole):
+    def _ended(self, whole):
         """A hand that moves goes on from this run; if it has brought the pictures here, were they right?"""
+        self.cautions = cautions(self.run.scene, whole.widest, whole.safe_damping)
         if self.run.state == "finished" and not self.run.coarse:
             self.following.judge(self.run.scene, whole.blocks)
         if whole.skeleton or not self.run.coarse:
@@ -268,10 +269,8 @@ class Computing:
     def _show_known(self, known):
         run = self.run
         run.take_over(known)
-        self.cautions = cautions(run.scene, run.widest, run.safe_damping)
-        self.chains.grown(run)
         self._send(known.blocks)
-        self._go_on_from(known)
+        self._ended(known)
 
     def _send(self, blocks):
         for block in blocks:

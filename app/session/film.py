@@ -10,15 +10,12 @@ FIRST = 2_000_000  # numbers of films lie above, as FILM in run.js: the frame th
 MOST = 20 * worker.SLOW  # s that it may take: an increment is made again, and every state on its way packed
 
 
-class Film:
+class Film(Wanted):
     """The motion that the visitor waits for; every method runs under the lock of the document."""
-
-    def __init__(self, session):
-        self.session, self.wanted = session, Wanted(session)
 
     def want(self, values):
         """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
-        self.wanted.forget()
+        self.forget()
         session, run, k = self.session, self.session.computing.run, values["frame"]
         session.notes = [note for note in session.notes if not note.startswith(NAME)]
         if run is None or run.number != values["run"]:
@@ -28,11 +25,7 @@ class Film:
             session.notes = [f"{NAME}: the increment before this slip belongs to a run that is no longer at hand."]
             return
         call = (slow_motion, run.scene, *places)
-        self.wanted.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=MOST)
-
-    def close(self):
-        """Wait for nothing any longer."""
-        self.wanted.forget()
+        self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=MOST)
 
     def _made(self, made, k):
         if made is None or isinstance(made, str):

@@ -7,24 +7,25 @@ from math import nan
 import numpy as np
 
 from app.service import metrics, packing
-from app.service.following import AGREE_F, AGREE_U, SHOWN, compared, followed
+from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
 from app.service.pool import LATER, SCREEN
+from app.service.wanted import Wanted
 
 log = logging.getLogger("app")
 OFF = "What was shown while the slider moved"  # a note begins with it
 
 
-class Following:
+class Following(Wanted):
     """Of one visitor; `skeleton` (pickled) is what the next move goes on from, `shown` the Scene of the picture sent.
 
     Every method runs under the lock of the document.
     """
 
     def __init__(self, session, start):
-        self.session = session
+        super().__init__(session)
         self.start = start  # start(scene): a run of it from its start, where nothing can be followed
         self.skeleton = self.shown = None
-        self.flight = self.wanted = self.near = None
+        self.wanted = self.near = None
 
     def goes_on_from(self, skeleton):
         """A run has ended: what is pickled here of it is what a hand moves on from; None: nothing."""
@@ -36,20 +37,19 @@ class Following:
         if self._source(scene) is None:
             return False
         self.wanted = scene, at, self.session.acknowledged
-        if self.flight is None:
+        if self.task is None:
             self._submit()
         return True
 
     @property
     def moves(self):
         """Whether pictures, sent or on their way, have left the last run behind."""
-        return self.flight is not None or self.shown is not None
+        return self.task is not None or self.shown is not None
 
     def leave(self):
         """No picture is wanted any longer."""
-        if self.flight is not None:
-            self.session.pool.abandon(self.flight)
-        self.flight = self.wanted = None
+        self.forget()
+        self.wanted = None
 
     def _source(self, scene):
         """The pickled Skeleton to go on from to a scene: of the page that is open if it has a nearer one, or None."""
@@ -59,18 +59,12 @@ class Following:
     def _submit(self):
         (scene, at, number), self.wanted = self.wanted, None
         call = (followed, self._source(scene), scene, at)
-        task = self.flight = self.near = self.session.pool.submit(
-            *call, near=self.near, owner=id(self.session), rank=SCREEN
-        )
-        self.session.when_done(task, lambda done: self._take(done, scene, number))
+        self.ask(call, lambda made: self._take(made, scene, number), near=self.near, rank=SCREEN)
+        self.near = self.task
 
-    def _take(self, task, scene, number):
-        if self.session.closed or task is not self.flight:
-            return
-        self.flight = None
-        made = "the worker was lost" if task.cancelled() or task.exception() else task.result()
-        if isinstance(made, str):
-            metrics.count("not_followed", reason=made)
+    def _take(self, made, scene, number):
+        if not isinstance(made, Followed):
+            metrics.not_followed.labels(made or "the worker was lost").inc()
             scene, self.wanted = self.wanted[0] if self.wanted else scene, None
             self.shown = None
             return self.start(scene)
@@ -90,13 +84,12 @@ class Following:
         )
         sheared = stage == packing.ORDER.index("shear")
         exact = (U_x[sheared].astype(float), F_bar[sheared], at[sheared & (slip > 0)].tolist())
-        task = self.session.pool.submit(compared, self.skeleton, *exact, owner=id(self.session), rank=LATER)
-        self.session.when_done(task, lambda done: self._judged(done, scene))
+        Wanted(self.session).ask((compared, self.skeleton, *exact), lambda off: self._judged(off, scene), rank=LATER)
 
-    def _judged(self, task, scene):
-        if task.cancelled() or task.exception():
+    def _judged(self, off, scene):
+        if off is None:
             return
-        off_U, off_F = task.result()
+        off_U, off_F = off
         agreed = off_U <= AGREE_U and off_F <= AGREE_F
         metrics.count("agreed" if agreed else "disagreed")
         if not agreed:

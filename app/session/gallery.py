@@ -1,13 +1,11 @@
 """Small pictures of the presets, computed when the first visitor opens the gallery, and then there for all."""
 
 import json
-from collections import Counter
 from functools import cache
 
 from app.limits import coarse
 from app.service import tasks
-from app.service.sweep import LIVES, Sweep
-from solver.continuation.state import OutOfTime
+from app.service.sweep import Sweep
 from solver.presets import presets
 
 
@@ -17,23 +15,16 @@ def _names():
     return {(tasks.thumbnail, coarse(one.scene)): one.name for one in presets().values()}
 
 
-class Gallery:
+class Gallery(Sweep):
     """The pictures that one visitor waits for; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.sweep, self.late = session, Sweep(session, self._take), Counter()
+        super().__init__(session, self._made)
 
     def want(self):
         """Send the picture of every preset, one by one as they are made."""
-        self.sweep.add(_names())
+        self.add(_names())
 
-    def close(self):
-        """Wait for nothing any longer."""
-        self.sweep.cancel()
-
-    def _take(self, call, found):
-        self.late[call] += isinstance(found, OutOfTime)
-        if isinstance(found, OutOfTime) and self.late[call] < LIVES:  # the machine was busy
-            return self.sweep.add([call])
+    def _made(self, call, found):
         drawn = None if isinstance(found, Exception) else found
         self.session.wire.thumbnail = json.dumps({"preset": _names()[call], "drawn": drawn})

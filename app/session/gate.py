@@ -142,16 +142,10 @@ class Gate(WSHandler):
 
     def _upload(self, content):
         """The one long message there is: an order that brings a profile."""
-        start = LARGE.match(content)
-        if start is None:
+        wire, text, rest = orders.one_text(content, LARGE)
+        if rest != "}]}":
             raise orders.Refused("A message was too long.")
-        try:
-            text, end = json.JSONDecoder().raw_decode(content, start.end())
-        except ValueError:
-            raise orders.Refused("A message could not be read.") from None
-        if content[end:] != "}]}":
-            raise orders.Refused("A message was too long.")
-        return [self._checked(start[1], text)]
+        return [self._checked(wire, text)]
 
     def _checked(self, wire, text):
         if not self._wire(wire) or not isinstance(text, str):

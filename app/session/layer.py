@@ -7,11 +7,8 @@ GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table 
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # that a browser may ask for; nm
 
 
-class Layer:
+class Layer(Wanted):
     """The table that the visitor waits for; every method runs under the lock of the document."""
-
-    def __init__(self, session):
-        self.session, self.wanted = session, Wanted(session)
 
     def want(self, values):
         """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}."""
@@ -22,11 +19,7 @@ class Layer:
         modes = int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
         depth = min(max(values["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
         head = {"asked": values, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
-        self.wanted.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._take(made, head))
-
-    def close(self):
-        """Wait for nothing any longer."""
-        self.wanted.forget()
+        self.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._take(made, head))
 
     def _take(self, made, head):
         if made is not None:  # otherwise nothing is drawn

@@ -11,26 +11,12 @@ from solver.presets import presets
 SMALL = 8000  # characters of an order, but for one that brings a file
 LARGEST = 2_000_000  # characters of a file
 LONGEST = 64  # characters of a value
-LONGER = {"profile": 2000, "link": 5000, "free": 200}  # of those that are longer
-# without values
-PLAIN = (
-    "hello",
-    "pause",
-    "go",
-    "one",
-    "skip",
-    "rest",
-    "reset",
-    "measure",
-    "cancel",
-    "twin",
-    "gallery",
-)
+LONGER = {"profile": 2000, "link": 5000, "free": 200, "text": SMALL}  # of those that are longer
+PLAIN = ("hello", "pause", "go", "one", "skip", "rest", "reset", "measure", "cancel", "twin", "gallery")
 ASKED = {  # of a page
-    **dict.fromkeys(("E", "phi_t", "series"), (int, float)),
+    **dict.fromkeys(("E", "phi_t", "series", "percent", "draws"), (int, float)),
     **dict.fromkeys(("what", "of", "x", "y", "free"), str),
 }
-BROUGHT = ("profile", "measurement")  # by a file
 UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"(profile|measurement)"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
 
 
@@ -64,56 +50,34 @@ def read(text):
     order = plain_json(text)
     if not isinstance(order, dict):
         raise Refused("An order could not be read.")
-    values, do = order.get("values") or {}, order.get("do")
-    if do in BROUGHT and isinstance(values, dict) and isinstance(values.get("text"), str):
-        return Order(do, {"text": values["text"]}, _number(order.get("n")))
+    do, values = str(order.get("do")), order.get("values") or {}
     if not isinstance(values, dict) or not all(map(_is_value, values, values.values())):
         raise Refused("An order may hold short texts and numbers only.")
-    n, held, at = _number(order.get("n")), order.get("held") is True, _number(order.get("at")) or 0.0
-    checked = Order(str(do), values, n, _place(order.get("from")), held, at)
-    if do in PLAIN:
-        return Order(checked.do, {}, checked.n)
-    if do == "scene" and values and values.keys() <= PARAMETERS.keys():
-        return checked
-    if do == "ask" and all(isinstance(value, ASKED.get(name, ())) for name, value in values.items()):
-        return checked
-    if do == "restore" and _is_scene(values):
-        return checked
-    if do == "beside" and type(values.get("beside")) is int and _is_scene(values, "beside"):
-        return checked
-    if (
-        do == "film"
-        and values.keys() == {"run", "frame"}
-        and all(type(v) is int and 0 < v < 1e6 for v in values.values())
-    ):
-        return checked
-    if do == "layer" and values.keys() == {"rows", "modes", "depth"} and None not in map(_number, values.values()):
-        return checked
-    if do == "share" and isinstance(values.get("link"), str):
-        return checked
-    if do == "take" and values.get("kind") in ("npz", "json"):
-        return checked
-    if do == "preset" and values.get("preset") in presets():
-        return checked
-    if do == "page" and isinstance(values.get("page"), str):
-        return checked
-    raise Refused("An order was not understood.")
+    if do not in KNOWN or not KNOWN[do](values):
+        raise Refused("An order was not understood.")
+    held, at = order.get("held") is True, _number(order.get("at")) or 0.0
+    return Order(do, values, _number(order.get("n")), _place(order.get("from")), held, at)
 
 
 def _brought(text):
-    """The Order that brings a file; nothing of it is read but one text, however long it is."""
-    start = UPLOAD.match(text)
-    if start is None:
-        raise Refused("An order was too long.")
-    do = start[1]
+    """The Order that brings a file."""
+    do, content, rest = one_text(text, UPLOAD)
     if len(text) > 1.1 * LARGEST:
         raise Refused(f"{do}: more than {LARGEST / 1e6:g} MB; thin it out.", do)
+    order = plain_json('{"values": {"text": ""' + rest[:SMALL])
+    return Order(do, {"text": content}, _number(isinstance(order, dict) and order.get("n")))
+
+
+def one_text(message, start):
+    """(what `start` finds at the beginning, the text behind it, the rest); raises Refused. Else nothing is read."""
+    begun = start.match(message)
+    if begun is None:
+        raise Refused("A message was too long.")
     try:
-        content, end = json.JSONDecoder().raw_decode(text, start.end())
+        text, end = json.JSONDecoder().raw_decode(message, begun.end())
     except ValueError:
-        raise Refused(f"{do}: the file could not be read.", do) from None
-    rest = plain_json('{"values": {"text": ""' + text[end:][:SMALL])
-    return Order(do, {"text": content}, _number(isinstance(rest, dict) and rest.get("n")))
+        raise Refused("A message could not be read.") from None
+    return begun[1], text, message[end:]
 
 
 def plain_json(text):
@@ -132,6 +96,30 @@ def _is_scene(values, other=None):
     """Whether these are texts of an address, but for the value called `other`."""
     known = {"preset", "profile", *PARAMETERS}
     return all(name == other or (name in known and isinstance(value, str)) for name, value in values.items())
+
+
+def _is_film(values):
+    return values.keys() == {"run", "frame"} and all(type(v) is int and 0 < v < 1e6 for v in values.values())
+
+
+def _is_layer(values):
+    return values.keys() == {"rows", "modes", "depth"} and None not in map(_number, values.values())
+
+
+KNOWN = {  # what may be ordered: whether it may be with these values
+    **dict.fromkeys(PLAIN, lambda values: True),
+    **dict.fromkeys(("profile", "measurement"), lambda values: isinstance(values.get("text"), str)),
+    "scene": lambda values: values and values.keys() <= PARAMETERS.keys(),
+    "ask": lambda values: all(isinstance(value, ASKED.get(name, ())) for name, value in values.items()),
+    "restore": _is_scene,
+    "beside": lambda values: type(values.get("beside")) is int and _is_scene(values, "beside"),
+    "film": _is_film,
+    "layer": _is_layer,
+    "share": lambda values: isinstance(values.get("link"), str),
+    "take": lambda values: values.get("kind") in ("npz", "json"),
+    "preset": lambda values: values.get("preset") in presets(),
+    "page": lambda values: isinstance(values.get("page"), str),
+}
 
 
 def _is_value(name, value):

@@ -5,8 +5,8 @@ import hashlib
 import zlib
 
 import numpy as np
+from cachetools import LRUCache
 
-from app.service.kept import Kept
 from solver import Profile, ProfileError
 from solver.scene import LIMITS
 
@@ -20,7 +20,7 @@ class Profiles:
     """Profiles by the text that stands for them, those used last."""
 
     def __init__(self):
-        self._known, self._texts = Kept(KEPT), Kept(KEPT)
+        self._known, self._texts = LRUCache(KEPT), LRUCache(KEPT)
 
     def text_of(self, profile):
         """What brings a Profile back: length (nm), height per level (nm), its heights packed; a name if that is long.
@@ -32,9 +32,8 @@ class Profiles:
             text = _packed(profile)
             if len(text) > LONGEST:
                 text = "known-" + hashlib.sha256(profile.heights).hexdigest()[:12]
-            self._texts.put(profile, text)
-        if self._known.get(text) is None:
-            self._known.put(text, profile)
+            self._texts[profile] = text
+        self._known[text] = profile
         return text
 
     def profile_of(self, text):

@@ -32,8 +32,10 @@ from solver.presets import presets
 from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
+LEGS = 40  # runs that go on from one another
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
+metrics.gauge("visitors", "visitors who are here", lambda: len(visitors))
 
 
 class Session:
@@ -63,16 +65,12 @@ class Session:
         """Free everything: called when the visitor has left."""
         if not self.closed:
             self.closed = True
-            self.computing.close()
-            self.reading.forget()
-            self.bench.close()
-            self.pages.close()
-            self.beside.close()
-            self.share.close()
-            self.film.close()
-            self.layer.close()
-            self.marks.close()
-            self.gallery.close()
+            for part in (self.computing, self.bench, self.pages):
+                part.close()
+            for wanted in (self.reading, self.share, self.film, self.layer):
+                wanted.forget()
+            for sweep in (self.beside, self.marks, self.gallery):
+                sweep.cancel()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
 
@@ -95,7 +93,7 @@ class Session:
         quiet = {  # what tells the browser of it in its own way, or nothing
             "scene": lambda: self.change(values, order.after, order.held, order.at),
             "profile": lambda: self.read_profile(values["text"]),
-            "measurement": lambda: self.pages.order({"what": "file", **values}),
+            "measurement": lambda: self.pages.order({"what": "file", "text": values["text"]}),
             "preset": lambda: self.choose(values["preset"]),
             "restore": lambda: self.restore(values),
             "layer": lambda: self.layer.want(values),
@@ -149,7 +147,8 @@ class Session:
 
     def _usable(self, scene, after):
         """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
-        if not after or not self.computing.chains.reaches(*after):
+        run = after and self.computing.runs.get(after[0])
+        if not run or after[1] >= run.frames:
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
             self.notes += ["A run goes on with the same surface and path only: this one starts anew."]
@@ -157,7 +156,7 @@ class Session:
         if after[1] >= INCREMENTS:
             self.notes += [f"A run goes on from one of its first {INCREMENTS} increments only: this one starts anew."]
             return None
-        if self.computing.chains.too_long(after[0]):
+        if len(run.history) >= LEGS:
             self.notes += ["A run goes on from another some forty times only: this one starts anew."]
             return None
         return after
@@ -217,6 +216,6 @@ class Session:
         self.told_place = self.computing.place
         waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
         own = {"values": values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
-        own |= {"preset": self.preset, "address": address_of(self.scene, self.preset), "queue": self.told_place}
+        own |= {"preset": self.preset, "address": address_of(self.scene, self.preset)}
         own |= {"scene": values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
         self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.computing.cautions + waits})

@@ -17,11 +17,12 @@ LARGE = "it would be larger than 20 MB: use python -m solver run"
 SLOW = "it takes too long here: use python -m solver run"
 
 
-class Share:
+class Share(Wanted):
     """What one visitor takes away; every method runs under the lock of the document."""
 
     def __init__(self, session):
-        self.session, self.wanted, self.sent = session, Wanted(session), 0
+        super().__init__(session)
+        self.sent = 0
 
     def sheet(self, values):
         """Tell the browser what belongs to a link, values["link"], and to the run on screen."""
@@ -33,11 +34,7 @@ class Share:
         """Have a worker make the file of the run: values["kind"] is npz or json."""
         kind = values["kind"]
         call = (tasks.file_of_run, self.session.computing.legs, kind)
-        self.wanted.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
-
-    def close(self):
-        """Wait for nothing any longer."""
-        self.wanted.forget()
+        self.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
 
     def _made(self, body, kind):
         why = LARGE if len(body) > LARGEST else "" if body else SLOW

@@ -4,13 +4,14 @@ A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8 
 kept for all visitors (sweep.py).
 """
 
+from dataclasses import dataclass, field
+
 import holoviews as hv
 import numpy as np
 
 from app.limits import INCREMENTS, increments_of
 from app.service import tasks
-from app.service.sweep import Sweep
-from app.views.pages import Sheet
+from app.views.pages import Swept
 from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
@@ -18,8 +19,7 @@ from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
 
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
 DEPTHS = (*INDENTATIONS, BEYOND)
-MOST = 5  # series at a time
-MARKS = (  # of a series: marker, the same as text, colour, dash
+MARKS = (  # of a series: marker, the same as text, colour, dash; as many series at a time
     ("circle", "●", "--text", "solid"),
     ("square", "■", "--adhering", "dashed"),
     ("triangle", "▲", "--repulsive", "dotted"),
@@ -34,11 +34,10 @@ THOUSAND = 1000.0
 def compose():
     """The views of the page."""
     said = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
-    both = hv.Curve(([], [], []), FORCE, [AREA, "delta_bar"], label="runs")
     runs = rendered(
         "arealaws_runs",
         [
-            both.opts(default_tools=[], line_width=2, tools=["hover"], hover_tooltips=said),
+            curve("runs", FORCE, AREA, "delta_bar", said=said, line_width=2),
             curve("fits", FORCE, AREA, line_width=2, line_dash="dashed"),
             dots("onsets", FORCE, AREA, marker="circle", size=8),
         ],
@@ -47,10 +46,9 @@ def compose():
     lines, points, beyond, colours = [], [], [], {}
     for k, (marker, _, colour, dash) in enumerate(MARKS):
         lines.append(curve(f"line{k}", FORCE, AREA, line_width=2, line_dash=dash))
-        onsets = hv.Scatter(([], [], []), FORCE, [AREA, "delta_bar"], label=f"points{k}")
-        points.append(onsets.opts(default_tools=[], marker=marker, size=9, tools=["hover"], hover_tooltips=said))
+        points.append(dots(f"points{k}", FORCE, AREA, "delta_bar", said=said, marker=marker, size=9))
         beyond.append(dots(f"beyond{k}", FORCE, AREA, marker="x", size=9))
-        colours |= {f"line{k}": colour, f"points{k}": colour, f"beyond{k}": colour}
+        colours |= dict.fromkeys((f"line{k}", f"points{k}", f"beyond{k}"), colour)
     threshold = rendered("arealaws_threshold", [*lines, *points, *beyond], colours)
     return [runs, threshold]
 
@@ -60,28 +58,82 @@ def series_of(scene):
     return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max, path="shear", damping=1.0)
 
 
-def named(scene):
-    """What a series is called: its interface, and its layer if that is not the paper's."""
-    text = f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}"
-    other = scene.changed(phi_n=2.0, phi_ratio=1.0, E=70.0) != Scene()
-    return text + (f", E = {scene.E:g}" if scene.E != Scene().E else "") + (" and other parameters" if other else "")
+PAPER = [series_of(Scene(**values)) for values in INTERFACES.values()]  # whose marks are the first
 
 
-class Page(Sheet):
+@dataclass
+class Series:
+    """The scene that stands for a series, its place in MARKS, and what is known of its runs, {delta_bar: result}."""
+
+    scene: Scene
+    mark: int
+    results: dict = field(default_factory=dict)
+
+    @property
+    def found(self):
+        """[(delta_bar, result)] of the runs that came to an end."""
+        return sorted((depth, result) for depth, result in self.results.items() if isinstance(result, dict))
+
+    @property
+    def onsets(self):
+        """[(F_s, A_s, delta_bar)] of those that slipped, times 1000."""
+        return [(THOUSAND * r["F_s"], THOUSAND * r["A_s"], depth) for depth, r in self.found if r["F_s"]]
+
+    @property
+    def name(self):
+        """What it is called: its interface, and its layer if that is not the paper's."""
+        scene = self.scene
+        text = f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}"
+        text += f", E = {scene.E:g}" if scene.E != Scene().E else ""
+        other = scene.changed(phi_n=2.0, phi_ratio=1.0, E=70.0) != Scene()
+        return f"{text} and other parameters" if other else text
+
+    def quadratic(self, result):
+        """The law fitted to a run, or None where the area does not fall by as much as a node spacing."""
+        try:
+            law = quadratic_law(result["F"], result["A"])
+        except ValueError:
+            return None
+        return law if law.zeta > 0.0 and result["A"][0] - result["A"].min() > 1.0 / self.scene.nodes else None
+
+    def threshold(self, beyond=False):
+        """The law fitted to the onsets, or None."""
+        points = [(A / THOUSAND, F / THOUSAND) for F, A, depth in self.onsets if beyond or depth < BEYOND]
+        try:
+            return threshold_law(*zip(*points, strict=True)) if points else None
+        except ValueError:
+            return None
+
+    def row(self):
+        """Of the table of series."""
+        row = {"name": self.name, "mark": MARKS[self.mark][1], "done": len(self.results), "of": len(DEPTHS)}
+        law, bent, deepest = self.threshold(), self.threshold(beyond=True), dict(self.found).get(BEYOND)
+        if law:
+            row |= {name: getattr(law, name) for name in ("tau_c", "tau_c_error", "F_nc", "F_nc_error", "r2")}
+        if law and bent and deepest and deepest["F_s"]:
+            row |= {"r2_beyond": bent.r2, "bend": 1.0 - deepest["F_s"] / (law.tau_c * deepest["A_s"] + law.F_nc)}
+        return row
+
+    def rows(self):
+        """Of the table of its runs."""
+        for depth, result in self.found:
+            law = self.quadratic(result)
+            fit = {name: getattr(law, name) for name in ("zeta", "r2", "worst", "rise")} if law else {}
+            yield {"delta_bar": depth, "L_0": result["L_0"], "A_0": result["A_0"]} | fit
+
+
+class Page(Swept):
     """See pages.py."""
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.sweep = Sweep(self.session, self._take)
-        self.series = {}  # scene: {delta_bar: result}
-        self.marks = {series_of(Scene(**values)): k for k, values in enumerate(INTERFACES.values())}  # as in the paper
-        self.shown = None
+        self.series, self.shown = {}, None  # {scene that stands for it: Series}, in the order in which they came
 
     def start(self):
         """The series on screen first, then those of Fig. 8."""
-        self._add(self.session.scene)
-        for values in INTERFACES.values():
-            self._add(Scene(**values))
+        for scene in (self._own()[0], *PAPER):
+            if scene:
+                self._add(scene)
         self._publish()
 
     def scene_changed(self):
@@ -90,57 +142,52 @@ class Page(Sheet):
 
     def order(self, values):
         """Add the series on screen, show another one's curves, or cancel."""
-        what = values.get("what")
-        if what == "add":
-            self._add(self.session.scene)
+        what, place = values.get("what"), int(values.get("series", 0))
+        own, _ = self._own()
+        if what == "add" and own:
+            self._add(own)
         elif what == "cancel":
             self.sweep.cancel()
-        elif what == "show":
-            place, series = int(values.get("series", 0)), list(self.series)
-            if 0 <= place < len(series):
-                self.shown = series[place]
-                self._draw_runs()
+        elif what == "show" and 0 <= place < len(self.series):
+            self.shown = [*self.series.values()][place]
+            self._draw_runs()
         self._publish()
 
-    def close(self):
-        """Ask for nothing any longer."""
-        self.sweep.cancel()
+    def _own(self):
+        """(scene that stands for the series on screen, "") or (None, why there is none)."""
+        try:
+            scene = series_of(self.session.scene)
+            _calls(scene)
+        except SceneError as error:
+            return None, f"No series: {error}"
+        if scene.surface == "flat":
+            return None, "The surface on screen is flat, without an edge that could peel: it has no series here."
+        if increments_of(scene) > INCREMENTS:
+            why = f"A run would take more than {INCREMENTS} increments: enlarge du_x or du_z for a series here."
+            return None, why
+        return scene, ""
 
     def _add(self, scene):
-        """A series, in place of the oldest if there are too many; a circular punch only, as the flat has no edge."""
-        try:
-            scene = series_of(scene)
-            self._calls(scene)
-        except SceneError:
-            return
-        if self._why_not(scene):
-            return
+        """A series, in place of the oldest if there are too many."""
         if scene not in self.series:
-            own = [s for s in self.series if self.marks[s] >= len(INTERFACES)]
-            if scene not in self.marks and len(own) == MOST - len(INTERFACES):
-                self._drop(next(s for s in own if s is not self.shown))
-            taken = {self.marks[s] for s in self.series}
-            self.marks.setdefault(scene, next(k for k in range(len(INTERFACES), MOST + 1) if k not in taken))
-            self.series[scene] = {}
-        if not self.shown:
-            self.shown = scene
-        self.sweep.add(self._calls(scene))
+            own = [one for one in self.series.values() if one.mark >= len(PAPER)]
+            if scene not in PAPER and len(own) == len(MARKS) - len(PAPER):
+                oldest = next(one for one in own if one is not self.shown)
+                self.sweep.drop(_calls(oldest.scene))  # what is known of it is kept
+                own.remove(oldest)
+                del self.series[oldest.scene]
+            free = set(range(len(PAPER), len(MARKS))) - {one.mark for one in own}
+            self.series[scene] = Series(scene, PAPER.index(scene) if scene in PAPER else min(free))
+        self.shown = self.shown or self.series[scene]
+        self.sweep.add(_calls(scene))
 
-    def _calls(self, scene):
-        return [(tasks.onset_of, scene.changed(delta_bar=depth)) for depth in DEPTHS]
-
-    def _drop(self, scene):
-        """Take a series off the page; what is known of it is kept (sweep.py)."""
-        self.sweep.drop(self._calls(scene))
-        del self.series[scene], self.marks[scene]
-
-    def _take(self, call, result):
-        scene = call[1]
-        series = series_of(scene)
-        if series in self.series:
-            self.series[series][scene.delta_bar] = result
+    def take(self, call, result):
+        """A run is back from the workers."""
+        one = self.series.get(series_of(call[1]))
+        if one:
+            one.results[call[1].delta_bar] = result
             self._draw_threshold()
-            if series == self.shown:
+            if one is self.shown:
                 self._draw_runs()
             self._publish()
 
@@ -148,148 +195,59 @@ class Page(Sheet):
 
     def _draw_runs(self):
         """Area against force of one series, curves with gaps between them, and the quadratic law fitted to each."""
-        rows, fits, onsets = [], [], []
-        for depth, result in sorted(_found(self.series[self.shown])):
-            F, A = THOUSAND * result["F"], THOUSAND * result["A"]
-            rows += [(F, A, np.full(F.size, depth)), ([np.nan],) * 3]
-            if result["F_s"] is not None:
-                onsets.append((THOUSAND * result["F_s"], THOUSAND * result["A_s"]))
-            law = _quadratic(self.shown, result)
+        curves, fits = [([], [], [])], [([], [])]
+        for depth, result in self.shown.found:
+            F, A = (np.append(THOUSAND * result[name], np.nan) for name in "FA")
+            curves.append((F, A, np.full(F.size, depth)))
+            law = self.shown.quadratic(result)
             if law:
-                fits += [(F, THOUSAND * (law.A_0 - law.zeta * result["F"] ** 2)), ([np.nan],) * 2]
-        F, A, depth = _joined(rows, 3)
-        self.draw("runs", "runs", F=F, A=A, delta_bar=depth)
-        F_fit, A_fit = _joined(fits, 2)
-        self.draw("runs", "fits", F=F_fit, A=np.where(A_fit < 0, np.nan, A_fit))
-        self.draw("runs", "onsets", F=[f for f, _ in onsets], A=[a for _, a in onsets])
+                A = THOUSAND * law.A_0 - law.zeta * F**2 / THOUSAND
+                fits.append((F, np.where(A < 0, np.nan, A)))
+        (F, A, depths), (F_fit, A_fit) = (map(np.concatenate, zip(*rows, strict=True)) for rows in (curves, fits))
+        self.draw("runs", "runs", F=F, A=A, delta_bar=depths)
+        self.draw("runs", "fits", F=F_fit, A=A_fit)
+        self.draw("runs", "onsets", **_columns(self.shown.onsets))
         self._fit("runs", F, A)
 
     def _draw_threshold(self):
         """The onsets of all series with the extended threshold law."""
-        most_F = most_A = 0.0
-        drawn = {self.marks[scene]: results for scene, results in self.series.items()}
-        for k in range(MOST):
-            results = drawn.get(k, {})
-            points = [(d, THOUSAND * r["F_s"], THOUSAND * r["A_s"]) for d, r in sorted(_found(results)) if r["F_s"]]
-            inside = [p for p in points if p[0] < BEYOND]
-            self.draw(
-                "threshold",
-                f"points{k}",
-                F=[p[1] for p in inside],
-                A=[p[2] for p in inside],
-                delta_bar=[p[0] for p in inside],
-            )
-            self.draw(
-                "threshold",
-                f"beyond{k}",
-                F=[p[1] for p in points[len(inside) :]],
-                A=[p[2] for p in points[len(inside) :]],
-            )
-            law, line = _threshold(results), ([], [])
+        drawn, every = {one.mark: one for one in self.series.values()}, []
+        for k in range(len(MARKS)):
+            one = drawn.get(k)
+            points, law, line = one.onsets if one else [], one and one.threshold(), []
             if law:
-                top = max(p[2] for p in points)
-                line = [THOUSAND * law.F_nc, THOUSAND * law.F_nc + law.tau_c * top], [0.0, top]
-            self.draw("threshold", f"line{k}", F=line[0], A=line[1])
-            most_F, most_A = max([most_F, *(p[1] for p in points)]), max([most_A, *(p[2] for p in points)])
-        self._fit("threshold", [most_F], [most_A])
+                top = max(A for _, A, _ in points)
+                line = [(THOUSAND * law.F_nc + law.tau_c * A, A, None) for A in (0.0, top)]
+            self.draw("threshold", f"points{k}", **_columns([point for point in points if point[2] < BEYOND]))
+            self.draw("threshold", f"beyond{k}", **_columns([point for point in points if point[2] >= BEYOND]))
+            self.draw("threshold", f"line{k}", **_columns(line))
+            every += points
+        self._fit("threshold", [F for F, _, _ in every], [A for _, A, _ in every])
 
     def _fit(self, slot, F, A):
         figure = self.views[slot].figure
         for axis, values in ((figure.x_range, F), (figure.y_range, A)):
-            known = np.asarray(values, float)
-            known = known[np.isfinite(known)]
-            low, high = min([0.0, *known]), max([1e-3, *known])
+            low, high = np.nanmin([0.0, *values]), np.nanmax([1e-3, *values])
             axis.update(start=low - 0.03 * (high - low), end=high + 0.07 * (high - low))
 
-    def _why_not(self, scene):
-        """Why a scene is no series, if it is none."""
-        if scene.surface == "flat":
-            return "The surface on screen is flat, without an edge that could peel: it has no series here."
-        if increments_of(scene) > INCREMENTS:
-            return f"A run would take more than {INCREMENTS} increments: enlarge du_x or du_z for a series here."
-        return ""
-
-    def _own(self):
-        """Why the scene on screen is no series, if it is none."""
-        try:
-            return self._why_not(series_of(self.session.scene))
-        except SceneError as error:
-            return f"No series: {error}"
-
     def _publish(self):
-        try:
-            own = series_of(self.session.scene)
-            addable = own not in self.series and not self._why_not(own)
-        except SceneError:
-            addable = False
+        own, why = self._own()
+        series = [one.row() | {"shown": one is self.shown} for one in self.series.values()]
+        results = [each for one in self.series.values() for each in one.results.items()]
         self.publish(
             busy=self.sweep.part,
-            texts={"arealaws-of": f"of {named(self.shown)}" if self.shown else "", "arealaws-own": self._own()},
-            series=[
-                {
-                    "name": named(scene),
-                    "mark": MARKS[self.marks[scene]][1],
-                    "done": len(results),
-                    "of": len(DEPTHS),
-                    "shown": scene is self.shown,
-                }
-                | _threshold_row(results)
-                for scene, results in self.series.items()
-            ],
-            rows=[_row(self.shown, depth, result) for depth, result in sorted(_found(self.series[self.shown]))]
-            if self.shown
-            else [],
-            failures=[
-                f"δ̄ = {d:g}: {r}"
-                for results in self.series.values()
-                for d, r in results.items()
-                if not isinstance(r, dict)
-            ],
-            addable=addable,
+            texts={"arealaws-of": f"of {self.shown.name}" if self.shown else "", "arealaws-own": why},
+            series=series,
+            rows=[*self.shown.rows()] if self.shown else [],
+            failures=[f"δ̄ = {depth:g}: {result}" for depth, result in results if not isinstance(result, dict)],
+            addable=own is not None and own not in self.series,
         )
 
 
-def _found(results):
-    """(delta_bar, result) of the runs that came to an end."""
-    return [(depth, result) for depth, result in results.items() if isinstance(result, dict)]
+def _calls(scene):
+    return [(tasks.onset_of, scene.changed(delta_bar=depth)) for depth in DEPTHS]
 
 
-def _joined(rows, columns):
-    """Rows of tuples of arrays, end to end."""
-    if not rows:
-        return tuple(np.empty(0) for _ in range(columns))
-    return tuple(np.concatenate([np.asarray(row[c], float) for row in rows]) for c in range(columns))
-
-
-def _quadratic(scene, result):
-    """The fitted law, or None where the area does not fall by as much as a node spacing."""
-    try:
-        law = quadratic_law(result["F"], result["A"])
-    except ValueError:
-        return None
-    return law if law.zeta > 0.0 and result["A"][0] - result["A"].min() > 1.0 / scene.nodes else None
-
-
-def _threshold(results, beyond=False):
-    points = [(r["A_s"], r["F_s"]) for d, r in _found(results) if r["F_s"] and (beyond or d < BEYOND)]
-    try:
-        return threshold_law(*zip(*points, strict=True)) if points else None
-    except ValueError:
-        return None
-
-
-def _threshold_row(results):
-    law, bent = _threshold(results), _threshold(results, beyond=True)
-    if law is None:
-        return {}
-    row = {name: getattr(law, name) for name in ("tau_c", "tau_c_error", "F_nc", "F_nc_error", "r2")}
-    deepest = dict(_found(results)).get(BEYOND)
-    if bent and deepest and deepest["F_s"]:
-        row |= {"r2_beyond": bent.r2, "bend": 1.0 - deepest["F_s"] / (law.tau_c * deepest["A_s"] + law.F_nc)}
-    return row
-
-
-def _row(scene, depth, result):
-    law = _quadratic(scene, result)
-    row = {"delta_bar": depth, "L_0": result["L_0"], "A_0": result["A_0"], "F_s": result["F_s"], "A_s": result["A_s"]}
-    return row | ({"zeta": law.zeta, "r2": law.r2, "worst": law.worst, "rise": law.rise} if law else {})
+def _columns(points):
+    """Columns of [(F, A, delta_bar)]."""
+    return {name: [point[k] for point in points] for k, name in enumerate(("F", "A", "delta_bar"))}

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.schema import RIDERS
 from app.views.pages import Sheet
-from app.views.plots import curve, dots, rendered
+from app.views.plots import curve, dots, picture, rendered
 from solver.mechanics import cohesive_law
 
 OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
@@ -30,9 +30,7 @@ def _colours(**more):
 def _map(name, symbol):
     """A traction over slip distance and gap, nodes riding on it."""
     hover = [("s", "$x{0.00} nm"), ("gap", "$y{0.00} nm"), (symbol, "@image{0.000} GPa")]
-    image = hv.Image(np.zeros((2, 2), dtype=np.float32), [OFFSET, GAP], "T", bounds=(0, 0, 1, 1), label="map")
-    image.opts(default_tools=[], tools=["hover"], hover_tooltips=hover)
-    return rendered(name, [image, *_riders(OFFSET, GAP)], _colours())
+    return rendered(name, [picture("map", OFFSET, GAP, "T", hover), *_riders(OFFSET, GAP)], _colours())
 
 
 def _law(name, x, value, span):
@@ -70,7 +68,8 @@ class Page(Sheet):
         shear = -shear  # as in the traction plot: what holds the punch back is positive
         limits = {}
         for slot, field in (("shear_map", shear), ("normal_map", normal)):
-            self._draw_map(slot, field, s, gap)
+            place = {"x": [s[0]], "y": [gap[0]], "dw": [s[-1] - s[0]], "dh": [gap[-1] - gap[0]]}
+            self.draw(slot, "map", image=[field.astype(np.float32)], **place)
             limits[f"law_{slot}.map"] = [min(float(field.min()), -1e-9), max(float(field.max()), 1e-9)]
         ahead = cohesive_law.traction(scene.changed(phi_ratio=1.0), s, 0.0)
         rise = -ahead[0] * d_t / scene.phi_n
@@ -82,10 +81,6 @@ class Page(Sheet):
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
         self.publish(images=limits, law=_numbers(scene) | {"peak": peak}, texts={"law-numbers": _said(scene)})
-
-    def _draw_map(self, slot, field, s, gap):
-        data = {"image": [field.astype(np.float32)], "x": [s[0]], "y": [gap[0]]}
-        self.draw(slot, "map", **data, dw=[s[-1] - s[0]], dh=[gap[-1] - gap[0]])
 
     def _fit(self, scene, largest):
         half, d_n = 0.5 * scene.spacing, scene.delta_n

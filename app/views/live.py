@@ -76,14 +76,13 @@ def traction(x):
 
 def forces(x):
     """Friction and load along the path, those of the run before pale behind."""
-    return _figure(
-        "forces", x, Range1d(-1, 2), TOP, "F, L (N/m)", [_zero(), _pins(), *_curves("N/m", "F", "L"), _ways()]
-    )
+    parts = [_zero(), _band("F"), _band("L"), _pins(), *_curves("N/m", "F", "L"), _ways()]
+    return _figure("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)", parts)
 
 
 def area(x):
     """Contact area along the path."""
-    return _figure("area", x, Range1d(0, 100), TOP, "A (nm)", [_pins(), *_curves("nm", "A"), _ways()])
+    return _figure("area", x, Range1d(0, 100), TOP, "A (nm)", [_band("A"), _pins(), *_curves("nm", "A"), _ways()])
 
 
 def contact_map(x):
@@ -116,6 +115,11 @@ def _curve(name, x, y, along, unit):
     curve = CURVES[name]
     said = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
     return _drawn(name, Line(x=x, y=y, line_width=2, line_dash=curve.dash), curve.colour, said, "vline")
+
+
+def _band(name):
+    """Where a curve may lie if its parameters are not known exactly."""
+    return _drawn(f"band_{name}", Patch(x="U_x", y="value", fill_alpha=0.25, line_alpha=0), CURVES[name].colour)
 
 
 def _ways():

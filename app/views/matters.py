@@ -1,7 +1,8 @@
 """The page "What matters": by how much each parameter moves the first slip, and which nodes hold the contact.
 
 A worker computes the run of the scene on screen and its derivatives (`solver.analysis.sensitivities`); the browser
-draws both (static/js/pages/matters.js), the nodes in the hero.
+draws both (static/js/pages/matters.js), the nodes in the hero. On request, what is known of the curves if each
+parameter has a spread: a band, and intervals of the first slip, by derivatives and by runs (`solver.analysis.spread`).
 """
 
 from app.service import tasks
@@ -9,6 +10,8 @@ from app.service.pool import HEAVY
 from app.service.wanted import Wanted
 from app.views.pages import Sheet
 
+WIDEST, DRAWS = 50.0, 100  # per cent, and runs, at most
+LOST = "it was not computed; change a parameter to try again"
 LONG = 120.0  # s that the run of a scene and its derivatives may take
 
 
@@ -22,19 +25,36 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.wanted = Wanted(self.session)
+        self.wanted, self.known = Wanted(self.session), Wanted(self.session)
 
     def scene_changed(self):
         """Another scene is on screen."""
-        self.publish(matters=None, texts={"matters-said": "computing …"})
+        self.known.forget()
+        self.publish(matters=None, band=None, busy=None, texts={"matters-said": "computing …"})
         self.wanted.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)
+
+    def order(self, values):
+        """A band for a spread in per cent, checked by so many runs; or none."""
+        self.known.forget()
+        percent, draws = values.get("percent", 0.0), int(min(values.get("draws", 0), DRAWS))
+        if not 0.0 < percent <= WIDEST:
+            return self.publish(band=None, busy=None)
+        self.publish(busy=0.0)
+        call = tasks.spread_band, self.session.scene, percent, max(draws, 0)
+        self.known.ask(call, self._take_band, rank=HEAVY, seconds=LONG)
 
     def close(self):
         """Ask for nothing any longer."""
         self.wanted.forget()
+        self.known.forget()
+
+    def _take_band(self, found):
+        if found is None or isinstance(found, str):
+            return self.publish(band=None, busy=None, texts={"matters-said": f"No band: {found or LOST}."})
+        scene = self.session.scene
+        self.publish(band=found | {"force": scene.width * scene.E, "width": scene.width}, busy=None)
 
     def _take(self, found):
         if found is None or isinstance(found, str):
-            why = found or "it was not computed; change a parameter to try again"
-            return self.publish(matters=None, texts={"matters-said": f"Nothing to say: {why}."})
+            return self.publish(matters=None, texts={"matters-said": f"Nothing to say: {found or LOST}."})
         self.publish(matters=found, texts={"matters-said": ""})

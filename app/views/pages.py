@@ -13,6 +13,7 @@ from pathlib import Path
 
 from bokeh.models import Column, Range1d
 
+from app.service.sweep import Sweep
 from app.views.live import punch
 from app.views.plots import composed, views
 
@@ -72,7 +73,20 @@ class Sheet:
 
     def draw(self, slot, label, **columns):
         """Give a part of a figure other data."""
-        self.views[slot].parts[label].data_source.data = columns
+        source = self.views[slot].parts[label].data_source
+        source.data = dict(source.data) | columns
+
+
+class Swept(Sheet):
+    """A Sheet with calls for the workers in its `sweep`: `take(call, result)` is called as each is made."""
+
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.sweep = Sweep(self.session, self.take)
+
+    def close(self):
+        """Ask for nothing any longer."""
+        self.sweep.cancel()
 
 
 def compose_all():

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import holoviews as hv
+import numpy as np
 from bokeh.core.serialization import Deserializer, Serializer
 from bokeh.models import HoverTool, Legend
 from bokeh.util.serialization import make_id
@@ -13,7 +14,6 @@ from bokeh.util.serialization import make_id
 from app.views.live import AXIS, FRAME, ONE_LOOK
 
 hv.extension("bokeh", logo=False)
-EMPTY = ([], [])
 
 
 @dataclass
@@ -27,12 +27,26 @@ class View:
     parts: dict
 
 
-def curve(label, x, y, **options):
-    return hv.Curve(EMPTY, x, y, label=label).opts(default_tools=[], **options)
+def _empty(kind, label, dimensions, said, options):
+    x, *others = dimensions
+    hover = {"tools": ["hover"], "hover_tooltips": said} if said else {}
+    return kind(tuple([] for _ in dimensions), x, others, label=label).opts(default_tools=[], **hover, **options)
 
 
-def dots(label, x, y, **options):
-    return hv.Scatter(EMPTY, x, y, label=label).opts(default_tools=[], **options)
+def curve(label, *dimensions, said=None, **options):
+    """A line over the first two dimensions; what is `said` when one points at it may name the others."""
+    return _empty(hv.Curve, label, dimensions, said, options)
+
+
+def dots(label, *dimensions, said=None, **options):
+    """Marks, as `curve`."""
+    return _empty(hv.Scatter, label, dimensions, said, options)
+
+
+def picture(label, x, y, value, said=None, bounds=(0, 0, 1, 1), **options):
+    """An image of a value over x and y."""
+    blank, hover = np.zeros((2, 2), np.float32), {"tools": ["hover"], "hover_tooltips": said} if said else {}
+    return hv.Image(blank, [x, y], value, bounds=bounds, label=label).opts(default_tools=[], **hover, **options)
 
 
 def rendered(name, elements, colours, **ranges):

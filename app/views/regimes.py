@@ -35,6 +35,7 @@ QUANTITIES = {  # of a Point: what the page calls it, its unit, and the paramete
     "asymmetry": ("peel asymmetry", "", ()),
     "sites": ("sites of a slip", "", ()),
     "reattached": ("share reattached", "", ()),
+    "L_min": ("load L at pull-off", "N/m", ("width", "E")),
 }
 ASIDE = 2.0  # columns and rows that the name of a regime keeps from the edges
 COLUMN, ROW = hv.Dimension("i", label="x"), hv.Dimension("j", label="y")
@@ -92,6 +93,7 @@ class Page(Sheet):
             return self.scene_changed()
         elif what == "of" and values.get("of") in QUANTITIES:
             self.of = values["of"]
+            return self.scene_changed()
         self._draw()
 
     def nearer(self, scene, origin):
@@ -118,7 +120,8 @@ class Page(Sheet):
 
     def _base(self, scene):
         """The scene with the map's own parameters where they do not matter; raises SceneError."""
-        return scene.changed(path="shear", **{name: AXES[name][1] for name in self.names})
+        path = "unload" if self.of == "L_min" else "shear"  # a map of its own, whose points are all runs
+        return scene.changed(path=path, **{name: AXES[name][1] for name in self.names})
 
     def _holds(self, scene):
         """Whether a scene is one of the map's."""
@@ -180,14 +183,15 @@ class Page(Sheet):
         source.data = dict(source.data) | {"image": [image]}
         low, high = (float(f(image)) if np.isfinite(image).any() else 0.0 for f in (np.nanmin, np.nanmax))
         view.parts["map"].glyph.color_mapper.update(low=low, high=max(high, low + 1e-9))
-        outline = outlines(codes)
+        regimes = codes if self.grid.scene.path == "shear" else np.full_like(codes, -1)
+        outline = outlines(regimes)
         self.draw("map", "outline", i=outline[0], j=outline[1])
-        named = {code: _inside(codes == code) for code in np.unique(codes[codes >= 0])}
+        named = {code: _inside(regimes == code) for code in np.unique(regimes[regimes >= 0])}
         names = {"i": [i for i, _ in named.values()], "j": [j for _, j in named.values()]}
         self.draw("map", "names", **names, name=[REGIMES[code] for code in named])
         own = self._place_of(self.session.scene)
         self.draw("map", "own", i=own[:1], j=own[1:])
-        self._describe(points, low, high, codes)
+        self._describe(points, low, high, regimes)
 
     def _everywhere(self, name):
         """A parameter of the scenes, to be multiplied with (rows, columns)."""
@@ -201,10 +205,11 @@ class Page(Sheet):
             why = next(point.reason for point in points if point.reason)
             text += f" {without} without a result: {why}."
         unit = QUANTITIES[self.of][1]
-        limits = {"regimes-low": f"{low + 0.0:.3g}", "regimes-high": f"{high:.3g} {unit}"}  # no -0
+        low, high = (f"{value + 0.0:.3g}".replace("-", "−") for value in (low, high))  # no -0
+        limits = {"regimes-low": low, "regimes-high": f"{high} {unit}"}
         done = len(points) / self.grid.size if self.sweep.waiting else None
         axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
-        read = {"axes": axes, "codes": codes.ravel().tolist(), "names": REGIMES}
+        read = {"axes": axes, "codes": codes.ravel().tolist(), "names": [*REGIMES, ""]}  # -1: none
         self.publish(texts={"regimes-said": text} | limits, busy=done, **read)
 
 

@@ -1,12 +1,11 @@
 """The page "Inside the solid": the stress in the layer, drawn by the browser (static/js/pages/solid.js)."""
 
 import holoviews as hv
-import numpy as np
 from bokeh.palettes import cividis
 
 from app.schema import STRESSES
 from app.views.pages import Sheet
-from app.views.plots import rendered
+from app.views.plots import curve, picture, rendered
 
 NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where it was in the undeformed layer
 
@@ -14,12 +13,9 @@ NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where
 def compose():
     """The picture, and over it the mesh of lines that deforms with the layer."""
     z = hv.Dimension("z", label="height z in the layer", unit="nm")
-    blank = np.zeros((2, 2), dtype=np.float32)
-    image = hv.Image(blank, [NODE, z], "stress", bounds=(0, 0, 1, 1), label="field")
-    tip = [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000}")]
-    image.opts(default_tools=[], tools=["hover"], hover_tooltips=tip)
-    lines = hv.Curve(([], []), NODE, z, label="mesh").opts(default_tools=[], line_width=1, alpha=0.7)
-    return [rendered("solid_field", [image, lines], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))]
+    image = picture("field", NODE, z, "stress", [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000}")])
+    mesh = curve("mesh", NODE, z, line_width=1, alpha=0.7)
+    return [rendered("solid_field", [image, mesh], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))]
 
 
 class Page(Sheet):

@@ -3,6 +3,8 @@
 Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
 """
 
+from contextlib import suppress
+
 import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
@@ -10,9 +12,8 @@ from bokeh.models import FixedTicker
 from app.limits import INCREMENTS, increments_of
 from app.schema import FLATS
 from app.service import tasks
-from app.service.sweep import Sweep
-from app.views.pages import Sheet
-from app.views.plots import curve, dots, rendered
+from app.views.pages import Swept
+from app.views.plots import curve, dots, picture, rendered
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
@@ -32,13 +33,14 @@ LOG_PHI = hv.Dimension("phi_t", label="φₜ", unit="N/m")
 
 
 def compose():
-    hover = {"tools": ["hover"], "hover_mode": "vline"}
-    lines = [curve(name, U_X, FORCE, line_width=2, line_dash=flat.dash) for name, flat in FLATS.items()]
     said = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
-    lines += [curve("own", U_X, FORCE, line_width=3).opts(hover_tooltips=said, **hover)]
     forces = rendered(
         "stickslip_forces",
-        [hv.HLine(0.0, label="zero").opts(line_width=1), *lines],
+        [
+            hv.HLine(0.0, label="zero").opts(line_width=1),
+            *(curve(name, U_X, FORCE, line_width=2, line_dash=flat.dash) for name, flat in FLATS.items()),
+            curve("own", U_X, FORCE, said=said, hover_mode="vline", line_width=3),
+        ],
         {name: flat.colour for name, flat in FLATS.items()} | {"own": "--text", "zero": "--grid"},
         x=(0, END),
     )
@@ -47,7 +49,7 @@ def compose():
         "stickslip_mean",
         [
             hv.VSpan(1.0, 2.0, label="low").opts(alpha=0.18, line_alpha=0),
-            curve("exact", RATIO, MEAN, line_width=2).opts(logx=True, hover_tooltips=said, **hover),
+            curve("exact", RATIO, MEAN, said=said, hover_mode="vline", line_width=2, logx=True),
             dots("runs", RATIO, MEAN, marker="circle", size=9),
             dots("own", RATIO, MEAN, marker="diamond", size=14),
         ],
@@ -60,33 +62,32 @@ def compose():
 def _map():
     """Mean friction over stiffness and strength, on axes of logarithms: a Bokeh image knows no others."""
     bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
-    image = hv.Image(np.zeros((2, 2), dtype=np.float32), [LOG_E, LOG_PHI], "mean", bounds=bounds, label="map")
-    image.opts(default_tools=[], cmap="cividis", tools=["hover"], hover_tooltips=[("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")])
+    said = [("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")]
     figure = rendered(
         "stickslip_map",
         [
-            image,
+            picture("map", LOG_E, LOG_PHI, "mean", said, bounds, cmap="cividis"),
             curve("boundary", LOG_E, LOG_PHI, line_width=3),
             dots("presets", LOG_E, LOG_PHI, marker="circle", size=9),
             dots("own", LOG_E, LOG_PHI, marker="diamond", size=14),
         ],
-        {"boundary": "--cut", "presets": "--cut", "own": "--cut"},
+        dict.fromkeys(("boundary", "presets", "own"), "--cut"),
         x=(bounds[0], bounds[2]),
         y=(bounds[1], bounds[3]),
     )
-    figure.xaxis.update(ticker=FixedTicker(ticks=[1, 2, 3]), major_label_overrides={1: "10", 2: "100", 3: "1000"})
-    powers = {-2: "0.01", -1: "0.1", 0: "1"}
-    figure.yaxis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
+    decades = {1: "10", 2: "100", 3: "1000"}, {-2: "0.01", -1: "0.1", 0: "1"}
+    for axis, powers in zip((figure.xaxis, figure.yaxis), decades, strict=True):
+        axis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
     return figure
 
 
-class Page(Sheet):
+class Page(Swept):
     """See pages.py."""
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.sweep = Sweep(self.session, self._take)
-        self.runs, self.own = {}, None
+        self.runs, self.own, self.curve = {}, None, ()  # {ratio: mean}, scene, (ratios, means)
+        self.chosen = {name: flat(presets()[name].scene) for name in FLATS}
 
     def scene_changed(self):
         """Another scene is on screen: its own curve, and if the layer is another one, all of it."""
@@ -104,8 +105,8 @@ class Page(Sheet):
             return self.publish(texts={"stickslip-said": f"Not drawn: {error}"}, busy=None)
         self.own = own
         self._draw_own()
-        chosen = [(tasks.flat_curve, scene) for scene in (own, *self._chosen())]
-        self.sweep.add([*chosen, *((tasks.flat_friction, scene) for scene in self._measured())])
+        self.sweep.add([(tasks.flat_curve, scene) for scene in (own, *self.chosen.values())])
+        self.sweep.add([(tasks.flat_friction, scene) for scene in _measured(own)])
         self._describe()
 
     def order(self, values):
@@ -118,25 +119,6 @@ class Page(Sheet):
         elif values.get("what") == "cancel" and self.own is not None:
             self.sweep.cancel()
             self._describe("cancelled; ")
-
-    def close(self):
-        """Ask for nothing any longer."""
-        self.sweep.cancel()
-
-    def _chosen(self):
-        return [flat(presets()[name].scene) for name in FLATS]
-
-    def _measured(self):
-        """Scenes with the strength of the one on screen, over the range of E/tau_max."""
-        own = self.own
-        critical = critical_modulus(own)
-        found = []
-        for E in np.geomspace(critical / 30.0, 3.0 * critical, MEASURED) if own.phi_t > 0 else ():
-            try:
-                found.append(sliding(own, E))
-            except SceneError:
-                continue  # beyond the solver's range
-        return [scene for scene in found if increments_of(scene) <= INCREMENTS]
 
     # drawing
 
@@ -161,40 +143,32 @@ class Page(Sheet):
         E, phi_t = np.geomspace(*MODULI, ROWS), np.geomspace(*STRENGTHS, ROWS)
         over = E / (phi_t[:, None] * tau_max(own) / own.phi_t)
         image = np.interp(np.log(over), np.log(ratios), mean, left=mean[0], right=0.0).astype(np.float32)
-        source = self.views["map"].parts["map"].data_source
-        source.data = dict(source.data) | {"image": [image]}
+        self.draw("map", "map", image=[image])
         self.views["map"].parts["map"].glyph.color_mapper.update(low=0.0, high=float(mean.max()))
         line = critical * phi_t * tau_max(own) / own.phi_t
         self.draw("map", "boundary", E=np.log10(line), phi_t=np.log10(phi_t))
-        shown = [scene for scene in self._chosen() if scene.phi_t >= STRENGTHS[0]]
-        self.draw("map", "presets", E=np.log10([s.E for s in shown]), phi_t=np.log10([s.phi_t for s in shown]))
+        self.draw("map", "presets", **_place(*self.chosen.values()))
 
     def _draw_own(self):
-        own = self.own
-        inside = own.phi_t >= STRENGTHS[0]
-        self.draw("map", "own", E=[np.log10(own.E)] if inside else [], phi_t=[np.log10(own.phi_t)] if inside else [])
-        ratio = own.E / tau_max(own) if own.phi_t > 0 else np.inf
-        mean = float(np.interp(np.log(ratio), np.log(self.curve[0]), self.curve[1], right=0.0))
-        at = {"ratio": [ratio], "mean": [mean]} if np.isfinite(ratio) else {"ratio": [], "mean": []}
-        self.draw("mean", "own", **at)
-        ratios = self.curve[0]
-        start = min(1e-3 * ratios[-1], 0.7 * ratio)
+        own, (ratios, means) = self.own, self.curve
+        self.draw("map", "own", **_place(own))
+        ratio = [own.E / tau_max(own)] if own.phi_t > 0 else []
+        self.draw("mean", "own", ratio=ratio, mean=np.interp(np.log(ratio), np.log(ratios), means, right=0.0))
+        start = min([1e-3 * ratios[-1], *(0.7 * one for one in ratio)])
         self.views["mean"].figure.x_range.update(start=max(start, ratios[0]), end=ratios[-1])
         self.draw("forces", "own", U_x=[], F=[])
         self.runs = {}
         self.draw("mean", "runs", ratio=[], mean=[])
 
-    def _take(self, call, result):
+    def take(self, call, result):
         """A run is back from the workers."""
         kind, scene = call
         if isinstance(result, Exception):
             return self._describe(f"One run failed: {result}. ")
         if kind is tasks.flat_curve:
-            for name in FLATS:
-                if flat(presets()[name].scene) == scene:
+            for name, one in (self.chosen | {"own": self.own}).items():
+                if one == scene:
                     self._draw_curve(name, scene, result)
-            if scene == self.own:
-                self._draw_curve("own", scene, result)
         else:
             F_s, F_k, _ = result
             self.runs[scene.E / tau_max(scene)] = 0.5 * (F_s + F_k) * scene.E / tau_max(scene)
@@ -232,3 +206,19 @@ def _mean(scene, ratio):
     """Exact mean friction over tau_max at E/tau_max = ratio."""
     E = ratio * tau_max(scene)
     return friction(scene.changed(E=E)).mean * E / tau_max(scene)
+
+
+def _measured(own):
+    """Scenes with the strength of `own`, over the range of E/tau_max, as far as the solver's goes."""
+    critical = critical_modulus(own)
+    for E in np.geomspace(critical / 30.0, 3.0 * critical, MEASURED) if own.phi_t > 0 else ():
+        with suppress(SceneError):
+            scene = sliding(own, E)
+            if increments_of(scene) <= INCREMENTS:
+                yield scene
+
+
+def _place(*scenes):
+    """Columns of those on the map."""
+    inside = [scene for scene in scenes if scene.phi_t >= STRENGTHS[0]]
+    return {name: np.log10([getattr(scene, name) for scene in inside]) for name in ("E", "phi_t")}

@@ -56,9 +56,9 @@ def sharpened(contact, fold, held, height, pressure):
     # J symmetric, psi would be J phi
     b = tangent.flat(along(tangent.J, c[: 2 * tangent.m].reshape(2, -1)))
     b /= np.linalg.norm(b)
-    last = np.append(np.zeros(v.size), 1.0)
+    last, solves = np.append(np.zeros(v.size), 1.0), None
     for _ in range(STEPS):
-        solves = Solves(tangent, b, c)
+        solves = Solves(tangent, b, c, near=solves)
         right, left = solves(last), solves(last, transposed=True)
         phi, psi, g = right[:-1], left[:-1], right[-1]
         by_residual = solves(np.append(tangent.residual(load, height, pressure), 0.0))

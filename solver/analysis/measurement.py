@@ -18,7 +18,7 @@ JUMP = 5.0  # times the noise of a difference, beyond which a drop of F counts a
 STEEP = 8.0  # the same times the median step of the curve
 FLOOR = 2e-4  # of the largest value: noise below what a curve between the states of a run is right to
 NORMAL = 0.6745  # median of |x| of a normal distribution of unit deviation
-PLACE = 12.0**-0.5  # of the distance of two points, standard deviation of a slip that lies anywhere between them
+CALM = 4.0  # deviations of a second difference, beyond which it is a slip's: of noise, one in 16,000 is
 
 
 class MeasurementError(ValueError):
@@ -47,9 +47,10 @@ class Measurement:
 
 
 def noise_of(y):
-    """Standard deviation of the noise of a smooth curve with jumps, from the median of its second differences."""
+    """Standard deviation of the noise of a smooth curve with jumps, from its second differences without the jumps."""
     second = np.abs(np.diff(y, 2))
-    return max(float(np.median(second)) / NORMAL / 6.0**0.5, FLOOR * float(np.abs(y).max()), 1e-300)
+    calm = second[second <= CALM * float(np.median(second)) / NORMAL]
+    return max((float(np.mean(calm**2)) / 6.0) ** 0.5, FLOOR * float(np.abs(y).max()), 1e-300)
 
 
 def slips_of(F, noise):

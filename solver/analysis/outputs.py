@@ -27,6 +27,7 @@ def _area(scene, T_z):
     """d A_bar/d T_z (m,), per GPa: of the two nodes at each edge of a contact, between which it is interpolated."""
     m, n, out = T_z.size, scene.nodes, np.zeros(T_z.size + 2)
     T = np.concatenate([[0.0], T_z, [0.0]]) if m < n else np.concatenate([T_z[-1:], T_z, T_z[:1]])
+    T -= scene.tolerance * scene.phi_n / scene.delta_n**2  # as in `contact_area`
     i = np.arange(m + 1 if m < n else m)
     for p, q in ((i, i + 1), (i + 1, i)):  # repulsion at p, none at q: p - q apart, of which p/(p - q) is in contact
         edge = (T[p] > 0.0) & (T[q] <= 0.0)
@@ -37,6 +38,15 @@ def _area(scene, T_z):
     if m == n:
         out[-2] += out[0]
     return out[1:-1] / n
+
+
+def over_own(scene, name, found, by):
+    """Derivatives `by` (4, ...) of U_x, F_bar, L_bar and A_bar, `found`, by a parameter, as forces and areas change.
+
+    The forces over the E and width of the scene itself, and the area over its width, whatever these become.
+    """
+    per_unit = {"E": np.array([0.0, 1.0, 1.0, 0.0]) / scene.E, "width": np.array([0.0, 1.0, 1.0, 1.0]) / scene.width}
+    return by + (found.T * per_unit[name]).T if name in per_unit else by
 
 
 def explicit(scene, found, change):

@@ -16,6 +16,7 @@ STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a cen
 ONE_SIDED = 1e-7  # the same at the end of a range
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
 LAYER = ("E", "nu", "height", "width")  # what the layer's compliance depends on
+NOT_OF_THE_LAW = ("E", "nu", "height", "delta_bar")  # which neither it nor the profile depends on
 IN_STEPS = ("cut_off",)  # of which a profile is a step function
 
 
@@ -32,15 +33,17 @@ def continuous(scene: Scene) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Change:
-    """Of a parameter: the Scenes on both sides of its value, `span` apart, and the change of C per unit, or None.
+    """Of a parameter: the Scenes on both sides of its value, `span` apart, and what they change.
 
-    C: (3, nodes//2 + 1) nm/GPa as of `layer.Modes`.
+    profiles: of both, (2, nodes) nm, or None where the law is the same; compliance: the change of C per unit,
+    (3, nodes//2 + 1) nm/GPa as of `layer.Modes`, or None.
     """
 
     name: str
     low: Scene
     high: Scene
     span: float
+    profiles: np.ndarray | None
     compliance: np.ndarray | None
 
     @staticmethod
@@ -55,22 +58,22 @@ class Change:
             except SceneError:
                 continue
             span = getattr(high, name) - getattr(low, name)
+            profiles = None if name in NOT_OF_THE_LAW else np.array([low.profile, high.profile])
             change = (Modes.of(high).compliance - Modes.of(low).compliance) / span if name in LAYER else None
-            return Change(name, low, high, span, change)
+            return Change(name, low, high, span, profiles, change)
         raise SceneError(name, value, "allowed: a value with others beside it", "change it a little")
 
     def by(self, quantity):
         """The derivative of quantity(Scene), a number or an array."""
         return (quantity(self.high) - quantity(self.low)) / self.span
 
-    def law(self, kernel, first, tangent):
+    def law(self, kernel, rows, first, tangent):
         """The derivative of the law (`cohesive_law.traction` or `.tangent`) at the nodes of a Tangent, (rows, m)."""
-        nodes = slice(first, first + tangent.m)
-
-        def at(scene):
-            return kernel(scene, tangent.u[0], scene.profile[nodes] + tangent.u[1])
-
-        return np.where(tangent.active, self.by(at), 0.0)
+        if self.profiles is None:
+            return np.zeros((rows, tangent.m))
+        low, high = self.profiles[:, first : first + tangent.m] + tangent.u[1]
+        change = kernel(self.high, tangent.u[0], high) - kernel(self.low, tangent.u[0], low)
+        return np.where(tangent.active, change / self.span, 0.0)
 
     def complied(self, T, first, uniform):
         """dC T on the patch, (2, m) nm, of T (2, m) GPa there; 0.0 where C does not change."""
@@ -87,8 +90,8 @@ class Change:
 
     def traction(self, first, tangent):
         """dT (2, m), GPa per unit, at fixed displacements."""
-        return self.law(cohesive_law.traction, first, tangent)
+        return self.law(cohesive_law.traction, 2, first, tangent)
 
     def stiffness(self, first, tangent):
         """dJ (4, m), GPa/nm per unit, at fixed displacements."""
-        return self.law(cohesive_law.tangent, first, tangent)
+        return self.law(cohesive_law.tangent, 4, first, tangent)

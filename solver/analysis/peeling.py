@@ -30,10 +30,11 @@ def edges(scene, frame):
 
 
 def peel_asymmetry(scene, before, after):
-    """(back - front)/(back + front), how far the trailing and the leading edges of all patches moved inward in between.
+    """(back - front)/(|back| + |front|), how far the trailing and the leading edges of all patches moved inward.
 
-    before, after: Frames. 1: all at the trailing edges, 0: symmetric; nan where nothing moved, or where patches came,
-    went, parted or met: unless each overlaps one of the other frame, modulo w.
+    before, after: Frames. 1: all at the trailing edges, or these inward and the leading ones outward; 0: symmetric; -1:
+    all at the leading edges. nan where nothing moved, or where patches came, went, parted or met: unless each overlaps
+    one of the other frame, modulo w.
     """
     then, now = (edges(scene, frame) for frame in (before, after))
     half_then, half_now = (0.5 * (edges[:, 1] - edges[:, 0]) for edges in (then, now))
@@ -44,5 +45,6 @@ def peel_asymmetry(scene, before, after):
     if not ((pairs.sum(axis=0) == 1).all() and (pairs.sum(axis=1) == 1).all()):
         return np.nan
     # a patch whose middle moves by d and that shrinks by 2 s moves inward by d + s behind and s - d in front
-    shrunk = half_then.sum() - half_now.sum()
-    return float(moved[pairs].sum() / shrunk) if shrunk != 0.0 else np.nan
+    shrunk, moved = half_then.sum() - half_now.sum(), moved[pairs].sum()
+    most = max(abs(moved), abs(shrunk))
+    return float(moved / most) if most > 0.0 else np.nan

@@ -42,8 +42,11 @@ class Predicted:
         return values, slopes, by
 
     def slips(self, count, names):
-        """(U_x (n,), derivatives (names, n)) of the first slips, at most `count`."""
-        loads, by = [], []
+        """(U_x (n,), derivatives (names, n), branch (n,), moved (n,)) of the first slips, at most `count`.
+
+        A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
+        """
+        loads, by, branches, moved_on = [], [], [], []
         for number in range(count):
             index, turns = self.branch_of(number)
             one = self.found.branches[index]
@@ -53,7 +56,9 @@ class Predicted:
             loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)
             moved = {"width": sites / self.skeleton.scene.nodes}
             by.append([one.by[name][0, -1] + moved.get(name, 0.0) for name in names])
-        return np.array(loads), np.array(by).reshape(len(loads), len(names)).T
+            branches.append(index)
+            moved_on.append(sites * self.skeleton.scene.spacing)
+        return np.array(loads), np.array(by).reshape(len(loads), len(names)).T, np.array(branches), np.array(moved_on)
 
 
 def _without_end(one, loads, names):

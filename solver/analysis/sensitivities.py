@@ -18,7 +18,7 @@ from ..mechanics.contact import Contact
 from ..run.frame import SlipEvent
 from ..scene import Scene
 from .fold import sharpened
-from .outputs import explicit, gradients, values
+from .outputs import explicit, gradients, over_own, values
 from .partial import Change, continuous
 from .tangent import Solves, Tangent, across, along
 
@@ -38,12 +38,17 @@ class SlipSensitivity:
     by: dict[str, Floats]
     nodes: Floats
 
-    def per_cent(self, scene: Scene) -> dict[str, Floats]:
-        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s in per cent per per cent; nan for what is zero."""
+    @property
+    def values(self) -> Floats:
+        """U_s (nm), F_s, L_s, A_s (4,), over wE and w."""
         event = self.event
-        now = np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
+        return np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
+
+    def per_cent(self, scene: Scene) -> dict[str, Floats]:
+        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s (nm, N/m) in per cent per per cent; nan for what is zero."""
+        now, own = self.values, {name: over_own(scene, name, self.values, d) for name, d in self.by.items()}
         with np.errstate(divide="ignore", invalid="ignore"):
-            return {name: np.where(now != 0.0, d * getattr(scene, name) / now, np.nan) for name, d in self.by.items()}
+            return {name: np.where(now != 0.0, d * getattr(scene, name) / now, np.nan) for name, d in own.items()}
 
 
 @dataclass(frozen=True)
@@ -183,8 +188,7 @@ class _Known:
                 moved = (duals * dT).sum(axis=(1, 2)) + x @ rest + explicit(self.scene, found[1:, i], change)
                 by[change.name][:, i] = [load, *(moved + slope[:, i] * load)]
         if fold:
-            event = fold.event
-            found[:, -1] = event.load, event.F_bar, event.L_bar, event.A_bar
+            found[:, -1] = fold.values
             for name, values_by in by.items():
                 values_by[:, -1] = fold.by[name]
         return BranchSensitivity(branch, found, by, slope)

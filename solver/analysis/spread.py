@@ -1,7 +1,8 @@
 """What parameters that are not known exactly make of a run: a band around its curves, and intervals of its slips."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,9 @@ from ..following.branch import NotFollowed
 from ..following.follow import follow
 from ..following.skeleton import Skeleton
 from ..scene import Scene, SceneError
+from .outputs import over_own
 from .partial import continuous
+from .prediction import Predicted
 from .sensitivities import Sensitivities, sensitivities
 
 WIDE = 1.96  # standard deviations on both sides of the mean: 95 % of a normal distribution
@@ -22,7 +25,7 @@ SLIP = ("U_s", "F_s", "L_s", "A_s")
 
 @dataclass(frozen=True)
 class Spread:
-    """Of a run whose parameters have independent normal distributions.
+    """Of a run whose parameters have independent normal distributions; forces and areas over its own wE and w.
 
     deviations: {parameter: standard deviation}. band: of each branch (4, n), standard deviations of U_x (nm), F_bar,
     L_bar, A_bar of its states, each at its place on the branch. slips: of each slip (4,), those of U_s, F_s, L_s, A_s.
@@ -38,8 +41,8 @@ class Spread:
 
     def interval(self, name: str, slip: int = 0) -> tuple[float, float]:
         """95 % of U_s, F_s, L_s or A_s of a slip, by the derivatives."""
-        event, k = self.sensitivities.slips[slip].event, SLIP.index(name)
-        middle = (event.load, event.F_bar, event.L_bar, event.A_bar)[k]
+        k = SLIP.index(name)
+        middle = float(self.sensitivities.slips[slip].values[k])
         return middle - WIDE * float(self.slips[slip][k]), middle + WIDE * float(self.slips[slip][k])
 
     def drawn_interval(self, name: str) -> tuple[float, float] | None:
@@ -71,6 +74,22 @@ class Spread:
         if self.lost:
             said.append(f"{self.lost} draws are runs of another kind, and not among these")
         return said
+
+    def laid_out(self) -> Iterator[NDArray[np.float64]]:
+        """(7, n) of each branch, as often as it repeats: U_x (nm), F_bar, L_bar, A_bar, and deviations of these three.
+
+        From where the branch before ends; between two states on a straight line.
+        """
+        skeleton, end = self.sensitivities.skeleton, -np.inf
+        for number in count():
+            index, turns = Predicted(self.sensitivities).branch_of(number)
+            if end > skeleton.scene.u_x_max or (number > index and not turns):
+                return
+            rows = np.vstack([self.sensitivities.branches[index].values, self.band[index][1:]])
+            rows[0] += turns * (skeleton.period or 0.0)
+            U_x = np.append(max(end, rows[0, 0]), rows[0, rows[0] > max(end, rows[0, 0])])
+            yield np.array([U_x, *(np.interp(U_x, rows[0], row) for row in rows[1:])])
+            end = rows[0, -1]
 
     def rows(self) -> list[list[float]]:
         """Branch, U_x, F_bar, L_bar, A_bar and deviations of the last three, of every state."""
@@ -114,26 +133,31 @@ def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
 
 def spread_of(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Spread:
     """The Spread of a run for standard deviations {parameter: deviation}; draws: runs followed to check it."""
-    names = tuple(of)
-    found = sensitivities(skeleton, names)
+    found = sensitivities(skeleton, tuple(of))
 
-    def deviation(by, shape):
-        return np.sqrt(sum(((of[name] * by[name]) ** 2 for name in names), np.zeros(shape)))
+    def deviation(one):
+        own = [over_own(skeleton.scene, name, one.values, one.by[name]) * of[name] for name in of]
+        return np.linalg.norm(np.array([np.zeros_like(one.values), *own]), axis=0)
 
-    band = tuple(deviation(one.by, one.values.shape) for one in found.branches)
-    slips = tuple(deviation(slip.by, 4) for slip in found.slips)
-    drawn, lost = _drawn(skeleton, of, draws if slips else 0)
-    return Spread(found, dict(of), band, slips, drawn, lost)
+    band, slips = (tuple(map(deviation, ones)) for ones in (found.branches, found.slips))
+    rows = [draw(skeleton, of, number) for number in range(draws if slips else 0)]
+    return Spread(found, dict(of), band, slips, *told(rows))
 
 
-def _drawn(skeleton, of, draws):
-    """((draws, 4) of the first slip, how many have none)."""
-    rng, rows, scene = np.random.default_rng(1), [], skeleton.scene
-    for _ in range(draws):
-        values = {name: getattr(scene, name) + deviation * rng.normal() for name, deviation in of.items()}
-        try:
-            event = sensitivities(follow(skeleton, scene.changed(**values)), ()).slips[0].event
-        except (NotFollowed, SceneError, IndexError):
-            continue
-        rows.append((event.load, event.F_bar, event.L_bar, event.A_bar))
-    return np.array(rows).reshape(-1, 4), draws - len(rows)
+def draw(skeleton: Skeleton, of: Mapping[str, float], number: int) -> NDArray[np.float64] | None:
+    """U_s, F_s, L_s, A_s (4,) of the first slip of a run followed to parameters at random; None where it has none."""
+    rng, scene = np.random.default_rng((1, number)), skeleton.scene
+    values = {name: getattr(scene, name) + deviation * rng.normal() for name, deviation in of.items()}
+    try:
+        drawn = scene.changed(**values)
+        slip = sensitivities(follow(skeleton, drawn), (), branches=False).slips[0]
+    except (NotFollowed, SceneError, IndexError):
+        return None
+    wide = drawn.width / scene.width
+    return slip.values * [1.0, wide * drawn.E / scene.E, wide * drawn.E / scene.E, wide]
+
+
+def told(rows: Sequence[NDArray[np.float64] | None]) -> tuple[NDArray[np.float64], int]:
+    """((draws, 4), how many are lost) of what `draw` gives."""
+    kept = [row for row in rows if row is not None]
+    return np.array(kept).reshape(-1, 4), len(rows) - len(kept)

@@ -12,7 +12,7 @@ from ..following.branch import NotFollowed
 from ..mechanics.contact import Contact
 from ..mechanics.dense import MOST, fill
 
-ACCURACY = 1e-10  # of a solve, residual over right side; derivatives are asked for to 1e-5, amplified near a fold
+ACCURACY = 1e-9  # of a solve, residual over right side; derivatives are asked for to 1e-5, amplified near a fold
 
 
 class Tangent:
@@ -30,6 +30,7 @@ class Tangent:
         self.scale = float(contact.modes.compliance[1, 0])
         self.direction = np.zeros(self.size)
         self.direction[:m] = 1.0
+        self._identity = np.repeat([[1.0], [0.0], [0.0], [1.0]], m, axis=1)
 
     def residual(self, load, height, pressure):
         """R (size,), nm, with the top at U_x = load and, unless a load is held, U_z = height; pressure: p_0, GPa."""
@@ -39,8 +40,7 @@ class Tangent:
 
     def comply(self, T):
         """C T (2, m) nm, of T (2, m) GPa; a new array."""
-        identity = np.repeat([[1.0], [0.0], [0.0], [1.0]], self.m, axis=1)
-        return self.contact.product(identity, T)[0].copy()
+        return self.contact.product(self._identity, T)[0].copy()
 
     def product(self, x):
         """A x, (size,)."""
@@ -96,21 +96,20 @@ class Solves:
     """x with M x = b, or M^T x = b; M is a Tangent's A, bordered by a column and a row (size,) if these are given.
 
     By iterations, whose products are kept; where these do not lead there, by LAPACK, up to MOST nodes. Raises
-    NotFollowed beyond.
+    NotFollowed beyond. near: Solves of a state close by, whose factors, if it has any, make the iterations short.
     """
 
-    def __init__(self, tangent, column=None, row=None):
+    def __init__(self, tangent, column=None, row=None, near=None):
         self.tangent, self.column, self.row = tangent, column, row
         self.size, self._lu = tangent.size + (column is not None), None
+        self._near = near and (near._lu or near._near)
         self._by_iterations = {}
 
     def __call__(self, b, transposed=False):
         """x (size,) for b (size,)."""
         product = self._transposed if transposed else self._product
         if self._lu is None:
-            if transposed not in self._by_iterations:
-                self._by_iterations[transposed] = Inverse(self.size).of_tangent(product, None)
-            x = self._by_iterations[transposed].solve(b, ACCURACY)
+            x = self._iterated(product, b, transposed)
             if np.linalg.norm(product(x) - b) <= 10.0 * ACCURACY * np.linalg.norm(b):
                 return x
             if self.tangent.m > MOST:
@@ -118,6 +117,14 @@ class Solves:
             self._lu = lu_factor(self._matrix(), check_finite=False)
         x = lu_solve(self._lu, b, trans=int(transposed), check_finite=False)
         return x + lu_solve(self._lu, b - product(x), trans=int(transposed), check_finite=False)
+
+    def _iterated(self, product, b, transposed):
+        def smooth(r):
+            return lu_solve(self._near, r, trans=int(transposed), check_finite=False)
+
+        if transposed not in self._by_iterations:
+            self._by_iterations[transposed] = Inverse(self.size).of_tangent(product, smooth if self._near else None)
+        return self._by_iterations[transposed].solve(b, ACCURACY)
 
     def _product(self, x):
         if self.column is None:

@@ -7,13 +7,14 @@ from ..following.branch import NotFollowed
 from ..following.follow import follow
 from ..following.reading import skeleton_of
 from ..scene import LIMITS, SceneError
-from .measurement import PLACE
 from .outputs import NAMES
 from .prediction import Predicted
 from .sensitivities import sensitivities
 
 AXES = {"scale_U": 1.0, "offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # measured = scale * computed + offset
 SCALES = (0.1, 10.0)
+PERIOD = {"scale_U", "width"}  # what the distance of slips that repeat themselves depends on
+PLACE = 12.0**-0.5  # of an interval, standard deviation of a slip that lies anywhere in it
 APART_BY = 1.5  # factor, largest, between the first start and another one
 WORSE = 10.0  # times the residual: what a run that is not had counts
 
@@ -28,8 +29,7 @@ class Model:
         self.kept = np.ones(k, bool)
         self.kept[cuts - 1] = False  # it tells where the slip is, and so cannot tell F there as well
         self.branch = np.searchsorted(cuts, np.arange(k), side="right")
-        before, after = measured.U_x[cuts - 1], measured.U_x[cuts]
-        self.slips, self.places = 0.5 * (before + after), PLACE * (after - before)
+        self.ends = np.array([measured.U_x[cuts - 1], measured.U_x[cuts]])  # of the intervals in which it slips
         self.skeleton, self.known, self.at, self.last = None, None, None, None
 
     def start(self, rng):
@@ -98,7 +98,7 @@ class Model:
         axes = AXES | {name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES}
         scale, U_x = axes["scale_U"], (self.measured.U_x - axes["offset_U"]) / axes["scale_U"]
         curve, slopes, by = predicted.curve(U_x[self.kept], self.branch[self.kept], self.physical)
-        loads, loads_by = predicted.slips(self.slips.size, self.physical)
+        loads, loads_by, branches, moved = predicted.slips(self.ends.shape[1], self.physical)
         residuals, rows = [], []
         for k, name in enumerate(NAMES):
             if name not in self.measured.values:
@@ -114,15 +114,30 @@ class Model:
             noise = self.measured.noise[name]
             residuals.append((gain * curve[k] + off - self.measured.values[name][self.kept]) / noise)
             rows.append(_columns(own, self.free, curve[k].size) / noise)
-        if loads.size < self.slips.size:
-            raise NotFollowed(f"it slips {loads.size} times, what was measured {self.slips.size} times")
+        if loads.size < self.ends.shape[1]:
+            raise NotFollowed(f"it slips {loads.size} times, what was measured {self.ends.shape[1]} times")
         own = dict(zip(self.physical, scale * loads_by, strict=True)) | {
             "scale_U": loads,
             "offset_U": np.ones(loads.size),
         }
-        residuals.append((scale * loads + axes["offset_U"] - self.slips) / self.places)
-        rows.append(_columns(own, self.free, loads.size) / self.places[:, None])
+        places, errors = self._places(branches, scale * moved)
+        residuals.append((scale * loads + axes["offset_U"] - places) / errors)
+        rows.append(_columns(own, self.free, loads.size) / errors[:, None])
         return np.concatenate(residuals), np.vstack(rows)
+
+    def _places(self, branches, moved):
+        """(where slips are (n,) nm, their errors (n,) nm), of the branches (n,) they end, moved on (n,) nm.
+
+        Slips at a known distance of each other have one place, and all their intervals hold it.
+        """
+        places, errors = self.ends.mean(axis=0), PLACE * np.ptp(self.ends, axis=0)
+        for branch in np.unique(branches) if not PERIOD & set(self.free) else ():
+            mine = branches == branch
+            low, high = (self.ends[0, mine] - moved[mine]).max(), (self.ends[1, mine] - moved[mine]).min()
+            if low < high:
+                places[mine] = 0.5 * (low + high) + moved[mine]
+                errors[mine] = PLACE * (high - low) * mine.sum() ** 0.5
+        return places, errors
 
 
 def _columns(own, free, count):

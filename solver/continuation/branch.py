@@ -67,11 +67,11 @@ def _with_nodes(corrector, state, active):
     return past and State(state.load, past[0][1], active, past, state.secants, corrector.sharp, state.mode)
 
 
-def on_branch(corrector, state, target, v, active, mode=None):
+def on_branch(corrector, state, target, v, active, mode):
     """The State v (size,) at load `target`, nm, that follows `state` on its branch."""
     older = [p for p in state.past if p[0] != target]
     past = [(target, v), *older[: LIMITS.order + 1]]
-    return State(target, v, active, past, state.secants, corrector.sharp, mode or state.mode)
+    return State(target, v, active, past, state.secants, corrector.sharp, mode, residual=corrector.worst)
 
 
 def _by_load(corrector, judge, state, target):
@@ -213,21 +213,27 @@ class _Arc:
         ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
         if ahead is not None and ahead[0] < points[0][0]:
             return self._fold([ahead, *points])
-        return self._located(points[1], after, mode)
+        return self._located([p for p in points[1:] if p[0] >= self.state.load], after, mode)
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""
         chord, here = _on_chord(points)
         return self._point_at(chord, here[0][0] + LIMITS.beyond * (here[0][0] - here[1][0]), here)
 
-    def _located(self, before, after, mode):
-        """The LimitPoint between (load, v) that rests and one that does not: where the growth of its mode is zero."""
-        state, inverse = self.state, self.corrector.inverse
-        low, high, last = before, after, None
-        low_growth = self.judge.rightmost(self.problem, low[1], state.active, mode, inverse).growth
-        if not low_growth < 0.0:
+    def _located(self, older, after, mode):
+        """The LimitPoint before `after`, (load, v), that does not rest: where the growth of its mode is zero.
+
+        older: points before it, newest first; not all of them have been judged.
+        """
+        state, inverse, high, last = self.state, self.corrector.inverse, after, None
+        for low in older:
+            found = self.judge.rightmost(self.problem, low[1], state.active, mode, inverse)
+            if found.growth < 0.0:
+                break
+            high, mode = low, found
+        else:
             return replace(self._lost(), load=after[0])
-        high_growth = mode.growth
+        low_growth, high_growth = found.growth, mode.growth
         for _ in range(60):  # regula falsi
             if high[0] - low[0] <= LIMITS.sharpness * self.unit or high_growth - low_growth == 0.0:
                 break
@@ -244,7 +250,7 @@ class _Arc:
                 high, high_growth, mode = (load, v), found.growth, found
                 low_growth *= 0.5 if last == rests else 1.0
             last = rests
-        away = mode.x * np.copysign(1.0, dot(mode.x, after[1] - before[1]))  # the way the state moves
+        away = mode.x * np.copysign(1.0, dot(mode.x, after[1] - older[0][1]))  # the way the state moves
         away *= LIMITS.start * self.unit / max(np.abs(away).max(), 1e-300)
         return LimitPoint(*high, state.active, away, mode.kind)
 

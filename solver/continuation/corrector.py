@@ -50,8 +50,7 @@ class Corrector:
     def __init__(self, problem):
         self.problem = problem
         self.worst = np.inf  # residual of the last solution, nm
-        self._smooth = None  # for the part of the residual that no secant pair knows: `Secants.move`
-        self._sharp = None  # the Sharp that `_smooth` is of, if any
+        self._sharp = None  # the Sharp in use, if any, for the part of the residual that no secant pair knows
         self._known = None  # the Sharp formed last
         self._origin = None  # (v, active) of the equilibrium found last
         self._r = np.empty(problem.size)
@@ -73,17 +72,18 @@ class Corrector:
     def begin(self, state):
         """Prepare to go on from a State, with the inverse by which it was reached, if any."""
         self._origin = state.v, state.active
-        self._use(*state.sharp) if state.sharp else self._soften()
+        self._sharp = self._at(*state.sharp) if state.sharp else None
 
-    def _soften(self):
-        self._sharp, self._smooth = None, self.problem.preconditioner(*self._origin)
-
-    def _use(self, v, active):
-        """Precondition with the inverse of the tangent at an equilibrium."""
+    def _at(self, v, active):
+        """The Sharp of an equilibrium."""
         if self._known is None or not self._known.at(v):
-            formed = self.problem.preconditioner(v, active, sharp=True)
+            formed = self.problem.preconditioner(v, active)
             self._known = Sharp(v, active, formed or self._iterations(v, active, LIMITS.iterated), formed is not None)
-        self._sharp, self._smooth = self._known, self._known.apply
+        return self._known
+
+    @property
+    def _smooth(self):
+        return self._sharp and self._sharp.apply
 
     def direction(self, state):
         """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
@@ -91,8 +91,7 @@ class Corrector:
 
     def _iterations(self, v, active, *accuracy):
         """The inverse of -dR/dv by iterations."""
-        inverse = Inverse(self.problem.size)
-        inverse.of_tangent(self.problem.linearised(v, active).tangent, self.problem.preconditioner(v, active))
+        inverse = Inverse(self.problem.size).of_tangent(self.problem.linearised(v, active).tangent, None)
         return lambda r: -inverse.solve(r, *accuracy)
 
     def settle(self, v, active, s, secants):
@@ -136,7 +135,7 @@ class Corrector:
             secants.forget()
             if self._sharp and self._sharp.at(self._origin[0]):
                 return None
-            self._use(*self._origin)
+            self._sharp = self._at(*self._origin)
 
     def _anderson(self, v, active, s, secants, most):
         problem, r = self.problem, self._r

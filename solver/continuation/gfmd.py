@@ -40,10 +40,10 @@ class Gfmd:
                 break
             self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
-        after, slips = State.at_rest(target, v, active), ()
+        after, slips = State.at_rest(target, v, active, residual=residual), ()
         if slipped(self.problem, state, target, after):
             slips = (Slip(state.load, state.v, state.active, "lost", False, after),)
-        return Increment(after, residual, slips)
+        return Increment(after, slips)
 
     def _settled(self, state, target):
         """(v, active, residual) at rest; active nodes change between two motions only, each once, to those of v."""

@@ -37,12 +37,12 @@ class Inverse:
 
 
 class Space:
-    """Orthonormal disturbances V, up to `room`, their images M V under M = J - K, and V^T M V."""
+    """Orthonormal disturbances V, up to `room`, their images K V and M V under M = J - K, and V^T M V."""
 
     def __init__(self, size, room):
         self.rows, self._here = 0, None
-        self._v, self._w = np.empty((2, room, size))
-        self._matrix, self._nothing = np.empty((room, room)), np.empty((room, 0))
+        self._v, self._k, self._w = np.empty((3, room, size))
+        self._matrix = np.empty((room, room))
 
     def emptied(self, here):
         """Empty, for another equilibrium, a Linearised; the same memory."""
@@ -55,16 +55,21 @@ class Space:
         return self._v[: self.rows]
 
     @property
+    def layered(self):
+        """K V, (rows, size)."""
+        return self._k[: self.rows]
+
+    @property
     def matrix(self):
         """V^T M V, (rows, rows) GPa/nm."""
         return self._matrix[: self.rows, : self.rows]
 
-    def add(self, x):
-        """Add the part of x (size,) that is independent of V, if there is room."""
+    def add(self, x, layered):
+        """Add the part of x (size,) that is independent of V, if there is room; layered: K x."""
         k = self.rows
-        if not orthonormalise(self._v, k, x.copy(), self._nothing, self._nothing[0]):
+        if not orthonormalise(self._v, k, x.copy(), self._k, layered.copy()):
             return
-        self._w[k] = self._here.product(self._v[k])
+        self._w[k] = self._here.interaction(self._v[k]) - self._k[k]
         self.rows += 1
         self._matrix[: k + 1, k] = self.vectors @ self._w[k]
         self._matrix[k, :k] = self._w[:k] @ self._v[k]

@@ -16,6 +16,7 @@ class Linearised(Protocol):
     """An equilibrium linearised: a disturbance x, N real numbers of unit mass, obeys x'' = (J - K) x - gamma x'."""
 
     size: int  # N
+    noise: np.ndarray  # (N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.dense`
 
     def product(self, x):
         """(J - K) x, (N,), a new array."""
@@ -24,10 +25,11 @@ class Linearised(Protocol):
         """dR/dv w, (size of the problem,), a new array."""
 
     def inverse(self, solve: Callable, f):
-        """x (N,) with (K - J) x = f; solve: the function that gives w for dR/dv w. For N > `rest.LIMITS.dense`."""
+        """(x, K x), (N,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w. K x is exact even if
+        `solve` is not. For N > `rest.LIMITS.dense`."""
 
-    def projected(self, basis):
-        """X J X^T (k, k) of disturbances X (k, N). For N > `rest.LIMITS.dense`."""
+    def interaction(self, x):
+        """J x, (N,), a new array. For N > `rest.LIMITS.dense`."""
 
     def seen(self, x):
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""
@@ -75,9 +77,8 @@ class Problem(Protocol):
         """The nodes that interact in v. Given those `before`: these themselves while no node has clearly crossed the
         edge of the interaction, else a new set, those of `settled` (bool) as they are. May raise NotConverged."""
 
-    def preconditioner(self, v, active, sharp=False) -> Callable | None:
-        """A rough inverse of -dR/dv, for what no secant pair knows, or None. sharp: one close to it, or None where
-        forming it would take too long."""
+    def preconditioner(self, v, active) -> Callable | None:
+        """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
 
     def grown(self, v, active, s, hidden=False) -> tuple | None:
         """(problem, v, active) with more unknowns, if these are needed, or asked for by `hidden`; else None."""

@@ -46,8 +46,7 @@ class QuasiStatic:
                 state = found
             wide = self._grown(state)
             if wide is None or state.load > target:
-                residual = self.problem.residual(state.v, state.active, state.load, np.empty(state.v.size))
-                return Increment(state, residual, tuple(self._carried(*slip) for slip in slips))
+                return Increment(state, tuple(self._carried(*slip) for slip in slips))
             self.problem, state = wide
             self.corrector = Corrector(self.problem)
         raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")

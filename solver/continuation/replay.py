@@ -176,7 +176,8 @@ class Replay:
         if mode is not None and mode.safety is not record.safety:
             mode = replace(mode, safety=record.safety)
         moved = replace(state, load=target, v=v, active=active, past=past, secants=secants, mode=mode, record=record)
-        return Increment(moved, self.stepper.corrector.worst, slips, True)
+        moved.residual = self.stepper.corrector.worst
+        return Increment(moved, slips, True)
 
     def _same(self, moved, branch, load):
         """Whether a state solved for, which moved so far (nm) from the interpolated one, is the same.

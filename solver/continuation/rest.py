@@ -27,15 +27,16 @@ class Limits:
     dense_waves: int = 256  # the same where waves may flutter: 0.1 s
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
     kept: int = 4  # vectors carried to the next state: two complex pairs
+    sure: float = 2.0  # residual of a mode near zero, over its distance from growing, up to which it counts as known
     fine: float = 1e-8  # error of a growth where an end is located
-    clear: float = 0.25  # a growth below minus that need not be known better
-    sure: float = 4.0  # errors by which a growth must differ from zero to be told from it
-    others: int = 3  # vectors of no known symmetry that an exact look begins with; with one a mode was missed
+    # a growth below minus that need not be known better; at critical damping none is below -0.5. The margin does not
+    # tell of flutter: with 0.25, that of a soft layer was seen too late to be located
+    clear: float = 0.4
     most: int = 60  # vectors that a look may add to the space
     # the one rule when to look: a state is accepted without while the mode's growth is `clear` and no unknown has moved
     # farther since the last look than `far` units, times the margin: towards a fold both shrink as the root of the
     # distance in load
-    far: float = 0.2
+    far: float = 0.8
 
 
 LIMITS = Limits()
@@ -53,7 +54,7 @@ class Mode:
     x: np.ndarray | None
     hidden: bool = False
     safety: tuple = (0.0, None)  # damping over critical above which no wave can flutter, and for what state that is
-    basis: np.ndarray | None = None  # (k, N), orthonormal disturbances near zero
+    basis: tuple = ()  # of (x (N,), K x), disturbances near zero
     v: np.ndarray | None = None  # (size,) where it was looked for, and
     margin: float = 0.0  # of the carried modes from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J
 
@@ -106,21 +107,20 @@ class Judge:
         safety = here.safe_damping(known.safety) if fits else here.safe_damping()
         if self.damping < safety[0] and here.size <= LIMITS.dense_waves:
             return _dense(here, friction)
-        space, inverse = self._emptied(problem, here, v, active, smooth)
+        space, inverse = self._emptied(problem, here, smooth)
         radius, start = LIMITS.radius * 0.25 * critical**2, known.basis if fits else ()
-        growth, mu, x, basis, M = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
-        J = here.projected(basis)
-        margin = 1.0 - float(np.linalg.eigvals(np.linalg.solve(J - M, J)).real.max())
+        found = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
+        growth, mu, x, basis, margin = found
         return Mode(growth, mu, here.seen(x), False, safety, basis, v, margin)
 
-    def _emptied(self, problem, here, v, active, smooth):
+    def _emptied(self, problem, here, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""
         sizes = here.size, problem.size
         if self._scratch is None or self._scratch[0] != sizes:
-            room = LIMITS.kept + LIMITS.others + LIMITS.most + 4
+            room = LIMITS.kept + LIMITS.most + 8
             self._scratch = sizes, Space(here.size, room), Inverse(problem.size)
         _, space, inverse = self._scratch
-        return space.emptied(here), inverse.of_tangent(here.tangent, smooth or problem.preconditioner(v, active))
+        return space.emptied(here), inverse.of_tangent(here.tangent, smooth)
 
 
 def rate(mu, friction):
@@ -169,17 +169,17 @@ def _of_waves(here, mu, shown, friction):
 
 
 def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
-    """(growth, mu, x, basis (k, size) to go on from, J - K on it) of the fastest mode with |mu| < radius, GPa/nm.
+    """(growth, mu, x, basis to go on from, its margin) of the fastest mode with |mu| < radius, GPa/nm.
 
     start: vectors to begin with; scale: of growths; space: an empty Space. Unless `fine`, the search ends once it is
     told whether a mode lies outside the parabola.
     """
-    for x in start:
-        space.add(x)
-    other = np.random.default_rng(1).normal(size=here.size)  # else modes of another symmetry would be missed
-    for _ in range(LIMITS.others if fine else 1):
-        other = here.inverse(inverse.solve, other)
-        space.add(other)
+    for pair in start:
+        space.add(*pair)
+    other = here.noise  # else modes of another symmetry would be missed
+    for _ in range(2):  # the second time rids it of what does not grow
+        other, layered = here.inverse(inverse.solve, other)
+        space.add(other, layered)
     most = space.rows + LIMITS.most
     while True:
         found = _Ritz(space, friction, radius, scale)
@@ -188,7 +188,7 @@ def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
             break
         for aim in found.aims(fine):
             for part in _parts(found.residuals[aim]):
-                space.add(here.inverse(inverse.solve, part))
+                space.add(*here.inverse(inverse.solve, part))
         if not rows < space.rows < most:
             break
     return found.growth, *found.carried()
@@ -198,21 +198,21 @@ class _Ritz:
     """The Ritz pairs of a Space next to zero: their rates, how far they are from growing, and how sure that is."""
 
     def __init__(self, space, friction, radius, scale):
-        self.values, self.vectors, strange = _ritz_pairs(space, radius)
-        self.scale, self.known, self.matrix = scale, space.vectors, space.matrix
+        self.every, self.values, self.vectors = _ritz_pairs(space, friction, radius)
+        self.scale, self.known, self.layered, self.matrix = scale, space.vectors, space.layered, space.matrix
         self.depth, rates = inside(self.values, friction), rate(self.values, friction)
         self.residuals = space.residuals(self.vectors, self.values)
         miss = np.sqrt((np.abs(self.residuals) ** 2).sum(axis=1))
         self.fastest = int(np.argmax(rates - 1e-9 * np.abs(self.values)))
         self.growth = float(rates[self.fastest])
         self.error = _error(miss[self.fastest], self.values[self.fastest], friction)
-        doubt = miss / np.maximum(self.depth, 1e-300) * (LIMITS.sure if strange else 1.0)
+        doubt = miss / np.maximum(self.depth, 1e-300)
         self.worst = int(np.argmax(doubt))
-        self.sure = doubt[self.worst] < 1.0
+        self.sure = doubt[self.worst] < LIMITS.sure
 
     def settled(self, fine):
         """Whether the growth is known well enough."""
-        told = self.sure or self.growth > LIMITS.sure * self.error
+        told = self.sure or self.growth > self.error
         clear = self.sure and self.growth < -LIMITS.clear * self.scale
         return clear or self.error < LIMITS.fine * self.scale or (told and not fine)
 
@@ -223,23 +223,27 @@ class _Ritz:
         return {self.worst, self.fastest} if fine else {self.worst}
 
     def carried(self):
-        """(mu and x of the fastest mode; an orthonormal basis (k, size) of those nearest to growing; J - K on it)."""
-        parts = [part for k in np.argsort(self.depth) for part in _parts(self.vectors[:, k])]
+        """(mu and x of the fastest mode; basis and margin, as of a Mode, of those nearest to growing)."""
+        parts = [part for vector in self.every.T[: LIMITS.kept] for part in _parts(vector)]
         basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T
         x = _largest_phase(self.vectors[:, self.fastest] @ self.known)
-        return complex(self.values[self.fastest]), x, basis @ self.known, basis @ self.matrix @ basis.T
+        vectors, layered = basis @ self.known, basis @ self.layered
+        onset = np.linalg.solve(vectors @ layered.T, basis @ self.matrix @ basis.T)
+        margin = -float(np.linalg.eigvals(onset).real.max())
+        return complex(self.values[self.fastest]), x, tuple(zip(vectors, layered, strict=True)), margin
 
 
-def _ritz_pairs(space, radius):
-    """(values, vectors, strange) with |mu| < radius or Re mu > 0, one of each complex pair; strange: there is none."""
+def _ritz_pairs(space, friction, radius):
+    """(all vectors, in the order in which they grow; values and vectors near zero), one of each complex pair.
+
+    Near zero are those with |mu| < radius or Re mu > 0, and where the contact is stiff everywhere, the smallest.
+    """
     values, vectors = np.linalg.eig(space.matrix)
-    size = np.abs(values)
-    near = (size < radius) | (values.real > 0.0)
-    strange = not near.any()  # contact is stiff everywhere, or the space is out of date: then the smallest
-    if strange:
-        near = size <= size.min()
-    near &= values.imag >= 0.0
-    return values[near], vectors[:, near], strange
+    one = np.flatnonzero(values.imag >= 0.0)
+    one = one[np.argsort(inside(values[one], friction))]
+    values, vectors = values[one], vectors[:, one]
+    near = (np.abs(values) < max(radius, 1.001 * np.abs(values).min())) | (values.real > 0.0)
+    return vectors, values[near], vectors[:, near]
 
 
 def _error(miss, mu, friction):

@@ -218,7 +218,8 @@ class _Passage:
         self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
         if not self.mode.rests:
             return None
-        return State(self.load, v, active, [(self.load, v)], secants, corrector.sharp, self.mode)
+        known = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
+        return State.at_rest(self.load, v, active, **known)
 
     def raise_load(self):
         """Go on under a higher load where the motion does not rest, or where the branch goes on a little farther."""

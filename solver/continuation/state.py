@@ -43,11 +43,12 @@ class State:
     mode: Mode | None = None  # the one that grows fastest, as judged last
     unsure: bool = False  # it may be unstable, or no equilibrium at all, under the loading to come
     record: "Record | None" = None  # the states before, as `replay.Replay` knows them
+    residual: float = np.inf  # nm, where it was solved for
 
     @staticmethod
-    def at_rest(load, v, active):
+    def at_rest(load, v, active, **known):
         """A state with none before it on its branch."""
-        return State(load, v, active, [(load, v)])
+        return State(load, v, active, [(load, v)], **known)
 
     @staticmethod
     def undeformed(problem, load):
@@ -96,12 +97,16 @@ class Slip:
 
 @dataclass(frozen=True)
 class Increment:
-    """The outcome of one increment: the state reached, its residual (nm), slips on the way.
+    """The outcome of one increment: the state reached, and slips on the way.
 
     The state's load is the one asked for, or a higher one if after a slip the surface did not rest before.
     """
 
     state: State
-    residual: float
     slips: tuple = ()
     repeated: bool = False  # known from earlier, moved on by lattice periods and verified
+
+    @property
+    def residual(self):
+        """The state's, nm."""
+        return self.state.residual

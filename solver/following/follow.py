@@ -76,7 +76,7 @@ def _patched(skeleton, scene, spent):
 
 
 def _followed(skeleton, scene, spent):
-    contact = Contact(scene, skeleton.first, skeleton.nodes, normal_only=scene.phi_ratio == 0.0)
+    contact = Contact(scene, skeleton.first, skeleton.nodes)
     try:
         jumps, lost = _jumps(contact, skeleton)
         if scene.delta_bar < lost + LEAST:
@@ -113,8 +113,8 @@ def _branches(contact, skeleton):
     if scene.hold == "load":
         rest = (old[0].weights(np.zeros(1)) @ old[0].v)[0, : 2 * m]
         v, active = Solving(problem).at(rest, old[0].active[0], 0.0, "the state at U_x = 0")
-        pressure = contact.pressure(problem.traction(v, active))
-        problem = LoadControl(Equilibrium(contact, sideways(1.0, 0.0)), pressure)
+        pressure = contact.pressure(problem.traction(v, active)[1])
+        problem = LoadControl(contact, sideways(1.0, 0.0), pressure)
     solving, branches, change, start = Solving(problem, scene.damping), [], np.zeros(old[0].v[0].size), old[0].start
     period = skeleton.sites * scene.spacing
     for k, branch in enumerate(old, 1):

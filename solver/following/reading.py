@@ -102,7 +102,9 @@ def _period(reader, lines):
     a = reader.scene.spacing
     if len(lines) == 1 and not lines[0].slips:
         line = lines[0]
-        if line.start + a <= line.end and reader.same(line, line.start, line.frames[0], line.start + a, line, a):
+        if line.start + a <= line.end and reader.same(
+            line, line.start, reader.at(line, line.t_of(line.start + a))[0], a
+        ):
             line.end = line.start + a
             line.t = [line.t_of(f.U_x) for f in line.frames if f.U_x <= line.end]
             line.frames = line.frames[: len(line.t)]
@@ -116,7 +118,7 @@ def _period(reader, lines):
             load = landed.U_x - sites * a
             for home in range(j + 1):
                 within = lines[home].start <= load <= lines[home].end
-                if within and reader.same(lines[home], load, landed, None, None, sites * a):
+                if within and reader.same(lines[home], load, reader.u(landed), sites * a):
                     return home, sites, j + 1
     return 0, 0, len(lines)
 
@@ -167,11 +169,9 @@ class _Reader:
         u[0] -= line.moved
         return u, delta
 
-    def same(self, line, load, frame, other_load, other, moved):
-        """Whether a frame, or the state of the line `other`, is the state of a line at `load` moved on."""
-        u = self.at(line, line.t_of(load))[0]
-        there = self.u(frame) if other is None else self.at(other, other.t_of(other_load))[0]
-        off = there - u - np.array([[moved], [0.0]])
+    def same(self, line, load, u, moved):
+        """Whether u (2, m) is the state of a line at `load` moved on by so much, nm."""
+        off = u - self.at(line, line.t_of(load))[0] - np.array([[moved], [0.0]])
         return bool(np.abs(off).max() <= SAME * min(self.scene.delta_n, self.scene.delta_t))
 
     def branch(self, line, periodic):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..mechanics.cohesive_law import traction
-from ..run.frame import Frame, SlipEvent, contact_area, on_nodes
+from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
 from ..scene import Scene
 from .branch import TOLERANCE, Branch, Fold
 
@@ -116,8 +116,6 @@ def tractions(scene, first, v):
 
 def _numbers(scene, T):
     """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
-    uniform = T.shape[2] == 1
-    F_bar, L_bar = T.sum(axis=2).T * [[-1.0], [1.0]] * (1.0 if uniform else 1.0 / scene.nodes) / scene.E
-    if uniform:  # a flat without load is repelled by no more than an error makes
+    if T.shape[2] == 1:  # a flat without load is repelled by no more than an error makes
         scene = replace(scene, tolerance=max(scene.tolerance, TOLERANCE))
-    return F_bar, L_bar, np.array([contact_area(scene, on_nodes(scene, field)) for field in T])
+    return *forces(scene, T), np.array([contact_area(scene, field) for field in T])

@@ -10,10 +10,13 @@ distance r to the nearest site, and the Gaussians of all sites follow from exp(-
 Loops over nodes hold no branch and no call, so that they compile to vector instructions.
 """
 
+from math import factorial
+
 import numpy as np
 from numba import njit
 
 DEEPEST = -50.0  # dn/delta_n; nodes deeper than that (in iterates only, never in a solution) count as this deep
+TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: enough for |r| <= ln(2)/2
 WORK = 10  # rows of the scratch array `work`
 
 _fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
@@ -45,18 +48,10 @@ def exponential(x, power):
         power[i] = v * 1.4426950408889634 + 6755399441055744.0
         k = power[i] - 6755399441055744.0
         r = v - k * 6.93147180369123816490e-01 - k * 1.90821492927058770002e-10  # ln 2 in two parts
-        p = 1.0 / 6227020800.0
-        p = p * r + 1.0 / 479001600.0
-        p = p * r + 1.0 / 39916800.0
-        p = p * r + 1.0 / 3628800.0
-        p = p * r + 1.0 / 362880.0
-        p = p * r + 1.0 / 40320.0
-        p = p * r + 1.0 / 5040.0
-        p = p * r + 1.0 / 720.0
-        p = p * r + 1.0 / 120.0
-        p = p * r + 1.0 / 24.0
-        p = p * r + 1.0 / 6.0
-        x[i] = ((p * r + 0.5) * r + 1.0) * r + 1.0
+        p = 0.0
+        for term in TERMS:
+            p = p * r + term
+        x[i] = p
     for i in range(x.size):
         bits[i] = (bits[i] << 52) + 0x3FF0000000000000
     for i in range(x.size):
@@ -64,14 +59,14 @@ def exponential(x, power):
 
 
 @njit(cache=True, nogil=True, fastmath=_fast)
-def window_sums(u, profile, law, work, m):
+def window_sums(u, profile, law, work):
     """Fill the first rows of work (WORK, m): sums of 1, dt and dt^2 times exp(-dt^2), then exp(-dn), then dn.
 
-    u: (2, >= m) nm; profile: (>= m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
+    u: (2, m) nm; profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
     """
-    a, window = law[4], law[5]
-    s0, s1, s2, e, dn = work[0, :m], work[1, :m], work[2, :m], work[3, :m], work[4, :m]
-    r, up, down, ahead, behind = work[5, :m], work[6, :m], work[7, :m], work[8, :m], work[9, :m]
+    a, window, m = law[4], law[5], profile.size
+    s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
+    r, up, down, ahead, behind = work[5], work[6], work[7], work[8], work[9]
     for i in range(m):
         x = u[0, i] / law[3]
         r[i] = x - a * np.floor(x / a + 0.5)
@@ -105,18 +100,13 @@ def window_sums(u, profile, law, work, m):
 
 
 @njit(cache=True, nogil=True, fastmath=_fast)
-def traction_from_sums(work, i, active, law):
-    """(T_x, T_z) of node i after `window_sums`, GPa."""
-    force = work[3, i] if active else 0.0
-    return law[1] * work[1, i] * force, -law[0] * work[4, i] * work[0, i] * force
-
-
-@njit(cache=True, nogil=True, fastmath=_fast)
-def tractions(u, profile, active, law, work, out, m):
-    """Traction (T_x, T_z) of the first m nodes, GPa, out: (2, >= m); active bool: the others get zero."""
-    window_sums(u, profile, law, work, m)
-    for i in range(m):
-        out[0, i], out[1, i] = traction_from_sums(work, i, active[i], law)
+def tractions(u, profile, active, law, work, out):
+    """Traction of every node, GPa, out: (2, m) with rows T_x, T_z; active bool (m,): the others get zero."""
+    window_sums(u, profile, law, work)
+    for i in range(profile.size):
+        force = work[3, i] if active[i] else 0.0
+        out[0, i] = law[1] * work[1, i] * force
+        out[1, i] = -law[0] * work[4, i] * work[0, i] * force
 
 
 @njit(cache=True, nogil=True, fastmath=_fast)
@@ -125,7 +115,7 @@ def tangents(u, profile, active, law, work, out):
 
     Not symmetric: NP1 has no potential.
     """
-    window_sums(u, profile, law, work, profile.size)
+    window_sums(u, profile, law, work)
     s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
     for i in range(profile.size):
         force = e[i] if active[i] else 0.0
@@ -135,19 +125,29 @@ def tangents(u, profile, active, law, work, out):
         out[3, i] = -law[0] * (1.0 - dn[i]) * s0[i] * force / law[2]
 
 
+@njit(cache=True, nogil=True)
+def add_product(J, x, out):
+    """out += J x, (2, m) each; J: (4, m) as of `tangents`."""
+    for i in range(x.shape[1]):
+        a, b = x[0, i], x[1, i]
+        out[0, i] += J[0, i] * a + J[1, i] * b
+        out[1, i] += J[2, i] * a + J[3, i] * b
+
+
 def traction(scene, ux, gap):
     """(T_x, T_z), GPa, of nodes displaced by ux (nm) at that gap (nm); arrays of one shape, or numbers."""
-    ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
-    u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((2, ux.size))
-    profile, active = np.zeros(ux.size), np.ones(ux.size, bool)
-    tractions(u, profile, active, law_constants(scene), np.empty((WORK, ux.size)), out, ux.size)
-    return out.reshape(2, *ux.shape)
+    return _free(tractions, 2, scene, ux, gap)
 
 
 def tangent(scene, ux, gap):
     """The tangents, rows as in `tangents`, GPa/nm; arguments as in `traction`."""
-    ux, gap = np.broadcast_arrays(np.asarray(ux, float), np.asarray(gap, float))
-    u, out = np.array([ux.ravel(), gap.ravel()]), np.empty((4, ux.size))
-    profile, active = np.zeros(ux.size), np.ones(ux.size, bool)
-    tangents(u, profile, active, law_constants(scene), np.empty((WORK, ux.size)), out)
-    return out.reshape(4, *ux.shape)
+    return _free(tangents, 4, scene, ux, gap)
+
+
+def _free(kernel, rows, scene, ux, gap):
+    """What a kernel says of nodes that belong to no surface, all of them active."""
+    u = np.array(np.broadcast_arrays(ux, gap), float)
+    m, out = u[0].size, np.empty((rows, *u[0].shape))
+    profile, active, work = np.zeros(m), np.ones(m, bool), np.empty((WORK, m))
+    kernel(u.reshape(2, m), profile, active, law_constants(scene), work, out.reshape(rows, m))
+    return out

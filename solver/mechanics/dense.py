@@ -18,7 +18,7 @@ class DenseInverse:
         self._contact, self._nodes = contact, np.flatnonzero(active)
         self._tangents = contact.tangents(u, active)
         matrix = np.empty((2 * self._nodes.size,) * 2, np.float32)
-        fill(contact.modes.kernels, self._nodes, self._tangents, matrix)
+        fill(contact.cell.kernels, self._nodes, self._tangents, matrix)
         self._inverse = inverted(matrix)
         self._rows = np.concatenate([self._nodes, contact.size + self._nodes])
 

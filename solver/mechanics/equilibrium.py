@@ -1,11 +1,8 @@
 """The contact as a problem R(v; s) = 0 at given height of the top, under the contract of `continuation.problem`.
 
-Unknowns: the displacement of the patch, v = (u_x, u_z), nm. Residual: R = U(s) + C T(u) - u, nm. Under a held load
-`load_control` wraps this problem.
+Unknowns: the displacement of the patch, v = (u_x, u_z), nm. Residual: R = U(s) + C T(u) - u, nm. `load_control` adds
+an unknown: the height of the top under a held load.
 """
-
-from functools import lru_cache
-from math import ceil, log2
 
 import numpy as np
 from numba import njit
@@ -14,11 +11,11 @@ from .dense import MOST, DenseInverse
 from .linearised import Linearised
 from .surface import Surface
 
-STIFF = 50.0  # interface stiffness over that of the softest wave on the patch, from which on residuals are smoothed
-
 
 class Equilibrium:
     """The Contact driven along a Loading; attributes as of `continuation.problem.Problem`."""
+
+    dynamics, disturbed = Surface, Linearised  # the kinds of `motion` and `linearised`
 
     def __init__(self, contact, loading):
         scene = contact.scene
@@ -27,19 +24,20 @@ class Equilibrium:
         self.nodes = contact.size  # m
         self.size = 2 * self.nodes
         self.direction = np.repeat(np.array(loading.direction, float), self.nodes)
-        mode = min(max(1, round(scene.nodes / self.nodes)), scene.nodes // 2)
-        self._stiff = STIFF / float(contact.modes.compliance[1, mode])
-        self._smoother = lru_cache(maxsize=8)(self._new_smoother)
-        self._surface = None
+        self._motion = None
 
     @property
     def evaluations(self):
         """Force evaluations so far, of the contact."""
         return self.contact.evaluations
 
+    def on(self, contact):
+        """The same problem on another patch."""
+        return Equilibrium(contact, self.loading)
+
     def surface(self, v):
         """u (2, m) nm, a view of v."""
-        return v.reshape(2, self.nodes)
+        return v[: 2 * self.nodes].reshape(2, self.nodes)
 
     def top(self, v, s):
         """(U_x, U_z) of the top at load s, nm."""
@@ -51,12 +49,8 @@ class Equilibrium:
 
     def residual(self, v, active, s, out):
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
-        return self.residual_under(v, active, self.loading.at(s), out)
-
-    def residual_under(self, v, active, top, out):
-        """The same under a top displaced by (U_x, U_z), nm."""
         u = self.surface(v)
-        return _residual(u, self.contact.response(u, active), *top, out)
+        return _residual(u, self.contact.response(u, active), *self.top(v, s), out)
 
     def traction(self, v, active):
         """T (2, m), GPa; a new array."""
@@ -67,30 +61,12 @@ class Equilibrium:
         u = self.surface(v)
         return self.contact.within_window(u) if before is None else self.contact.admitted(u, before, settled)
 
-    def preconditioner(self, v, active, sharp=False):
-        """A function close to the inverse of -dR/dv, (size,) nm each, or None where it would not pay.
+    def preconditioner(self, v, active):
+        """A function close to the inverse of -dR/dv, (size,) nm each; None where a DenseInverse takes too long.
 
-        r -> (I + sigma C)^-1 r, sigma the interface's stiffness, weakens long waves, which a stiff interface pins;
-        sharp: the DenseInverse, unless it is singular or takes longer than iterations.
+        Or where that is singular.
         """
-        if sharp:
-            return self._inverse(v, active)
-        tangents = self.contact.tangents(self.surface(v), active)
-        stiffness = max(0.0, -float(tangents[0].min()), -float(tangents[3].min()))
-        return self._smoother(ceil(log2(0.5 * stiffness))) if stiffness > self._stiff else None
-
-    def _new_smoother(self, power):
-        shifted = self.contact.shifted(2.0**power)
-
-        def smooth(r):
-            shifted.field[:] = r.reshape(2, -1)
-            shifted.apply()
-            return shifted.product.reshape(-1).copy()
-
-        return smooth
-
-    def _inverse(self, v, active):
-        if self.contact.uniform or not 0 < active.sum() <= MOST:
+        if not 0 < active.sum() <= MOST:
             return None
         try:
             return DenseInverse(self.contact, self.surface(v), active)
@@ -103,34 +79,30 @@ class Equilibrium:
         New nodes are displaced by the tractions of the old ones. hidden: a wave grows that one node for all cannot
         show, so that all nodes are needed.
         """
-        return self.grown_under(v, active, self.loading.at(s), hidden)
-
-    def grown_under(self, v, active, top, hidden=False):
-        """The same under a top displaced by (U_x, U_z), nm."""
-        contact = self.contact
-        if not (hidden or contact.crowded(active) or contact.overlooked(self.surface(v), active, top[1])):
+        contact, u, top = self.contact, self.surface(v), self.top(v, s)
+        if not (hidden or contact.crowded(active) or contact.overlooked(u, active, top[1])):
             return None
-        wide = Equilibrium(contact.wider(), self.loading)
+        wide = contact.wider()
         if contact.uniform:
-            return wide, np.repeat(v, wide.nodes), np.repeat(active, wide.nodes)
-        u = contact.whole(self.traction(v, active)) + np.array(top)[:, None]
-        part = slice(wide.contact.first, wide.contact.first + wide.nodes)
-        inner = slice(contact.first - wide.contact.first, contact.first - wide.contact.first + self.nodes)
-        u = u[:, part].copy()
-        u[:, inner] = self.surface(v)
-        wide_active = np.zeros(wide.nodes, bool)
-        wide_active[inner] = active
-        return wide, u.reshape(-1), wide_active
+            u, active = np.repeat(u, wide.size, axis=1), np.repeat(active, wide.size)
+        else:
+            spread, among = (
+                contact.whole(contact.traction(u, active)) + np.array(top)[:, None],
+                np.zeros(wide.nodes, bool),
+            )
+            spread[:, contact.part], among[contact.part] = u, active
+            u, active = spread[:, wide.part], among[wide.part]
+        return self.on(wide), np.append(u, v[2 * self.nodes :]), active
 
     def linearised(self, v, active):
         """The Linearised at an equilibrium."""
-        return Linearised(self.motion(), v, active)
+        return self.disturbed(self.motion(), v, active)
 
     def motion(self):
         """The Surface, whose rests are the equilibria of this problem."""
-        if self._surface is None:
-            self._surface = Surface(self)
-        return self._surface
+        if self._motion is None:
+            self._motion = self.dynamics(self)
+        return self._motion
 
 
 @njit(cache=True, nogil=True)

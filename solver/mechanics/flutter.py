@@ -12,27 +12,21 @@ WIDER = 1.5  # growth of the variance of the average from level to level; at 2 t
 MARGIN = 1.1  # on what is found: 8 % too little has been seen, among 6237 dense spectra
 
 
-def safe_friction(tangents, stiffness, nodes, covers_cell):
+@njit(cache=True, nogil=True)
+def safe_friction(tangents, k, n, covers_cell):
     """The friction gamma (1/time, unit mass) above which no wave grows as an oscillation; 0.0 where J is symmetric.
 
-    tangents: J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; stiffness: K, (3, modes) GPa/nm, rows
-    xx, zz, c; nodes: of the cell; covers_cell: whether the patch is the whole cell, so that averages go round its ends.
-    """
-    return MARGIN * _safe_friction(tangents, stiffness, nodes, covers_cell)
-
-
-@njit(cache=True, nogil=True)
-def _safe_friction(tangents, k, n, cell):
-    """The largest |Im mu|/|Re mu|^1/2 over waves and places.
+    That is |Im mu|/|Re mu|^1/2, the largest over waves and places. tangents: J on the patch, (4, m) GPa/nm, rows as of
+    `cohesive_law.tangents`; k: K, (3, modes) GPa/nm, rows xx, zz, c; n: nodes of the cell; covers_cell: whether the
+    patch is the whole cell, so that averages go round its ends.
 
     Each level of averaging serves the waves whose 0.6/q lies between its width and the next. Places are thinned out
     once the average is twice as wide as they are apart.
     """
     m = tangents.shape[1]
-    field = tangents.copy() if cell else np.zeros((4, 2 * m))
-    if not cell:
-        for i in range(m):
-            field[:, m // 2 + i] = tangents[:, i]
+    field = tangents.copy() if covers_cell else np.zeros((4, 2 * m))
+    if not covers_cell:
+        field[:, m // 2 : m // 2 + m] = tangents
     highest, worst, variance, wider, apart = n // 2, 0.0, 0.0, 0.25, 1
     while True:
         lowest = int(0.6 * n / (2.0 * np.pi * np.sqrt(wider))) + 1 if field.shape[1] >= 6 else 0
@@ -42,7 +36,7 @@ def _safe_friction(tangents, k, n, cell):
             p = min(p - 1, int(p / 1.19))  # four wavenumbers to an octave
         highest = lowest - 1
         if highest < 0:
-            return np.sqrt(worst)
+            return MARGIN * np.sqrt(worst)
         while variance > 4.0 * apart**2:
             field, apart = np.ascontiguousarray(field[:, ::2]), 2 * apart
         passes = int(np.ceil((wider - variance) / (0.5 * apart**2)))
@@ -54,12 +48,10 @@ def _safe_friction(tangents, k, n, cell):
 @njit(cache=True, nogil=True)
 def _smoothed(field, share):
     """Every place averaged with that share of each of its two neighbours; the last neighbours the first."""
-    count = field.shape[1]
-    out = np.empty((4, count))
+    out, count = np.empty_like(field), field.shape[1]
     for c in range(4):
         for i in range(count):
-            j, h = i + 1 if i + 1 < count else 0, i - 1 if i else count - 1
-            out[c, i] = (1.0 - 2.0 * share) * field[c, i] + share * (field[c, j] + field[c, h])
+            out[c, i] = (1.0 - 2.0 * share) * field[c, i] + share * (field[c, i + 1 - count] + field[c, i - 1])
     return out
 
 
@@ -68,14 +60,13 @@ def _largest(field, k_xx, k_zz, k_c):
     """Largest (Im mu)^2/|Re mu| of decaying waves with that stiffness, over the places of field (4, places)."""
     worst = 0.0
     for i in range(field.shape[1]):
-        j = field[:, i]
-        mean, half = 0.5 * (j[0] - k_xx + j[3] - k_zz), 0.5 * (j[0] - k_xx - j[3] + k_zz)
-        # mu = mean +- D^1/2 with D = half^2 + (j1 + i k_c) (j2 - i k_c)
-        real, imaginary = half * half + j[1] * j[2] + k_c * k_c, k_c * (j[2] - j[1])
+        xx, xz, zx, zz = field[0, i] - k_xx, field[1, i], field[2, i], field[3, i] - k_zz
+        mean, half = 0.5 * (xx + zz), 0.5 * (xx - zz)
+        # mu = mean +- D^1/2 with D = half^2 + (xz + i k_c) (zx - i k_c)
+        real, imaginary = half * half + xz * zx + k_c * k_c, k_c * (zx - xz)
         size = np.hypot(real, imaginary)
-        turning = 0.5 * (size - real)
-        root = np.sqrt(max(0.5 * (size + real), 0.0))
-        decay = -(mean + root) if mean + root < 0.0 else root - mean  # of the slower one that decays
+        turning, root = 0.5 * (size - real), np.sqrt(max(0.5 * (size + real), 0.0))
+        decay = root - mean if root > -mean else -mean - root  # of the slower one that decays
         if decay > 0.0 and turning > worst * decay:
             worst = turning / decay
     return worst

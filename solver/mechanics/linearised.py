@@ -5,8 +5,8 @@ outside the patch. By Parseval's theorem its Euclidean inner product is that of 
 """
 
 import numpy as np
-from numba import njit
 
+from .cohesive_law import add_product
 from .flutter import safe_friction
 
 SKEWER = 0.05  # of critical: change of the safe damping, estimated, from which on it is computed anew
@@ -24,6 +24,11 @@ class Linearised:
         self.J = self.contact.tangents(surface.problem.surface(v), active)
         self.size = 2 * surface.count
 
+    @property
+    def noise(self):
+        """As of Surface."""
+        return self.surface.noise
+
     def tangent(self, w):
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
         return self.contact.product(self.J, w.reshape(2, -1))[0].reshape(-1) - w
@@ -31,10 +36,9 @@ class Linearised:
     def product(self, x):
         """(J - K) x, (size,), a new array; counts as a force evaluation."""
         surface, field = self.surface, x.reshape(2, -1)
-        self.contact.count()
-        uniform = self.contact.uniform
-        out = -(surface.stiffness[:2] * field if uniform else surface.through(field, surface.operators[0]))
-        _add_product(self.J, field[:, surface.patch], out[:, surface.patch])
+        self.contact.evaluated()
+        out = -surface.through(field, surface.operators[0])
+        add_product(self.J, field[:, surface.patch], out[:, surface.patch])
         return out.reshape(-1)
 
     def seen(self, x):
@@ -47,26 +51,31 @@ class Linearised:
         return field[:, self.surface.patch].reshape(-1).copy()
 
     def inverse(self, solve, f):
-        """x (size,) with (K - J) x = f; solve: the function that gives w for dR/dv w, (problem size,) each."""
-        surface, field = self.surface, f.reshape(2, -1).copy()
-        w = solve(-self._load(field))
-        _add_product(self.J, w[: 2 * self.m].reshape(2, -1), field[:, surface.patch])
-        return self._raised(w, surface.through(field, surface.operators[1])).reshape(-1).copy()
+        """(x, K x), (size,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w, (problem size,).
+
+        K x is that of x to round-off, however accurate `solve` is.
+        """
+        surface, force = self.surface, f.reshape(2, -1).copy()
+        w = solve(-self._load(force))
+        add_product(self.J, w[: 2 * self.m].reshape(2, -1), force[:, surface.patch])
+        x = surface.through(force, surface.operators[1]).copy()
+        self._raised(w, x, force)
+        return x.reshape(-1), force.reshape(-1)
 
     def _load(self, field):
         """What a force on the surface, (2, n), adds to R."""
         surface = self.surface
         return surface.through(field, surface.operators[1])[:, surface.patch].reshape(-1).copy()
 
-    def _raised(self, w, field):
-        """The surface (2, n) displaced by `field` against the top."""
-        return field
+    def _raised(self, w, x, force):
+        """Add the displacement of the top to that of the surface against it, x (2, n), which bears `force` (2, n)."""
 
-    def projected(self, basis):
-        """X J X^T, (k, k) GPa/nm, of disturbances X (k, size)."""
-        J = self.J
-        x, z = basis.reshape(len(basis), 2, -1)[:, :, self.surface.patch].transpose(1, 0, 2)
-        return x @ (J[0] * x + J[1] * z).T + z @ (J[2] * x + J[3] * z).T
+    def interaction(self, x):
+        """J x, (size,), a new array."""
+        out = np.zeros_like(x)
+        part = self.surface.patch
+        add_product(self.J, x.reshape(2, -1)[:, part], out.reshape(2, -1)[:, part])
+        return out
 
     def safe_damping(self, known=(0.0, None)):
         """(damping over critical above which no wave can flutter, J_xz - J_zx (m,) that it is for), by `flutter`.
@@ -108,17 +117,6 @@ class Linearised:
 
     def _blocks(self):
         """The 2 x 2 blocks of J - K of all waves, complex (2, 2, waves), J that of the first node."""
-        k, J = self._stiffness_of_waves(), self.J[:, 0]
+        k, J = self.contact.modes.stiffness.copy(), self.J[:, 0]
+        k[1, 0] = self.surface.stiffness[1, 0]  # none under a held load
         return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
-
-    def _stiffness_of_waves(self):
-        return self.contact.modes.stiffness
-
-
-@njit(cache=True, nogil=True)
-def _add_product(J, x, out):
-    """out += J x, both (2, m)."""
-    for i in range(x.shape[1]):
-        a, b = x[0, i], x[1, i]
-        out[0, i] += J[0, i] * a + J[1, i] * b
-        out[1, i] += J[2, i] * a + J[3, i] * b

@@ -4,41 +4,39 @@ from functools import cached_property
 
 import numpy as np
 
+from ..continuation.motion import of_blocks
 from . import cohesive_law
 from .layer import multiply, transforms
+
+SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
 
 
 class Surface:
     """y (2, modes): the Fourier coefficients of u, of unit mass each (paper section 2.1), above one Contact.
 
-    One node for all has the uniform mode alone. Buffers belong to this object.
+    Buffers belong to this object.
 
     Attributes: stiffness (3, modes) GPa/nm in rows xx, zz, c, as of `layer.Modes`; critical: 2 sqrt(k_min), 1/time, the
     friction that is critical for the slowest mode of the layer.
     """
 
     def __init__(self, problem):
-        self.problem, contact = problem, problem.contact
-        self.contact, modes = contact, contact.modes
-        k_xx, k_zz, k_c = modes.stiffness
+        self.problem, self.contact = problem, problem.contact
+        k_xx, k_zz, k_c = self.contact.modes.stiffness
         least = 0.5 * (k_xx + k_zz) - np.hypot(0.5 * (k_xx - k_zz), k_c)
         self.critical = 2.0 * float(np.sqrt(least.min()))
-        last = 1 if contact.uniform else None
-        self.stiffness, self.compliance = modes.stiffness[:, :last], modes.compliance[:, :last]
-        self.count = 1 if contact.uniform else contact.nodes
-        self.patch = slice(contact.first, contact.first + contact.size)
-        if not contact.uniform:
-            self._field, self._u, self._spectrum, self._forward, self._backward = transforms(self.count)
+        self.stiffness, self.compliance = self.contact.cell.stiffness, self.contact.cell.compliance
+        self.count, self.patch = self.contact.count, self.contact.part
+        self._field, self._u, self._spectrum, self._forward, self._backward = transforms(self.count)
 
     def start(self, v, active, s):
         """y of the surface at rest in v, complex (2, modes); outside the patch it follows from the traction inside."""
         problem, u = self.problem, self.problem.surface(v)
-        if self.contact.uniform:
-            return u.astype(complex)
         self._field[:] = 0.0
-        self._field[:, self.patch] = problem.traction(v, active)
+        self.contact.fill(u, active, self._field[:, self.patch])
         self._forward()
-        y = self.contact.modes.displacement(self._spectrum)
+        y = self._spectrum.copy()
+        multiply(y, self.compliance)
         y[:, 0] += np.array(problem.top(v, s)) * self.count
         # v is not quite an equilibrium: the patch is put where v has it, not where its traction would
         # put it, as a tenth of that difference may decide which rest the motion reaches
@@ -48,8 +46,6 @@ class Surface:
 
     def _displacement(self, y):
         """u (2, m) on the patch, nm; a buffer."""
-        if self.contact.uniform:
-            return np.ascontiguousarray(y.real)
         self._spectrum[:] = y
         self._backward()
         self._u *= 1.0 / self.count
@@ -61,26 +57,28 @@ class Surface:
 
     def force(self, y, active, s):
         """T + K U in the coordinates y, complex (2, modes), a buffer; counts as a force evaluation."""
-        contact = self.contact
-        contact.count()
-        u = self._displacement(y)
-        if contact.uniform:
-            spectrum = contact.traction(u, active).astype(complex)
-        else:
-            field = self._field[:, self.patch]
-            cohesive_law.tractions(u, contact.profile, active, contact.law, contact.work, field, contact.size)
-            self._forward()
-            spectrum = self._spectrum
+        self.contact.evaluated()
+        self.contact.fill(self._displacement(y), active, self._field[:, self.patch])
+        self._forward()
         U_x, U_z = self.problem.loading.at(s)
-        spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
-        spectrum[1, 0] += self.stiffness[1, 0] * U_z * self.count
-        return spectrum
+        self._spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
+        self._spectrum[1, 0] += self.stiffness[1, 0] * U_z * self.count
+        return self._spectrum
 
     @cached_property
     def operators(self):
         """K and C as blocks for `through`, (3, modes) each, in rows xx, zz, c of `layer.multiply`."""
-        signs = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
-        return self.stiffness * (signs / self.count), self.compliance * (1.0 / self.count)
+        return self.stiffness * (SIGNS / self.count), self.compliance * (1.0 / self.count)
+
+    @cached_property
+    def noise(self):
+        """The noise of a Linearised, (2 nodes,): K^1/2 g with normal deviates g.
+
+        The answer to g itself is of long waves only, to the accuracy of a solve; that to K g mostly of short ones.
+        """
+        least = 0.25 * self.critical**2  # k_min; also for the mode that a held load leaves without stiffness
+        root = of_blocks(self.stiffness, lambda k: np.sqrt(np.maximum(k, least))) * (SIGNS / self.count)
+        return self.through(np.random.default_rng(1).normal(size=(2, self.count)), root).reshape(-1).copy()
 
     def through(self, field, blocks):
         """A field (2, nodes) times one of the `operators`; a buffer."""

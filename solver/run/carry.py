@@ -8,8 +8,6 @@ import numpy as np
 
 from ..continuation.state import State
 from ..mechanics.contact import Contact
-from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.load_control import LoadControl
 from ..scene import SURFACES, Scene, SceneError
 from .frame import Frame
 from .load_steps import LoadStep, load_steps_of
@@ -33,18 +31,17 @@ def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint
         return owned(checkpoint)
     load_steps = checkpoint.load_steps or load_steps_of(scene)
     step = next(step for step in load_steps if step.stage == checkpoint.stage)
-    sign = step.loading.direction[0]
-    if not sign or checkpoint.state is None:
+    if not step.loading.direction[0] or checkpoint.state is None:
         raise ValueError(f"stage = {step.stage!r}: a run goes on with changed parameters in shear only; start it anew")
     _refuse(scene, changed)
-    problem = _problem(scene, checkpoint, step)
+    problem = step.problem(Contact(scene, *checkpoint.patch), checkpoint.pressure)
     state = checkpoint.state
     top = problem.top(state.v, state.load)
-    rest = _rest(step.stage, changed, sign * top[0])
+    rest = _rest(step.stage, changed, state.load)
     press = _press(scene, changed, top, step.held)
     pressure = checkpoint.pressure
     if not step.held:
-        pressure = problem.contact.pressure(problem.traction(state.v, state.active))
+        pressure = problem.contact.pressure(problem.traction(state.v, state.active)[1])
     ahead = rest if press is None else (press, *rest)
     u, load = problem.surface(state.v), ahead[0].at(0)
     v = np.append(u.ravel(), top[1] if ahead[0].held else ())
@@ -68,12 +65,6 @@ def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
             yield frame
         if count is not None and given < count:
             raise ValueError(f"legs: {count} increments; allowed: 1 .. {given}, where the run ends; give fewer")
-
-
-def _problem(scene, checkpoint, step):
-    """The problem that the state of a checkpoint solves."""
-    problem = Equilibrium(Contact(scene, *checkpoint.patch), step.loading)
-    return LoadControl(problem, checkpoint.pressure) if step.held else problem
 
 
 def _refuse(scene, changed):

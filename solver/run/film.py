@@ -7,13 +7,11 @@ import numpy as np
 
 from ..continuation.state import State
 from ..mechanics.contact import Contact
-from .frame import STAGES, frame_of
+from .frame import frame_of, load_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
 from .shortcuts import ALL
-
-PARTS = 4  # in which the increment is done again: a branch is followed better from several states
 
 
 def through(scene, before, stage, load, most=60, limit=float("inf")):
@@ -21,11 +19,11 @@ def through(scene, before, stage, load, most=60, limit=float("inf")):
 
     before: the Frame before it, with u right to 1e-2 nm. Frames of a motion are not at rest: `residual` says how far
     from it. They lead from the end of the branch to the next rest, at even distances of the node that moves most; there
-    are none if the branch does not end. limit: processor time of a part of the increment, s.
+    are none if the branch does not end. limit: processor time of an increment, s.
     Raises NotConverged, and ValueError where a flat's nodes are not alike.
     """
-    step, start = _step(scene, before, stage), _load(before, stage)
-    step = replace(step, start=start, increment=(load - start) / PARTS, increments=PARTS, end=load, until_free=False)
+    step, start = _step(scene, before, stage), load_of(before, stage)
+    step = replace(step, start=start, increment=load - start, increments=1, end=load, until_free=False)
     pressure = before.L_bar * before.scene.E if step.held else None
     u, first = before.u, before.first
     if scene.surface == "flat":
@@ -40,13 +38,11 @@ def through(scene, before, stage, load, most=60, limit=float("inf")):
     checkpoint = Checkpoint(stage, 0, (first, u.shape[1]), state, load_steps=(step,), pressure=pressure)
     while not checkpoint.done:
         frame, checkpoint = run.next_frame(checkpoint, limit)
-    return [_moving_frame(scene, frame, *state) for state in _evenly(run.film, most)], frame
-
-
-def _moving_frame(scene, end, problem, v, active, load):
-    """A state of the motion as a Frame of the increment that ends in the Frame `end`."""
-    residual = problem.residual(v, active, load, np.empty(v.size))
-    return frame_of(scene, problem, State.at_rest(load, v, active), end.stage, end.index, residual)
+    moving = []
+    for problem, v, active, load in _evenly(run.film, most):
+        residual = problem.residual(v, active, load, np.empty(v.size))
+        moving.append(frame_of(scene, problem, State.at_rest(load, v, active), stage, frame.index, residual))
+    return moving, frame
 
 
 def _step(scene, before, stage):
@@ -55,12 +51,6 @@ def _step(scene, before, stage):
         sign = 1.0 if scene.delta > before.delta else -1.0
         return LoadStep(stage, vertical(sign, before.U_x), 0.0, 1.0, 1)
     return next(step for step in load_steps_of(scene) if step.stage == stage)
-
-
-def _load(frame, stage):
-    """The load of a Frame along the step of a stage, nm."""
-    name, sign = STAGES[stage]
-    return sign * getattr(frame, name)
 
 
 def _evenly(states, most):

@@ -101,36 +101,36 @@ class Frame:
         return self.slips[0].load if self.slips else None
 
 
+def load_of(frame, stage):
+    """The load of a Frame along a stage, nm."""
+    name, sign = STAGES[stage]
+    return sign * getattr(frame, name)
+
+
 def forces(scene, T):
-    """(F_bar, L_bar): tangential and normal force over w E, of T (2, m), GPa; attraction is negative."""
-    scale = 1.0 / (scene.nodes * scene.E)
-    F, L = _sums(T)
-    return -F * scale, L * scale
-
-
-@njit(cache=True, nogil=True)
-def _sums(T):
-    x = z = 0.0
-    for i in range(T.shape[1]):
-        x += T[0, i]
-        z += T[1, i]
-    return x, z
+    """(F_bar, L_bar): tangential and normal force over w E, of T (..., 2, m), GPa; attraction is negative."""
+    unit = _count(scene, T) * scene.E
+    return -T[..., 0, :].sum(axis=-1) / unit, T[..., 1, :].sum(axis=-1) / unit
 
 
 def contact_area(scene, T):
     """A_bar: the length under repulsion over w, from sign changes of T_z, interpolated between nodes; T (2, m), GPa."""
     # repulsion weaker than an error of the tolerance makes counts as none: on a flat at dn = 0 it would flicker
-    least = scene.tolerance * scene.phi_n / scene.delta_n**2
-    return _repelled(T, T.shape[1] == scene.nodes, least) / scene.nodes
+    least, count = scene.tolerance * scene.phi_n / scene.delta_n**2, _count(scene, T)
+    return _repelled(T[1], T.shape[1] == count, least) / count
+
+
+def _count(scene, T):
+    """Nodes of the cell as T (..., 2, m) shows them: 1 where one stands for all."""
+    return 1 if T.shape[-1] == 1 and scene.surface == "flat" else scene.nodes
 
 
 @njit(cache=True, nogil=True)
-def _repelled(T, closed, least):
-    """The length under repulsion, in node spacings; closed: T covers the cell, whose last node is next to the first."""
-    n = T.shape[1]
-    length, here = 0.0, (T[1, n - 1] if closed else 0.0) - least
-    for i in range(n if closed else n + 1):
-        after = (T[1, i] if i < n else 0.0) - least
+def _repelled(T_z, closed, least):
+    """The length under repulsion, in node spacings; closed: the last node is next to the first, else nothing is."""
+    length, here = 0.0, (T_z[-1] if closed else 0.0) - least
+    for i in range(T_z.size if closed else T_z.size + 1):
+        after = (T_z[i] if i < T_z.size else 0.0) - least
         repelled = max(here, 0.0) + max(after, 0.0)
         if repelled > 0.0:  # that share of a spacing over which T_z is linear
             length += repelled / (abs(here) + abs(after))
@@ -141,20 +141,17 @@ def _repelled(T, closed, least):
 def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False):
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
-    u = on_nodes(scene, problem.surface(state.v))
-    T = on_nodes(scene, problem.traction(state.v, state.active))
-    u.flags.writeable = T.flags.writeable = False
-    first = 0 if u.shape[1] == scene.nodes else problem.contact.first
-    F_bar, L_bar = forces(scene, T)
-    A_bar, delta = contact_area(scene, T), 0.0 - float(U_z)
-    place = scene, stage, index, float(U_x), delta, first
-    safe_damping = state.mode.safety[0] if state.mode else 0.0
-    return Frame(*place, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated, safe_damping)
+    T = problem.traction(state.v, state.active)
+    place = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
+    fields = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T)
+    numbers = *map(float, forces(scene, T)), contact_area(scene, T), residual, evaluations
+    return Frame(*place, *fields, *numbers, slips, repeated, state.mode.safety[0] if state.mode else 0.0)
 
 
 def on_nodes(scene, field):
-    """A copy of a field (2, m); that of one node for all is shown on every node."""
+    """A read-only copy of a field (2, m); that of one node for all is shown on every node."""
     field = field.copy()
     if field.shape[1] == 1 < scene.nodes:  # as broadcast_to does, in a tenth of its time
-        return np.ndarray((2, scene.nodes), float, field, 0, (field.strides[0], 0))
+        field = np.ndarray((2, scene.nodes), float, field, 0, (field.strides[0], 0))
+    field.flags.writeable = False
     return field

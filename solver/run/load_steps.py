@@ -7,6 +7,8 @@ the one with direction (-1, 0). Every step begins with the state that the one be
 from dataclasses import dataclass, replace
 from math import inf
 
+from ..mechanics.equilibrium import Equilibrium
+from ..mechanics.load_control import LoadControl
 from .loading import Loading, sideways, vertical
 
 HIGHEST = 5.0  # delta_0 above first touch, where a retraction ends even if the punch still adheres
@@ -28,6 +30,10 @@ class LoadStep:
     def at(self, k):
         """Load of increment k, nm."""
         return min(self.end, k * self.increment + self.start)
+
+    def problem(self, contact, pressure):
+        """The Contact driven along this step; pressure: the mean normal traction to hold, GPa, or None."""
+        return LoadControl(contact, self.loading, pressure) if self.held else Equilibrium(contact, self.loading)
 
 
 def load_steps_of(scene):

@@ -13,12 +13,10 @@ from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
 from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
 from ..mechanics.contact import Contact, patch
-from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.load_control import LoadControl
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
-from .frame import Frame, SlipEvent, contact_area, forces, frame_of, on_nodes
+from .frame import Frame, SlipEvent, contact_area, forces, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 from .shortcuts import ALL
 
@@ -57,6 +55,17 @@ def load_path(
         yield frame
 
 
+def _deadline(limit):
+    """A function that raises OutOfTime once so many seconds of processor time, or BUSY more on the clock, are over."""
+    end, latest = thread_time() + limit, perf_counter() + limit + BUSY
+
+    def watch():
+        if thread_time() > end or perf_counter() > latest:
+            raise OutOfTime(f"no equilibrium within {limit:g} s of processor time, or {limit + BUSY:g} s")
+
+    return watch
+
+
 class Run:
     """Computes increments of one scene; owns the buffers of its contact, and keeps nothing else between increments."""
 
@@ -66,7 +75,6 @@ class Run:
         self.scene, self.method, self.leave_out = scene, method, leave_out
         self.film = None  # a list that takes the states of motions (see `film.through`)
         self._fast = method == "fast"
-        self._limit = self._end = self._latest = inf  # s; of an increment, and where both clocks stand when it must end
         self._stepper = self._place = None  # the stepper in use, and the load step, patch and pressure it is for
 
     @one_thread()
@@ -76,25 +84,20 @@ class Run:
         Raises NotConverged; OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the
         clock; ValueError where another method than fast is to carry a run on.
         """
-        scene = self.scene
-        if limit < inf:
-            self._limit, self._end, self._latest = limit, thread_time() + limit, perf_counter() + limit + BUSY
-        load_steps = checkpoint.load_steps or load_steps_of(scene)
+        load_steps = checkpoint.load_steps or load_steps_of(self.scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         if checkpoint.carried and not self._fast:  # the motion would start from a rest under other parameters
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
-        stepper.problem.contact.watch = self._watch if limit < inf else None
+        stepper.problem.contact.watch = _deadline(limit) if limit < inf else None
         before = stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.index))
         index, done = self._increment(step, checkpoint.index, state)
-        contact = stepper.problem.contact
+        problem = stepper.problem
         events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
-        spent = contact.evaluations - before
-        frame = frame_of(
-            scene, stepper.problem, done.state, step.stage, index, done.residual, spent, events, done.repeated
-        )
-        where = contact.first, contact.size
+        numbers = step.stage, index, done.residual, problem.evaluations - before
+        frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
+        where = problem.contact.first, problem.contact.size
         self._place = step, where, checkpoint.pressure
         return frame, replace(checkpoint, **self._after(checkpoint, load_steps, step, index, done), patch=where)
 
@@ -116,12 +119,6 @@ class Run:
             raise self._with_remedy(failure, step, load) from None
         return index, replace(done, slips=slips + done.slips)
 
-    def _watch(self):
-        """Called now and then during an increment: raises OutOfTime once it has taken too long."""
-        if thread_time() > self._end or perf_counter() > self._latest:
-            given = f"{self._limit:g} s of processor time, or {self._limit + BUSY:g} s"
-            raise OutOfTime(f"no equilibrium within {given}")
-
     def _with_remedy(self, failure, step, load):
         """The same failure, its message with the load and a remedy."""
         if isinstance(failure, PulledOff):
@@ -142,9 +139,7 @@ class Run:
         if self._place == place:
             return self._stepper
         scene = self.scene
-        problem = Equilibrium(self._contact_of(checkpoint.patch), step.loading)
-        if step.held:
-            problem = LoadControl(problem, checkpoint.pressure)
+        problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene))
         if self.film is not None:
             stepper.film = self.film
@@ -153,19 +148,12 @@ class Run:
         self._stepper, self._place = stepper, place
         return stepper
 
-    def _contact_of(self, where):
-        """The Contact on the patch `where`, (first, nodes); on a run's first patch if None."""
-        scene, leave_out = self.scene, self.leave_out
-        if self._stepper is not None:
-            contact = self._stepper.problem.contact
-            if where == (contact.first, contact.size):  # its buffers are used again
-                return contact
-        if where is None and self._fast and scene.surface == "flat" and "uniform" in leave_out:
-            where = 0, 1
-        elif where is None:
-            where = patch(scene, BULGE) if "window" in leave_out else (0, scene.nodes)
-        normal_only = self._fast and scene.phi_ratio == 0.0 and "friction" in leave_out
-        return Contact(scene, *where, normal_only=normal_only)
+    def _first_patch(self):
+        """(first, nodes) of the patch on which a run begins."""
+        scene = self.scene
+        if self._fast and scene.surface == "flat" and "uniform" in self.leave_out:
+            return 0, 1
+        return patch(scene, BULGE) if "window" in self.leave_out else (0, scene.nodes)
 
     def _after(self, checkpoint, load_steps, step, index, done):
         """What is new of the Checkpoint after increment `index`: one on, or at the beginning of the next step."""
@@ -180,7 +168,7 @@ class Run:
             return here | {"index": index, "done": True}
         pressure = checkpoint.pressure
         if not step.held:
-            pressure = problem.contact.pressure(problem.traction(state.v, state.active))
+            pressure = problem.contact.pressure(problem.traction(state.v, state.active)[1])
         state = _turned(problem, state, step.held, following[0])
         return here | {"stage": following[0].stage, "index": 0, "state": state, "pressure": pressure}
 
@@ -193,10 +181,9 @@ class Run:
 
     def _event(self, step, slip):
         """The SlipEvent of a Slip."""
-        contact, m = self._stepper.problem.contact, slip.active.size
-        T = on_nodes(self.scene, contact.traction(slip.v[: 2 * m].reshape(2, m), slip.active))
-        load, area = float(step.loading.coordinate(slip.load)), contact_area(self.scene, T)
-        return SlipEvent(load, *forces(self.scene, T), area, step.stage, slip.kind, slip.located)
+        scene, T = self.scene, self._stepper.problem.traction(slip.v, slip.active)
+        numbers = step.loading.coordinate(slip.load), *forces(scene, T), contact_area(scene, T)
+        return SlipEvent(*map(float, numbers), step.stage, slip.kind, slip.located)
 
 
 def _turned(problem, state, was_held, following):

@@ -6,7 +6,6 @@ With or without a rule frames are the same, to the tolerance. `account` says whi
 RULES = {
     "uniform": "flat on flat, as long as no wave grows: all nodes move alike, so one stands for all",
     "window": "nodes outside the interaction window: neither evaluated, nor transformed, nor kept in secant pairs",
-    "friction": "phi_t = 0: no tangential traction, nor its transform",
     "translation": "sliding repeats itself a lattice period on: known states are moved on and verified, not solved for",
 }
 ALL = frozenset(RULES)
@@ -21,7 +20,6 @@ def account(frames, leave_out=ALL):
     kept = 1 if uniform else last.shape[1]
     counted = {
         "uniform" if uniform else "window": (scene.nodes - kept, "nodes left out at the end"),
-        "friction": (sum(f.evaluations for f in frames if f.scene.phi_ratio == 0.0), "force evaluations"),
         "translation": (sum(f.repeated for f in frames), "increments repeated"),
     }
     return {

@@ -1,10 +1,9 @@
 """A run in slices: a few Frames at a time, each from the Checkpoint that the one before left."""
 
 from collections.abc import Callable, Collection
-from contextlib import contextmanager
 from dataclasses import replace
 from math import inf
-from threading import Lock
+from threading import local
 from time import perf_counter
 from typing import Any
 
@@ -13,8 +12,6 @@ from ..scene import Scene
 from .frame import Frame
 from .loadpath import Checkpoint, Run
 from .shortcuts import ALL
-
-KEPT = 4  # idle Runs, whose buffers are kept for the next slice
 
 
 def advance(
@@ -34,16 +31,14 @@ def advance(
     checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
     frames: list[Frame] = []
     end = perf_counter() + budget
-    with _borrowed(scene, method, leave_out) as run:
-        while not checkpoint.done:
-            try:
-                frame, checkpoint = run.next_frame(checkpoint, limit)
-            except NotConverged as failure:
-                late = isinstance(failure, OutOfTime)
-                return frames, replace(checkpoint, done=True, failure=str(failure), late=late)
+    run = _run_of(scene, method, leave_out)
+    while not checkpoint.done and (not frames or perf_counter() <= end):
+        try:
+            frame, checkpoint = run.next_frame(checkpoint, limit)
             frames.append(frame)
-            if perf_counter() > end:
-                break
+        except NotConverged as failure:
+            late = isinstance(failure, OutOfTime)
+            checkpoint = replace(checkpoint, done=True, failure=str(failure), late=late)
     return frames, checkpoint
 
 
@@ -64,25 +59,14 @@ def owned(checkpoint):
 
 def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
     """As `loadpath.Run.next_frame`, whose errors it raises; method, leave_out: as in `advance`."""
-    with _borrowed(scene, method, leave_out) as run:
-        return run.next_frame(checkpoint, limit)
+    return _run_of(scene, method, leave_out).next_frame(checkpoint, limit)
 
 
-_idle: list[tuple[tuple[Any, ...], Run]] = []
-_lock = Lock()
+_kept = local()  # of each thread: its last Run, as buffers are costly to make, and what that is of
 
 
-@contextmanager
-def _borrowed(*arguments):
-    """A Run for one thread: one that is idle, as buffers are costly to make, or a new one."""
-    with _lock:
-        known = next((pair for pair in _idle if pair[0] == arguments), None)
-        if known:
-            _idle.remove(known)
-    run = known[1] if known else Run(*arguments)
-    try:
-        yield run
-    finally:
-        with _lock:
-            _idle.append((arguments, run))
-            del _idle[:-KEPT]
+def _run_of(*arguments):
+    """The Run of these arguments for this thread."""
+    if getattr(_kept, "arguments", None) != arguments:
+        _kept.arguments, _kept.run = arguments, Run(*arguments)
+    return _kept.run

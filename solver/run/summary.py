@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
-from .frame import STAGES, Frame
+from .frame import Frame, load_of
 from .load_steps import load_steps_of
 
 
 def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
     """Displacement of every surface node of the layer, (2, nodes) nm, from the traction on the patch."""
-    compliance = Convolution(Modes.of(scene).compliance, scene.nodes, scene.nodes)
-    compliance.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
-    compliance.apply()
-    return compliance.product + np.array([[frame.U_x], [-frame.delta]])
+    layer = Convolution(Modes.of(scene), scene.nodes)
+    layer.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
+    layer.apply()
+    return layer.product + np.array([[frame.U_x], [-frame.delta]])
 
 
 def changing(frames):
@@ -35,34 +35,24 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """
     names = changing(frames)
     after = [f for f in frames if f.stage != "approach"]
-    told = {"converged": _converged(scene, frames), **_totals(frames, names)}
-    told["A_0"] = after[0].A_bar if after else None
-    told["slips"] = sum(len(f.slips) for f in after)
-    found, event = _first_slip(after)
-    told |= {"U_s": None, "F_s": None, "A_s": None}
-    if event:
-        told |= {"U_s": event.load, "F_s": event.F_bar, "A_s": event.A_bar}
-    pull_off = [f.L_bar for f in after if f.stage == "unload"]
-    if pull_off:
-        told["L_min"] = min(pull_off)
-    if names:
-        told |= {"E_s": found and found.scene.E, "changes": _changes(frames, names)}
-    return told
-
-
-def _totals(frames, names):
-    """What all Frames have together, the approach included; names: as of `changing`."""
-    return {
+    found, event = next(((f, event) for f in after if f.stage == "shear" for event in f.slips), (None, None))
+    told = {
+        "converged": _converged(scene, frames),
         "evaluations": sum(f.evaluations for f in frames),
         "events": [one.as_dict() | _values(f, names) for f in frames for one in f.slips],
         "safe_damping": max((f.safe_damping for f in frames), default=0.0),
         "may_flutter": sum(f.may_flutter for f in frames),
+        "A_0": after[0].A_bar if after else None,
+        "slips": sum(len(f.slips) for f in after),
+        "U_s": event and event.load,
+        "F_s": event and event.F_bar,
+        "A_s": event and event.A_bar,
     }
-
-
-def _first_slip(after):
-    """(Frame, SlipEvent) of the first slip in shear, or (None, None)."""
-    return next(((f, event) for f in after if f.stage == "shear" for event in f.slips), (None, None))
+    if pull_off := [f.L_bar for f in after if f.stage == "unload"]:
+        told["L_min"] = min(pull_off)
+    if names:
+        told |= {"E_s": found and found.scene.E, "changes": _changes(frames, names)}
+    return told
 
 
 def _converged(scene, frames):
@@ -70,8 +60,7 @@ def _converged(scene, frames):
     last = load_steps_of(scene)[-1]
     if not frames or frames[-1].stage != last.stage:
         return False
-    name, sign = STAGES[last.stage]
-    ended = sign * getattr(frames[-1], name) >= last.at(last.increments) - 1e-9 * last.increment
+    ended = load_of(frames[-1], last.stage) >= last.at(last.increments) - 1e-9 * last.increment
     return ended and all(f.residual <= f.scene.tolerance for f in frames)
 
 

@@ -180,7 +180,7 @@ def special_modes():
 
 
 def _applied(scene, traction):
-    layer = Convolution(Modes.of(scene).compliance, scene.nodes, scene.nodes)
+    layer = Convolution(Modes.of(scene), scene.nodes)
     layer.field[:] = traction
     layer.apply()
     return layer.product.copy()
@@ -218,7 +218,7 @@ def full_sums():
         scene = Scene(nodes=nodes, width=2.4 * nodes, height=0.05, nu=0.49)
         T = np.zeros((2, nodes))
         T[:, :size] = np.random.default_rng(size).normal(size=(2, size))
-        layer = Convolution(Modes.of(scene).compliance, nodes, size)
+        layer = Convolution(Modes.of(scene), size)
         layer.field[:] = T[:, :size]
         layer.apply()
         worst = max(worst, relative(layer.product, displacement(scene, T.astype(np.longdouble))[0][:, :size]))

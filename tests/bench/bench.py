@@ -148,7 +148,7 @@ def parts(row):
     problem = Equilibrium(contact, vertical(1.0))
     v = np.random.default_rng(0).normal(size=problem.size)
     active, r = problem.active(v, 0.0), np.empty_like(v)
-    layer = Convolution(contact.modes.compliance, contact.nodes, contact.size)
+    layer = Convolution(contact.modes, contact.size)
     secants = Secants(LIMITS.memory, v.size)
     for _ in range(LIMITS.memory):
         secants.push(*np.random.default_rng(1).normal(size=(4, v.size)))

@@ -2,7 +2,8 @@
 
     python tests/bench/fit.py [--draws N] [--starts N] [--points N] [--json FILE]
 
-A curve of 400 points with noise of 1 % of the largest F, three free parameters. Time: one fit from 20 % off, seconds.
+F and L at 400 points, each with noise of 1 % of its largest, three free parameters: F alone does not tell these apart,
+which a fit says (tests/test_fit.py). Time: one fit from 20 % off, seconds.
 Coverage: over 200 draws of truth (within 5 %) and noise, how often the 95 % interval of each parameter holds its truth.
 Starts: from 50 % off, 30 scenes, how many fits reach the truth (within four standard errors), and what the others say;
 a fit that does not reach it and says that it did is wrong.
@@ -22,7 +23,7 @@ from solver.analysis.measurement import Measurement
 
 BASE = Scene(nodes=256, width=625.0, delta_bar=0.1, u_x_max=40.0)
 FREE = ("phi_n", "phi_ratio", "delta_bar")
-NOISE = 0.01  # of the largest F
+NOISE = 0.01  # of the largest F, and L
 WIDE = 1.96  # standard errors: 95 %
 NEAR = 4.0  # standard errors, within which the truth counts as reached
 
@@ -38,8 +39,8 @@ def moved(scene, share, rng, signs_only=False):
 
 def measured(skeleton, points, rng):
     U_x = np.linspace(0.0, skeleton.scene.u_x_max, points + 1)[1:]
-    F = skeleton.curve(U_x)[0]
-    return Measurement.of(U_x, {"F_bar": F + NOISE * np.abs(F).max() * rng.normal(size=points)})
+    curves = zip(("F_bar", "L_bar"), skeleton.curve(U_x)[:2], strict=True)
+    return Measurement.of(U_x, {name: y + NOISE * np.abs(y).max() * rng.normal(size=points) for name, y in curves})
 
 
 def off(found, scene):

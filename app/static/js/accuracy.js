@@ -4,16 +4,14 @@ import { order } from "./channel.js"
 import { by, make, makeShape, minus, offerTable, on } from "./dom.js"
 import { me } from "./state.js"
 
-// series: [class in style.css, outline of the marker around 0, 0, place of the text beside it: x, y, anchor]
-const MARKERS = {
-  "fast": ["fast", "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0z", 9, -5, "start"],
-  "gfmd": ["gfmd", "M-4.5-4.5h9v9h-9z", 9, -5, "start"],
-  "gfmd mass-weighted": ["weighted", "M0-6l5.5 10h-11z", 7, 16, "start"],
-  "FIRE": ["fire", "M0-6.5l5.5 6.5l-5.5 6.5l-5.5-6.5z", -9, -5, "end"],
+// series: [class in style.css, place of the text beside a point: x, y, anchor]; page.html has its mark
+const SERIES = {
+  "fast": ["fast", 9, -5, "start"],
+  "gfmd": ["gfmd", 9, -5, "start"],
+  "gfmd mass-weighted": ["weighted", 7, 16, "start"],
+  "FIRE": ["fire", -9, -5, "end"],
 }
-const CROSS = "M-8-8l16 16M-8 8l16-16"
 const PLOTS = { seconds: "time of one core [s]", evaluations: "force evaluations [1]" }
-const AROUND = { left: 66, right: 16, top: 10, bottom: 46 } // px beside the frame
 let measurement = null // what the server said last
 
 export function openBench() {
@@ -58,34 +56,11 @@ function tellBench() {
 }
 
 function drawBench() {
-  by("bench-plots").hidden = !measurement?.points.length
-  if (!by("bench").open || by("bench-plots").hidden) return
-  drawKey(measurement.points)
-  for (const work in PLOTS) drawErrors(by(`error-${work}`), measurement.points, work)
-}
-
-function svg(parent, name, attributes, text) {
-  return parent.appendChild(makeShape(name, attributes, ...(text === undefined ? [] : [text])))
-}
-
-function drawKey(points) {
-  const key = by("bench-key")
-  key.replaceChildren()
-  const entry = (text, draw) => {
-    const item = key.appendChild(make("span"))
-    draw(svg(item, "svg", { viewBox: "-15 -8 30 16", "aria-hidden": true }))
-    item.append(text)
-  }
-  for (const [series, [name, path]] of Object.entries(MARKERS)) {
-    if (!points.some((p) => p.series === series)) continue
-    entry(series, (into) => {
-      const group = svg(into, "g", { class: `series ${name}` })
-      svg(group, "path", { d: "M-15 0h30" })
-      svg(group, "path", { d: path })
-    })
-  }
-  if (points.some((p) => p.astray)) entry("other branch than the reference", (into) => svg(into, "path", { class: "astray", d: CROSS }))
-  key.append(" · numbers in the plot: tolerance [nm]")
+  const points = measurement?.points ?? []
+  by("bench-plots").hidden = !points.length
+  if (!by("bench").open || !points.length) return
+  for (const entry of by("bench-key").children) entry.hidden = !points.some((p) => p.series === entry.dataset.of || p[entry.dataset.of])
+  for (const work in PLOTS) drawErrors(by(`error-${work}`), points, work)
 }
 
 // Whole decades that hold the values, at least `least` of them
@@ -95,42 +70,40 @@ function decades(values, least) {
 }
 
 const raised = (n) => `10${String(n).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit])}`
+const between = (low, high) => Array.from({ length: high - low + 1 }, (_, i) => low + i)
+const line = (d, name = "grid") => makeShape("path", { class: name, d })
+const write = (x, y, said, more) => makeShape("text", { x, y, "text-anchor": "middle", ...more }, said)
 
 function drawErrors(into, points, work) {
   const width = into.clientWidth, height = into.clientHeight
-  const { left, right, top, bottom } = AROUND
+  const left = 66, right = width - 16, top = 10, bottom = height - 46, middle = (top + bottom) / 2 // px, of the frame
   const [x0, x1] = decades(points.map((p) => p[work]), 2), [y0, y1] = decades(points.map((p) => p.error), 3)
-  const x = (log) => left + ((log - x0) / (x1 - x0)) * (width - left - right)
-  const y = (log) => height - bottom - ((log - y0) / (y1 - y0)) * (height - top - bottom)
-  into.replaceChildren()
+  const x = (log) => left + ((log - x0) / (x1 - x0)) * (right - left)
+  const y = (log) => bottom - ((log - y0) / (y1 - y0)) * (bottom - top)
+  const every = y1 - y0 < 8 ? 1 : 2 // decades from one number to the next
   into.setAttribute("viewBox", `0 0 ${width} ${height}`)
-  for (let n = x0; n <= x1; n++) {
-    svg(into, "path", { class: "grid", d: `M${x(n)} ${top}V${height - bottom}` })
-    svg(into, "text", { x: x(n), y: height - bottom + 18, "text-anchor": "middle" }, raised(n))
-  }
-  for (let n = y0; n <= y1; n++) {
-    svg(into, "path", { class: "grid", d: `M${left} ${y(n)}H${width - right}` })
-    if (y1 - y0 < 8 || n % 2 === 0) svg(into, "text", { x: left - 6, y: y(n) + 4, "text-anchor": "end" }, raised(n))
-  }
-  svg(into, "path", { class: "frame", d: `M${left} ${top}V${height - bottom}H${width - right}` })
-  svg(into, "text", { class: "label", x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, PLOTS[work])
-  const middle = (top + height - bottom) / 2
-  svg(into, "text", { class: "label", x: 14, y: middle, "text-anchor": "middle", transform: `rotate(-90 14 ${middle})` }, "relative error [1]")
-  for (const series in MARKERS) drawSeries(into, points.filter((p) => p.series === series), (p) => [x(Math.log10(p[work])), y(Math.log10(p.error))])
+  into.replaceChildren(
+    ...between(x0, x1).flatMap((n) => [line(`M${x(n)} ${top}V${bottom}`), write(x(n), bottom + 18, raised(n))]),
+    ...between(y0, y1).map((n) => line(`M${left} ${y(n)}H${right}`)),
+    ...between(y0, y1).filter((n) => n % every === 0).map((n) => write(left - 6, y(n) + 4, raised(n), { "text-anchor": "end" })),
+    line(`M${left} ${top}V${bottom}H${right}`, "frame"),
+    write((left + right) / 2, height - 6, PLOTS[work], { class: "label" }),
+    write(14, middle, "relative error [1]", { class: "label", transform: `rotate(-90 14 ${middle})` }),
+    ...Object.keys(SERIES).map((series) => seriesOf(points.filter((p) => p.series === series), series, (p) => [x(Math.log10(p[work])), y(Math.log10(p.error))])),
+  )
 }
 
-function drawSeries(into, points, place) {
-  if (!points.length) return
-  const [name, path, right, down, anchor] = MARKERS[points[0].series]
-  const group = svg(into, "g", { class: `series ${name}` })
-  svg(group, "polyline", { points: points.map((p) => place(p).join()).join(" ") })
+function seriesOf(points, series, place) {
+  const [name, right, down, anchor] = SERIES[series]
+  const group = makeShape("g", { class: `series ${name}` }, makeShape("polyline", { points: points.map(place).join(" ") }))
   for (const p of points) {
-    const [x, y] = place(p), moved = { transform: `translate(${x} ${y})` }
-    const said = `${p.series}, tolerance ${p.tolerance} nm: error ${p.error.toExponential(0)}, ${p.seconds.toPrecision(2)} s, ${p.evaluations} evaluations`
-    svg(svg(group, "path", { class: "point", d: path, ...moved }), "title", {}, said)
-    if (p.astray) svg(group, "path", { class: "astray", d: CROSS, ...moved })
-    svg(group, "text", { x: x + right, y: y + down, "text-anchor": anchor }, minus(p.tolerance.toExponential(0)))
+    const [x, y] = place(p), tolerance = minus(p.tolerance.toExponential(0))
+    const said = `${series}, tolerance ${p.tolerance} nm: error ${p.error.toExponential(0)}, ${p.seconds.toPrecision(2)} s, ${p.evaluations} evaluations`
+    group.append(makeShape("use", { class: "point", href: `#mark-${name}`, x, y }, makeShape("title", {}, said)))
+    if (p.astray) group.append(makeShape("use", { class: "astray", href: "#mark-astray", x, y }))
+    group.append(write(x + right, y + down, tolerance, { "text-anchor": anchor }))
   }
+  return group
 }
 
 export function connect() {

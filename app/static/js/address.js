@@ -14,10 +14,10 @@ let written = null // the scene in the address, as text; null before it is known
 const hand = { name: "", at: -BURST, moves: 0, written: 0 } // what it changed last, when, how often it paused; of these, in the address
 let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
 let resting = 0, goto = null
-let wanted = asked("k") // the increment to go to once the run is there
+let wanted = asked() // the increment to go to once the run is there
 
-function asked(name) {
-  const text = new URLSearchParams(location.search).get(name)
+function asked() {
+  const text = new URLSearchParams(location.search).get("k")
   return /^\d+$/.test(text ?? "") && Number(text) < LARGEST ? Number(text) : null
 }
 
@@ -82,7 +82,7 @@ let pinned = new URLSearchParams(location.search).getAll("pin") // still to be b
 function popped(event) {
   if (event.state?.entry === undefined) return
   entry = event.state.entry
-  const k = asked("k")
+  const k = asked()
   readdress((now) => {
     for (const name of VIEWED) now.delete(name)
     for (const [name, text] of seen) now.append(name, text)

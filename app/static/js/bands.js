@@ -3,7 +3,7 @@
 import { frameBox } from "./bokeh.js"
 import { by, minus } from "./dom.js"
 import { figures } from "./figures.js"
-import { cleared, inks, size, write } from "./pen.js"
+import { cleared, inks, line, size, within, write } from "./pen.js"
 
 const GAP = 10 // px between both
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
@@ -12,47 +12,33 @@ export function drawBands(run, k) {
   const canvas = by("bands"), box = frameBox(figures.punch), pen = box && canvas.checkVisibility() ? cleared(canvas) : null
   if (!pen) return
   const { x, T_n, T_t } = run.frame(k), ink = inks(), { start, end } = figures.punch.x_range
-  const line = 1.35 * size(), high = canvas.clientHeight - line - 4, { left } = box
-  const X = (v) => left + ((v - start) / (end - start)) * box.width
+  const row = 1.35 * size(), high = canvas.clientHeight - row - 4
   const normal = { of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering], says: ["pushes apart", "pulls together"] }
   const shear = { of: T_t, up: Math.max(run.T_out, LEAST), low: run.T_back, inks: [ink.shear, ink.shear], says: ["holds back", ""] }
   const bands = [normal, shear], scale = (high - bands.length * GAP) / (normal.up - normal.low + shear.up - shear.low) // of both the same
-  const view = { pen, ink, box: { left, width: box.width } }
+  const view = { pen, ink, box }
   let top = 0
   for (const band of bands) {
-    drawBand(view, { ...band, top, scale }, x, X)
+    drawBand(view, { ...band, top, scale }, x)
     top += (band.up - band.low) * scale + GAP
   }
-  drawScale(view, GAP / 2, scale, line)
-  drawPlaces(view, start, end, X, high + 2, line)
+  drawScale(view, GAP / 2, scale, row)
+  drawPlaces(view, start, end, high + 2, row)
 }
 
-function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, under], says }, x, X) {
-  const high = (up - low) * scale + GAP, Y = (v) => top + GAP / 2 + (up - v) * scale
-  pen.save()
-  pen.beginPath()
-  pen.rect(box.left, top, box.width, high)
-  pen.clip()
-  for (const [keep, colour] of [[(v) => Math.max(v, 0), over], [(v) => Math.min(v, 0), under]]) {
-    pen.beginPath()
-    pen.moveTo(X(x[0]), Y(0))
-    for (let i = 0; i < x.length; i++) pen.lineTo(X(x[i]), Y(keep(of[i])))
-    pen.lineTo(X(x.at(-1)), Y(0))
-    pen.fillStyle = colour
-    pen.globalAlpha = 0.28
-    pen.fill()
-    pen.globalAlpha = 1
-    pen.strokeStyle = colour
-    pen.lineWidth = 1.5
-    pen.stroke()
-  }
-  pen.strokeStyle = ink.soft
-  pen.lineWidth = 1
-  pen.beginPath()
-  pen.moveTo(box.left, Y(0))
-  pen.lineTo(box.left + box.width, Y(0))
-  pen.stroke()
-  pen.restore()
+function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, under], says }, x) {
+  const high = (up - low) * scale + GAP, Y = (v) => top + GAP / 2 + (up - v) * scale, { left, width, X } = box
+  within(pen, { left, top, width, height: high }, () => {
+    for (const [keep, colour] of [[(v) => Math.max(v, 0), over], [(v) => Math.min(v, 0), under]]) {
+      const places = Array.from(x, (at, i) => [X(at), Y(keep(of[i]))])
+      line(pen, [[X(x[0]), Y(0)], ...places, [X(x.at(-1)), Y(0)]], colour, 1.5)
+      pen.fillStyle = colour
+      pen.globalAlpha = 0.28
+      pen.fill()
+      pen.globalAlpha = 1
+    }
+    line(pen, [[left, Y(0)], [left + width, Y(0)]], ink.soft)
+  })
   const view = { pen, ink, box }
   if (high < 2 * size()) return
   write(view, says[0], box.left + 8, Math.max(0.6 * size(), Y(0) - 0.75 * size()), { of: over, align: "left", scale: 0.95 })
@@ -60,26 +46,16 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
 }
 
 // A bar for so many GPa, beside both bands
-function drawScale({ pen, ink, box }, top, scale, line) {
-  const nice = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((GPa) => GPa * scale > 1.5 * line) ?? 200, x = box.left - 10
-  pen.strokeStyle = ink.soft
-  pen.lineWidth = 2
-  pen.beginPath()
-  pen.moveTo(x, top)
-  pen.lineTo(x, top + nice * scale)
-  pen.stroke()
+function drawScale({ pen, ink, box }, top, scale, row) {
+  const nice = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((GPa) => GPa * scale > 1.5 * row) ?? 200, x = box.left - 10
+  line(pen, [[x, top], [x, top + nice * scale]], ink.soft, 2)
   write({ pen, ink }, `${nice} GPa`, x - 5, top + 0.5 * nice * scale, { of: ink.soft, align: "right", scale: 0.9 })
 }
 
-function drawPlaces(view, start, end, X, y, line) {
-  const { pen, ink } = view, step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((nm) => (end - start) / nm <= 8) ?? 2000
+function drawPlaces({ pen, ink, box: { X } }, start, end, y, row) {
+  const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((nm) => (end - start) / nm <= 8) ?? 2000
   for (let at = Math.ceil(start / step) * step; at <= end; at += step) {
-    pen.strokeStyle = ink.soft
-    pen.lineWidth = 1
-    pen.beginPath()
-    pen.moveTo(X(at), y - 2)
-    pen.lineTo(X(at), y + 3)
-    pen.stroke()
-    write({ pen, ink }, `${minus(at)}${at === 0 ? " nm" : ""}`, X(at), y + 0.65 * line, { of: ink.soft, scale: 0.95 })
+    line(pen, [[X(at), y - 2], [X(at), y + 3]], ink.soft)
+    write({ pen, ink }, `${minus(at)}${at === 0 ? " nm" : ""}`, X(at), y + 0.65 * row, { of: ink.soft, scale: 0.95 })
   }
 }

@@ -119,16 +119,20 @@ export function thicken(item, times) {
   }
 }
 
-// How many pixels of the screen a unit in y takes, over a unit in x; nothing before the figure is laid out
-export function stretch({ inner_width, inner_height, x_range, y_range } = {}) {
-  if (!inner_width || !inner_height) return null
-  return (inner_height / (y_range.end - y_range.start)) / (inner_width / (x_range.end - x_range.start))
-}
-
-// Where the axes of a figure enclose it, px from its corner; nothing before it is laid out
+// Where the axes of a figure enclose it, px from its corner, and where its places are; nothing before it is laid out
 export function frameBox(figure) {
   const { left, top, width, height } = viewOf(figure)?.frame?.bbox ?? {}
-  return width > 0 && height > 0 ? { left, top, width, height } : null
+  if (!(width > 0 && height > 0)) return null
+  const { x_range: { start, end }, y_range } = figure
+  const across = width / (end - start), up = height / (y_range.end - y_range.start) // px of a unit
+  const X = (x) => left + (x - start) * across, Y = (y) => top + (y_range.end - y) * up
+  return { left, top, width, height, across, up, X, Y }
+}
+
+// How many pixels of the screen a unit in y takes, over a unit in x; nothing before the figure is laid out
+export function stretch(figure) {
+  const box = figure && frameBox(figure)
+  return box ? box.up / box.across : null
 }
 
 // A figure as it is drawn now, on a canvas of its own or as the text of an SVG (as bokeh.io.export does)

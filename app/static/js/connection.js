@@ -3,7 +3,7 @@
 
 import { silence, waiting } from "./channel.js"
 import { by, on } from "./dom.js"
-import { me } from "./state.js"
+import { me, now } from "./state.js"
 import { checkTruth } from "./truth.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
@@ -63,16 +63,13 @@ function openAnew() {
   let wanted = { ...me.status.address }
   for (const { what, values } of waiting()) {
     if (what === "scene") Object.assign(wanted, values)
-    else if (what === "preset") wanted = { preset: values.preset }
-    else if (what === "restore") wanted = { ...values }
-    else if (what === "reset") wanted = {}
+    else wanted = { ...values } // of "preset" and "restore"; "reset" has none
   }
   if (me.status.values) {
     for (const name of ["preset", "profile", "k", ...Object.keys(me.status.values)]) address.searchParams.delete(name)
     for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.searchParams.set(name, value)
   }
-  const { playing, speed, run, at } = me
-  const shown = run?.length ? run.place(Math.min(Math.floor(at), run.length - 1)) : null
+  const { playing, speed, run } = me, shown = run?.length ? run.place(now()) : null
   sessionStorage.setItem(AS_IT_WAS, JSON.stringify({ playing, speed, shown, carry: by("carry").checked }))
   history.replaceState(history.state, "", address)
   location.reload()

@@ -3,13 +3,31 @@
 export const by = (id) => document.getElementById(id)
 export const on = (id, event, call) => by(id).addEventListener(event, call)
 export const minus = (text) => `${text}`.replace("-", "−")
-export const fixed = (value, digits) => minus((Math.round(value * 10 ** digits) / 10 ** digits).toFixed(digits))
+export const digits = (value, count = 3) => minus(Number(value.toPrecision(count)))
+export const fixed = (value, places) => minus((Math.round(value * 10 ** places) / 10 ** places).toFixed(places))
+export const newtons = (force) => (Math.abs(force) < 0.1 ? `${digits(1000 * force)} mN/m` : `${digits(force)} N/m`) // per depth
+
+// Where in a list the number nearest to a value is
+export const closest = (list, value) => (
+  list.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(list[best] - value) ? i : best), 0))
+
+// What a pointer does from where it goes down on an element: begin(event) tells what is held, if anything
+export function onDrag(element, begin, move, end = () => {}) {
+  let held = null
+  const drop = () => { if (held) end(held); held = null }
+  element.addEventListener("pointerdown", (event) => { held = begin(event) })
+  element.addEventListener("pointermove", (event) => { if (held) move(event, held) })
+  for (const name of ["pointerup", "pointercancel"]) element.addEventListener(name, drop)
+}
 
 // Text with a paragraph of its own, which is there only while there is something to say
 export function say(id, text) {
   by(id).hidden = !text
   by(id).textContent = text ?? ""
 }
+
+// Write what an element says, if it says another thing
+export const tell = (element, text) => { if (element.textContent !== text) element.textContent = text }
 
 // Change the parameters of the address in the browser's bar
 export function readdress(change) {
@@ -26,6 +44,7 @@ export function make(tag, { data = {}, ...given } = {}, ...parts) {
   made.append(...parts)
   return made
 }
+export const makeRow = (cells) => make("tr", {}, ...cells.map((cell) => make("td", {}, cell)))
 export const makeButton = (given, ...parts) => make("button", { type: "button", ...given }, ...parts)
 
 // A shape of a drawing with its attributes, and what it holds

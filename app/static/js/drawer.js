@@ -15,7 +15,7 @@ export function openDrawer(given) {
 }
 
 function connect(given) {
-  usual = JSON.parse(given)
+  usual = given
   listen("status", refresh)
   on("find", "input", refresh)
   on("drawer", "close", () => by(by("more").checkVisibility() ? "more" : "menu").focus())

@@ -1,13 +1,13 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
-import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, plain, set, stretch, thicken, tint } from "./bokeh.js"
+import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, set, stretch, thicken, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
-import { by, minus, say } from "./dom.js"
+import { by, digits, minus, say, tell } from "./dom.js"
 import { drawSketches, put, wipe } from "./sketch.js"
 import { me } from "./state.js"
 import { explain } from "./terms.js"
 import { symbol as symbolOf } from "./truth.js"
-import { forceUnit, tellStart } from "./units.js"
+import { forceUnit, tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
@@ -27,9 +27,7 @@ export function adopt(name, figure) {
   parts[name] = namedParts(figure)
 }
 
-export function useNodes(given) {
-  states = Object.fromEntries(Object.entries(plain(given)).map(([state, node]) => [state, plain(node)]))
-}
+export const useNodes = (given) => { states = given }
 
 export function forget(name) {
   delete figures[name]
@@ -38,7 +36,7 @@ export function forget(name) {
 
 // While a hand moves a slider: of these views what changes is sketched, the run before stays, and the rest is not drawn
 const SKETCHED = ["forces", "area", "map", "traction", "punch"]
-const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested|branch)$/ // of these, what stays; what no picture has
+const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested|branch|band_.)$/ // of these, what stays; what no picture has
 let sketching = false, hidden = false
 const fresh = new Set() // views whose sketches are over
 
@@ -68,9 +66,9 @@ function hide() {
   }
 }
 
-export const fillImage = (view, label, values, shape, place) => {
-  fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place })
-}
+export const fillImage = (view, label, values, shape, place) => (
+  fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place }))
+
 export async function painted(change) {
   if (sketching && hidden) change()
   else await paintedTogether(Object.values(figures), () => { if (sketching) hide(); change() })
@@ -103,39 +101,44 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 // What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame];
 // whether a run is among these
 export const overlays = { curves: () => [], drawn: () => {}, punches: () => [], has: () => false }
-let drawnGhost = null, drawnUnit = "F, L (N/m)", drawnApproach = false
+let curvesDrawn = { label: "F, L (N/m)" } // {ghost, label, approach} as they were drawn
 const NOTHING = { along: [], value: [] }
+const APART = "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. "
+  + "Press the punch farther down."
 export function drawCurves(run, ghost, approach) {
-  const part = (of, name, factor) => of?.drawn(name, approach, factor) ?? NOTHING
-  const curve = (...asked) => { const { along, value } = part(...asked); return { U_x: along, value } }
   if (ghost?.head.abscissa !== run.head.abscissa || overlays.has(ghost)) ghost = null // along something else, or drawn already
-  const unit = forceUnit([run, ghost]), { F, L } = unit.names
-  const same = ghost === drawnGhost && labelOf(unit) === drawnUnit && approach === drawnApproach
-  for (const [view, label, name, factor] of [["forces", "F", F, unit.factor], ["forces", "L", L, unit.factor], ["area", "A", "A", 1]]) {
-    if (!same) fill(view, `ghost_${label}`, curve(ghost, name, factor))
-    fill(view, label, curve(run, name, factor))
+  const unit = forceUnit([run, ghost]), label = labelOf(unit), { names: { F, L }, factor } = unit
+  const part = (of, name) => of?.drawn(name, approach, name === "A" ? 1 : factor) ?? NOTHING
+  const same = ghost === curvesDrawn.ghost && label === curvesDrawn.label && approach === curvesDrawn.approach
+  const curve = (view, line, of, name) => {
+    const { along, value } = part(of, name)
+    fill(view, line, { U_x: along, value })
   }
-  if (labelOf(unit) !== drawnUnit) nameForces(unit)
-  drawnGhost = ghost
+  for (const [view, line, name] of [["forces", "F", F], ["forces", "L", L], ["area", "A", "A"]]) {
+    if (!same) curve(view, `ghost_${line}`, ghost, name)
+    curve(view, line, run, name)
+  }
+  if (label !== curvesDrawn.label) nameForces(unit)
   document.querySelector(".page").dataset.ghost = ghost !== null
   nameGhost(run, ghost)
-  drawnUnit = labelOf(unit)
-  drawnApproach = approach
-  for (const [view, label, name, factor] of [["forces", "slips_F", run.normal || approach ? L : F, unit.factor], ["area", "slips_A", "A", 1]]) {
-    const [U_x, value] = run.slips(name, factor, null, approach)
-    fill(view, label, { U_x, value })
-  }
-  const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
+  curvesDrawn = { ghost, label, approach }
+  const along = run.normal || approach, [start, end] = run.extent(approach)
+  const room = start < end ? 0 : 1 // nm, where nothing is walked
   set(figures.forces.x_range, { start: start - room, end: end + room })
-  nameAxis(run.normal || approach)
-  pointAlong(run, "forces", run.curves[run.normal ? L : F], unit.factor)
-  pointAlong(run, "area", run.curves.A, 1)
-  say("apart", run.apart ? "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. Press the punch farther down." : "")
-  const shown = (name, factor) => [...[run, ghost].map((of) => part(of, name, factor).value), ...overlays.curves(run, part, name, factor)]
-  const moving = [[F, unit.factor], [L, unit.factor]].map(([name, factor]) => Array.from(part(run, name, factor).value))
-  const bounds = moving.filter((list) => list.length).map((list) => [Math.min(...list), Math.max(...list)])
-  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F, unit.factor), ...shown(L, unit.factor)), bounds)
-  const areas = shown("A", 1).flatMap((list) => [...list]), least = Math.min(...areas), most = Math.max(...areas, run.head.spacing)
+  nameAxis(along)
+  const marked = [["forces", along ? L : F, run.normal ? L : F, factor], ["area", "A", "A", 1]]
+  for (const [view, name, way, times] of marked) {
+    const [U_x, value] = run.slips(name, times, null, approach)
+    fill(view, `slips_${view === "area" ? "A" : "F"}`, { U_x, value })
+    pointAlong(run, view, run.curves[way], times)
+  }
+  say("apart", run.apart ? APART : "")
+  const shown = (name) => [run, ghost].map((of) => part(of, name).value).concat(overlays.curves(run, part, name))
+  const bounds = [F, L].map((name) => part(run, name).value).filter((list) => list.length)
+    .map((list) => [Math.min(...list), Math.max(...list)])
+  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F), ...shown(L)), bounds)
+  const areas = shown("A").flatMap((list) => [...list])
+  const least = Math.min(...areas), most = Math.max(...areas, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
   overlays.drawn(run, part, unit, approach)
   fit(figures.area.y_range, from, most)
@@ -149,24 +152,24 @@ function nameGhost({ scene }, ghost) {
   const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
   const values = names.map((name) => `${symbolOf(name)} = ${minus(ghost.scene[name])}`).join(", ")
   const text = names.length && names.length <= NAMED ? `before: ${values}` : "before"
-  for (const key of document.querySelectorAll(".key .ghost span")) if (key.textContent !== text) key.textContent = text
+  for (const key of document.querySelectorAll(".key .ghost span")) tell(key, text)
 }
 
 // Which way each part of a loop is walked: heads of arrows at its thirds
 function pointAlong(run, view, value, factor) {
-  const heads = { U_x: [], value: [], angle: [] }, along = run.along
-  const stages = run.normal || run.head.span[0] < 0 ? [...new Set(run.curves.stage)].filter((stage) => stage > 0) : []
-  for (const stage of stages) {
-    const first = run.curves.stage.indexOf(stage), last = run.curves.stage.lastIndexOf(stage)
-    for (const part of [1 / 3, 2 / 3]) {
-      const k = Math.round(first + part * (last - first))
-      if (along[last] === along[first]) continue
-      heads.U_x.push(along[k])
-      heads.value.push(value[k] * factor)
-      heads.angle.push(along[last] > along[first] ? -Math.PI / 2 : Math.PI / 2)
-    }
-  }
-  fill(view, "ways", heads)
+  const { along, curves: { stage: stages } } = run, loops = run.normal || run.head.span[0] < 0
+  const heads = [...new Set(loops ? stages : [])].filter((stage) => stage > 0).flatMap((stage) => {
+    const first = stages.indexOf(stage), last = stages.lastIndexOf(stage), way = Math.sign(along[last] - along[first])
+    return way ? [1 / 3, 2 / 3].map((part) => [Math.round(first + part * (last - first)), way]) : []
+  })
+  fill(view, "ways", { U_x: heads.map(([k]) => along[k]), value: heads.map(([k]) => value[k] * factor),
+    angle: heads.map(([, way]) => (-way * Math.PI) / 2) })
+}
+
+// What is said beside the mouse on a curve: change(where, what) makes it of what it was, [symbol, value] each
+function retell(view, change) {
+  const tools = figures[view].toolbar.tools.filter(({ tooltips }) => tooltips?.[0])
+  for (const tool of tools) set(tool, { tooltips: change(...tool.tooltips) })
 }
 
 // The unit of forces, on the axis and beside the mouse
@@ -174,10 +177,7 @@ const labelOf = ({ symbols, text, over = "" }) => `${symbols.F}, ${symbols.L} ($
 function nameForces(unit) {
   const { symbols, text } = unit
   set(figures.forces.left[0], { axis_label: labelOf(unit) })
-  for (const tool of figures.forces.toolbar.tools) {
-    const [where, [symbol]] = tool.tooltips, name = symbol.startsWith("F") ? "F" : "L"
-    set(tool, { tooltips: [where, [symbols[name], `@value{0.000} ${text}`]] })
-  }
+  retell("forces", (where, [symbol]) => [where, [symbols[symbol[0]], `@value{0.000} ${text}`]])
 }
 
 // Curves are drawn along U_x, or along delta
@@ -191,16 +191,14 @@ function nameAxis(normal) {
   const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
   for (const view of ["forces", "area", "map"]) {
     set(figures[view].below[0], { axis_label: label })
-    for (const tool of figures[view].toolbar.tools) {
-      if (tool.tooltips?.[0]) set(tool, { tooltips: [[symbol, tool.tooltips[0][1]], ...tool.tooltips.slice(1)] })
-    }
+    retell(view, ([, value], ...rest) => [[symbol, value], ...rest])
   }
 }
 
 // The limits of the colours of a view, in its key
 export function tellLimits(view, low, high) {
-  by(`${view}-low`).textContent = minus(Number(low.toPrecision(2)))
-  by(`${view}-high`).textContent = `+${Number(high.toPrecision(2))} GPa`
+  by(`${view}-low`).textContent = digits(low, 2)
+  by(`${view}-high`).textContent = `+${digits(high, 2)} GPa`
 }
 
 export function drawMap(run, shown) {
@@ -233,17 +231,17 @@ export function shade(view, label, low, high) {
 }
 
 // Ranges of all punches, which are the same
-const setPunches = (which, values) => {
-  for (const view of ["punch", "twin"]) if (figures[view]) set(figures[view][which], values)
-}
+const punches = () => ["punch", "twin"].filter((view) => figures[view])
+const setPunches = (which, values) => punches().forEach((view) => set(figures[view][which], values))
 
 export function drawFrame(run, k) {
   const { x, T_n, T_t } = run.frame(k)
-  const punches = [["punch", run, k], ...overlays.punches(run, k)].map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
-  const lowest = punches.map(({ frame }) => frame.gap.reduce((a, b) => Math.min(a, b)))
+  const drawing = [["punch", run, k], ...overlays.punches(run, k)]
+    .map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
+  const lowest = drawing.map(({ frame }) => Math.min(...frame.gap))
   const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
   if (!me.dragging) setPunches("y_range", { end: top })
-  for (const punch of punches) drawPunch(punch, top)
+  for (const punch of drawing) drawPunch(punch, top)
   if (figureShown("traction")) {
     fill("traction", "T_n", { x, T: T_n })
     fill("traction", "T_t", { x, T: T_t })
@@ -264,29 +262,25 @@ function drawPunch({ view, run, frame }, top) {
   }
   fill(view, "body", outline)
   fill(view, "surface", { x, gap })
-  const found = Object.fromEntries(Object.keys(states).map((state) => [state, []]))
-  for (let i = 0; i < n; i++) found[frame.state(i)].push(i)
-  if (run.head.flat && view === "punch") tellFlat(states[frame.state(0)])
-  for (const label in found) {
-    const pick = (list) => Float32Array.from(found[label], (i) => list[i])
+  const found = Object.groupBy(x.keys(), frame.state)
+  for (const label in states) {
+    const pick = (list) => Float32Array.from(found[label] ?? [], (i) => list[i])
     fill(view, label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
-}
-
-// The key of the nodes of a flat surface, which are all alike
-function tellFlat({ mark, said }) {
+  if (!run.head.flat || view !== "punch") return
+  const { mark, said } = states[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
   by("flat-mark").className = mark
   by("flat-state").textContent = said
 }
 
-let sites = "" // how many are drawn on either side of the middle, and whether in two figures
+let sites = "" // how many are drawn on either side of the middle, and in which figures
 function drawSites({ spacing, middle }) {
-  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2
-  if (`${half} ${"twin" in figures}` === sites) return
-  sites = `${half} ${"twin" in figures}`
+  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2, wanted = [half, ...punches()].join()
+  if (wanted === sites) return
+  sites = wanted
   const first = Math.round(middle / spacing)
   const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
-  for (const view of ["punch", "twin"]) if (figures[view]) fill(view, "sites", { x, gap: x.map(() => 0) })
+  for (const view of punches()) fill(view, "sites", { x, gap: x.map(() => 0) })
 }
 
 // How far from the middle the map of a run reaches, and its punch is seen, nm
@@ -297,12 +291,13 @@ const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spa
 export function fitFrames(run) {
   if (me.dragging || run.followed) return
   const { flat } = run.head, half = reach(run)
-  document.querySelector(".page").dataset.flat = flat
+  const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
+  dataset.flat = flat
+  if (others) shareAxis() // other views are in sight
   set(figures.map.y_range, { start: -half, end: half })
-  const punches = [run, ...overlays.punches(run, 0).map(([, of]) => of)]
-  const wide = Math.max(...punches.map(seen))
+  const all = [run, ...overlays.punches(run, 0).map(([, of]) => of)], wide = Math.max(...all.map(seen))
   setPunches("x_range", { start: -wide, end: wide })
-  setPunches("y_range", { start: Math.min(BELOW, ...punches.map((of) => 1.15 * of.lowest)) })
+  setPunches("y_range", { start: Math.min(BELOW, ...all.map((of) => 1.15 * of.lowest)) })
   fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)
 }
@@ -313,20 +308,14 @@ export function tellStretch() {
     const times = stretch(figures[view])
     if (times === null) continue
     const text = Math.abs(times - 1) < TO_SCALE ? "to scale" : `vertical ×${Number(times.toPrecision(2))}`
-    if (by(`${view}-stretch`).textContent !== text) by(`${view}-stretch`).textContent = text
+    tell(by(`${view}-stretch`), text)
   }
-}
-
-let written = 0 // px of the text in figures, as it was told
-export function rewrite() { // another size of screen, another size of text
-  if (parseFloat(colour("--plot-text")) !== written) paint()
-  else { namePlace(); shareAxis() }
 }
 
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
 export function paint() {
   const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
-  const size = written = parseFloat(colour("--plot-text")), large = size > 15 // for a projector
+  const size = parseFloat(colour("--plot-text")), large = size > 15 // for a projector
   for (const name in figures) {
     const figure = figures[name]
     set(figure, { outline_line_color: grid, min_border_right: large ? 34 : 14 })
@@ -340,17 +329,15 @@ export function paint() {
       thicken(part, large ? THICK : 1)
     }
   }
-  namePlace()
+  const room = figures.map.inner_height > LONG * size // for a title in full
+  set(figures.map.left[0], { axis_label: room ? "x, undeformed (nm)" : "x (nm)" })
   shareAxis()
 }
 
 // Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
 function shareAxis() {
   const lab = document.documentElement.dataset.view === "lab"
-  const stacked = ["forces", "area", "map"].filter((view) => document.querySelector(`.view[data-view="${view}"]`).checkVisibility())
+  const stacked = ["forces", "area", "map"].filter(figureShown), banded = by("bands").checkVisibility()
   for (const view of stacked) set(figures[view].below[0], { visible: lab || view === stacked.at(-1) })
-  for (const view of ["punch", "twin"]) if (figures[view]) set(figures[view].below[0], { visible: lab || !document.getElementById("bands").checkVisibility() })
+  for (const view of punches()) set(figures[view].below[0], { visible: lab || !banded })
 }
-
-// In full where there is room
-const namePlace = () => set(figures.map.left[0], { axis_label: figures.map.inner_height > LONG * written ? "x, undeformed (nm)" : "x (nm)" })

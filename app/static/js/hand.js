@@ -1,6 +1,6 @@
 // Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation.
 
-import { by } from "./dom.js"
+import { by, closest, onDrag } from "./dom.js"
 import { goto } from "./player.js"
 import { me } from "./state.js"
 
@@ -10,13 +10,11 @@ const DEEP = 0.02 // of delta_bar per px: the whole slider in some 100 px
 
 export function connectHand(positions) {
   const view = by("punch-view"), slider = by("delta_bar"), values = positions.delta_bar
-  let from = null // where the drag began, and what it changes, once that is clear
-  view.addEventListener("pointerdown", (event) => {
-    if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return
-    from = { x: event.clientX, y: event.clientY, way: null, along: me.run.along[Math.max(0, me.drawn)], delta: values[slider.value] }
-  })
-  view.addEventListener("pointermove", (event) => {
-    if (!from) return
+  onDrag(view, (event) => { // where the drag begins, and what it changes, once that is clear
+    if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return null
+    const along = me.run.along[Math.max(0, me.drawn)]
+    return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value] }
+  }, (event, from) => {
     const dx = event.clientX - from.x, dy = event.clientY - from.y
     if (!from.way && Math.max(Math.abs(dx), Math.abs(dy)) > DECIDED) {
       from.way = Math.abs(dx) > Math.abs(dy) || event.pointerType === "touch" ? "along" : "down"
@@ -26,14 +24,10 @@ export function connectHand(positions) {
     }
     if (from.way === "along") pull(from.along, dx)
     else if (from.way === "down") push(from.delta + DEEP * dy)
+  }, ({ way }) => {
+    if (way === "down") slider.dispatchEvent(new Event("pointerup"))
+    delete view.dataset.dragged
   })
-  for (const end of ["pointerup", "pointercancel"]) {
-    view.addEventListener(end, () => {
-      if (from?.way === "down") slider.dispatchEvent(new Event("pointerup"))
-      from = null
-      delete view.dataset.dragged
-    })
-  }
 
   // the top follows the hand, at a pace that shows every slip
   function pull(along, dx) {
@@ -43,7 +37,7 @@ export function connectHand(positions) {
 
   // as if the slider were moved
   function push(delta) {
-    const at = values.reduce((best, v, i) => (Math.abs(v - delta) < Math.abs(values[best] - delta) ? i : best), 0)
+    const at = closest(values, delta)
     if (Number(slider.value) === at) return
     slider.value = at
     slider.dispatchEvent(new Event("input"))

@@ -9,7 +9,7 @@ import { by, offerTable, on, readdress, say } from "./dom.js"
 import { figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, redraw, reset, show, toSlip } from "./player.js"
-import { exact, leaveBehind, me, QUIET } from "./state.js"
+import { exact, leaveBehind, me, now, QUIET } from "./state.js"
 import { place as stand, tellDepth } from "./status.js"
 import { checkTruth } from "./truth.js"
 import { chooseNext, connectViews, fillScreen, look } from "./view.js"
@@ -47,15 +47,13 @@ function sendNext() {
 function send(held) {
   if (!me.entered) return
   last = performance.now()
-  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(held && { held, at: place() }) })
+  const at = sheared() ? me.run.curves.U_x[now()] : 0
+  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(held && { held, at }) })
   me.entered = null
 }
 
-// Displacement of the top on screen, nm; where sliding begins, of the approach
-function place() {
-  const { run } = me, k = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1)
-  return run?.sheared >= 0 && k >= run.sheared ? run.curves.U_x[k] : 0
-}
+// Whether the top has been pulled at the increment on screen
+const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
 
 // The hand has come to rest, or has let go: now the exact run, and the views settle
 let resting = 0
@@ -71,11 +69,10 @@ function rests() {
 
 // With "carry on" a change takes effect at the increment shown, and the run goes on from there
 function goOnFrom() {
-  const k = Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
   me.from = null
-  if (!by("carry").checked || !exact(me.run) || !(me.run?.sheared >= 0) || k < me.run.sheared) return
+  if (!by("carry").checked || !exact(me.run) || !sheared()) return
   me.origin = me.run
-  me.from = [me.run.number, k]
+  me.from = [me.run.number, now()]
 }
 
 // A hand moves parameters {name: text}, and will let go
@@ -127,34 +124,31 @@ function switchTheme() {
   shadeMap(me.run)
 }
 
-// Ctrl+Z, Ctrl+Shift+Z and Ctrl+Y, but not in an entry, which has its own
-function onUndo(event) {
-  const key = event.key.toLowerCase()
-  if (!(event.ctrlKey || event.metaKey) || event.altKey || !"zy".includes(key) || event.target.matches?.("input[type=text]")) return
-  event.preventDefault()
-  if (key === "y" || event.shiftKey) redo()
-  else undo()
+const KEYS = {
+  " ": () => play(!me.playing), ArrowRight: move, ArrowLeft: (jump) => move(-jump),
+  Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(), p: () => look("projector"),
+  l: () => look("lab"), c: chooseNext, m: slowMotion, f: fillScreen,
 }
+const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
 
 function onKey(event) {
-  const open = document.querySelector("dialog[open]:not(#drawer)")
+  const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)
   if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
-  const at = (what) => event.target.matches?.(what)
-  const taken = at("input[type=text], input[type=search]") || (at("select") && !(event.key === " " && event.target.id === chosen)) || (at("input") && !" rRpPfFmMlLcC".includes(event.key)) || (at("button") && event.key === " ")
-  if (event.ctrlKey || event.metaKey || event.altKey || taken || open) return
-  const jump = event.shiftKey ? 10 : 1
-  const keys = {
-    " ": () => play(!me.playing), ArrowRight: () => move(jump), ArrowLeft: () => move(-jump),
-    Home: () => goto(0), End: () => goto(Infinity), r: reset, R: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(),
-    p: project, P: project, l: laboratory, L: laboratory, c: chooseNext, C: chooseNext, m: slowMotion, M: slowMotion, f: fillScreen, F: fillScreen,
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
+  if (held && "zy".includes(key) && !event.altKey && !at("input[type=text]")) { // an entry has its own
+    event.preventDefault()
+    return key === "y" || event.shiftKey ? redo() : undo()
   }
-  if (!keys[event.key]) return
+  const taken = at("input[type=text], input[type=search]") || (at("button") && key === " ")
+    || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
+  if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
-  keys[event.key]()
+  KEYS[key](event.shiftKey ? 10 : 1)
 }
 
-const project = () => look("projector"), laboratory = () => look("lab")
-const slowMotion = async () => me.run?.followed || (await import("./later/film.js")).slowMotion()
+async function slowMotion() {
+  if (!me.run?.followed) (await import("./later/film.js")).slowMotion()
+}
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
@@ -178,8 +172,7 @@ export function connect(positions, usual) {
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
     entry.addEventListener("change", () => enter({ [entry.id.replace("-entry", "")]: entry.value }))
   }
-  on("preset", "change", (event) => choosePreset(event.target.value))
-  for (const radio of document.querySelectorAll("#row input")) radio.addEventListener("change", () => choosePreset(radio.value))
+  for (const menu of ["preset", "row"]) on(menu, "change", (event) => choosePreset(event.target.value))
   document.addEventListener("steer", ({ detail }) => { // by a page: the controls follow
     for (const name in detail) {
       by(`${name}-entry`).value = detail[name]
@@ -202,7 +195,7 @@ export function connect(positions, usual) {
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint, .term)")?.blur() })
-  on("play", "click", () => play(!me.playing))
+  on("play", "click", KEYS[" "])
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
@@ -211,10 +204,10 @@ export function connect(positions, usual) {
   on("take", "click", async () => (await import("./later/share.js")).open())
   on("slow", "click", slowMotion)
   on("compare", "click", async () => (await import("./later/compare.js")).open())
-  on("help", "click", () => by("keys").showModal())
+  on("help", "click", KEYS["?"])
   on("accuracy", "click", openBench)
   on("tour", "click", async () => (await import("./tour.js")).openTour())
-  on("open-theory", "click", async () => (await import("./theory.js")).openTheory())
+  on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
   for (const dialog of document.querySelectorAll("dialog:not(#drawer)")) dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() }) // beside it
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
@@ -229,6 +222,5 @@ export function connect(positions, usual) {
   on("theme", "click", switchTheme)
   connectViews()
   document.addEventListener("keydown", onKey)
-  document.addEventListener("keydown", onUndo)
   for (const name of ["forces", "area", "map"]) connectCurve(figures[name])
 }

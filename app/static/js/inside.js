@@ -76,9 +76,9 @@ export function sumsIn(run, k, { counts, factors }, x, weights) {
 
 // [T_x, T_z] by modes: c + i s of T = Re sum (c + i s) exp(i q x), all but the first counted twice
 function tractionsOf(run, k, modes) {
-  const [{ head, fields }, row] = run.places[k], { nodes, first, scales, scene: { nodes: n } } = head, base = turnsOf(n)
+  const { head, of } = run.sent(k), { first, scales, scene: { nodes: n } } = head, base = turnsOf(n)
   return ["T_x", "T_z"].map((name) => {
-    const cos = new Float64Array(modes), sin = new Float64Array(modes), part = fields[name].subarray(row * nodes, (row + 1) * nodes)
+    const cos = new Float64Array(modes), sin = new Float64Array(modes), part = of(name)
     if (head.flat) cos[0] = part[0] * scales[name] // of nodes that are alike some were sent
     else part.forEach((value, i) => {
       const each = (value * scales[name]) / n

@@ -1,8 +1,8 @@
 // Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
 
-import { by, on } from "./dom.js"
+import { by, closest, on, onDrag } from "./dom.js"
 import { figures } from "./figures.js"
-import { size, write } from "./pen.js"
+import { line, size, write } from "./pen.js"
 import { FILM } from "./run.js"
 import { me } from "./state.js"
 
@@ -40,18 +40,14 @@ export function drawLens(view) {
   by("lens").hidden = !lens.shown || view.narrow || radius < 40 || at === null
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
-  const near = frame.x.reduce((best, x, i) => (Math.abs(x - at) < Math.abs(frame.x[best] - at) ? i : best), 0)
+  const near = closest(frame.x, at)
   Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
   const { start, end } = figures.punch.x_range
   for (const [name, value] of [["min", start], ["max", end], ["now", at]]) by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
   by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${frame.state(near)}`)
-  pen.strokeStyle = ink.soft
-  pen.lineWidth = 1
-  pen.beginPath() // from what it shows to the lens
-  const spot = [X(at), Math.max(box.top, Y(Math.max(0, frame.gap[near])))], way = Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
-  pen.moveTo(...spot)
-  pen.lineTo(centre[0] + ((spot[0] - centre[0]) * radius) / way, centre[1] + ((spot[1] - centre[1]) * radius) / way)
-  pen.stroke()
+  const spot = [X(at), Math.max(box.top, Y(Math.max(0, frame.gap[near])))]
+  const part = radius / Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
+  line(pen, [spot, centre.map((c, i) => c + (spot[i] - c) * part)], ink.soft) // from what it shows to the lens
   pen.save()
   pen.beginPath()
   pen.arc(...centre, radius, 0, 7)
@@ -59,16 +55,15 @@ export function drawLens(view) {
   pen.fill()
   pen.clip()
   const scale = (2 * radius) / ACROSS, low = centre[1] + 0.55 * radius
-  const lifted = { ...view, frame: { ...frame, up: frame.gap.map((gap) => gap + APART) } }
-  drawAtoms(lifted, (x) => centre[0] + (x - at) * scale, (y) => low - y * scale, scale, at - ACROSS / 2, at + ACROSS / 2)
+  drawAtoms(view, (x) => centre[0] + (x - at) * scale, (y) => low - y * scale, scale, at - ACROSS / 2, at + ACROSS / 2)
   pen.restore()
   pen.beginPath()
   pen.arc(...centre, radius, 0, 7)
   pen.strokeStyle = ink.text
   pen.lineWidth = 2
   pen.stroke()
-  const times = scale / (box.width / (figures.punch.x_range.end - figures.punch.x_range.start))
-  write(view, `×${Math.round(times)}`, centre[0], centre[1] - radius + 0.9 * size(), { scale: 0.85, of: ink.soft })
+  const top = centre[1] - radius + 0.9 * size()
+  write(view, `×${Math.round(scale / box.across)}`, centre[0], top, { scale: 0.85, of: ink.soft })
 }
 
 // Substrate, sites, springs and nodes between two places; x and y give pixels of lengths in nm
@@ -76,7 +71,7 @@ export function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
   const { spacing, middle, delta_t, delta_n } = run.headOf(k), dot = Math.min(9, 0.28 * spacing * scale)
   pen.fillStyle = ink.grid
   pen.fillRect(x(from) - 1, y(0), x(to) - x(from) + 2, 1000)
-  const site = (j) => j * spacing - middle
+  const up = (i) => y(frame.gap[i] + APART), site = (j) => j * spacing - middle
   const inside = [...frame.x.keys()].filter((i) => frame.x[i] > from - spacing && frame.x[i] < to + spacing)
   for (const i of inside) { // a spring is the stronger drawn the stronger it pulls
     const close = Math.round((frame.x[i] + middle) / spacing)
@@ -86,12 +81,7 @@ export function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
       const strength = Math.exp(-stretch * stretch) * Math.min(1, Math.exp(-frame.gap[i] / delta_n))
       if (strength < 0.02) continue
       pen.globalAlpha = 0.2 + 0.8 * Math.min(1, strength)
-      pen.strokeStyle = ink.shear
-      pen.lineWidth = 1 + 2.5 * strength
-      pen.beginPath()
-      pen.moveTo(x(frame.x[i]), y(frame.up[i]))
-      pen.lineTo(x(site(j)), y(0))
-      pen.stroke()
+      line(pen, [[x(frame.x[i]), up(i)], [x(site(j)), y(0)]], ink.shear, 1 + 2.5 * strength)
     }
   }
   pen.globalAlpha = 1
@@ -103,57 +93,61 @@ export function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
     pen.strokeStyle = ink.page
     pen.lineWidth = 1.5
     pen.beginPath()
-    pen.arc(x(frame.x[i]), y(frame.up[i]), dot, 0, 7)
+    if (state === "adhering") wedge(pen, x(frame.x[i]), up(i), 1.2 * dot)
+    else pen.arc(x(frame.x[i]), up(i), dot, 0, 7)
     pen.fill()
     pen.stroke()
   }
 }
 
+// A triangle that points down, as in the legend
+function wedge(pen, x, y, half) {
+  pen.moveTo(x - half, y - 0.8 * half)
+  pen.lineTo(x + half, y - 0.8 * half)
+  pen.lineTo(x, y + half)
+  pen.closePath()
+}
+
 // Flat on flat: all nodes move alike, each on an elastic line to the top; a picture of its own in place of the punch
 export function drawLattice(view) {
   const { pen, box, X, Y, frame, run, k, ink } = view, { spacing } = run.head
-  const { start: from, end: to } = figures.punch.x_range, scale = box.width / (to - from)
-  const low = Y(0)
+  const { start: from, end: to } = figures.punch.x_range, scale = box.across, low = Y(0)
   pen.fillStyle = ink.page
   pen.fillRect(box.left, box.top, box.width, box.height)
-  const stretch = run.curves.U_x[k] - run.u(k)
-  pen.strokeStyle = ink.body
-  pen.lineWidth = 2
+  const stretch = run.curves.U_x[k] - run.least(k)
   for (const at of frame.x) {
     if (at < from - 3 * spacing || at > to + 3 * spacing) continue
-    zigzag(pen, [X(at), low - APART * scale], [X(at + stretch), box.top + 9])
+    line(pen, zigzag([X(at), low - APART * scale], [X(at + stretch), box.top + 9]), ink.body, 2)
   }
-  drawAtoms({ ...view, frame: { ...frame, up: frame.gap.map((gap) => gap + APART) } }, X, (y) => low - y * scale, scale, from, to)
+  drawAtoms(view, X, (y) => low - y * scale, scale, from, to)
 }
 
 // An elastic line with ten turns
-function zigzag(pen, [x, y], [to, top]) {
-  pen.beginPath()
-  pen.moveTo(x, y)
-  for (let turn = 0; turn <= 10; turn++) {
+function zigzag([x, y], [to, top]) {
+  const turns = Array.from({ length: 11 }, (_, turn) => {
     const t = 0.15 + (0.7 * turn) / 10, side = turn === 0 || turn === 10 ? 0 : turn % 2 ? 5 : -5
-    pen.lineTo(x + (to - x) * t + side, y + (top - y) * t)
-  }
-  pen.lineTo(to, top)
-  pen.stroke()
+    return [x + (to - x) * t + side, y + (top - y) * t]
+  })
+  return [[x, y], ...turns, [to, top]]
 }
 
 export function connectLens(redraw) {
-  const move = (by_nm) => {
-    lens.place = (lens.place ?? Number(by("lens").getAttribute("aria-valuenow"))) + by_nm
+  const grip = by("lens")
+  const move = (nm) => {
     const { start, end } = figures.punch.x_range
-    lens.place = Math.max(start, Math.min(end, lens.place))
+    lens.place = Math.max(start, Math.min(end, (lens.place ?? Number(grip.getAttribute("aria-valuenow"))) + nm))
     redraw()
   }
-  let last = null
-  on("lens", "pointerdown", (event) => { last = event.clientX; by("lens").setPointerCapture(event.pointerId); event.preventDefault(); by("lens").focus() })
-  on("lens", "pointermove", (event) => {
-    if (last === null) return
+  onDrag(grip, (event) => {
+    grip.setPointerCapture(event.pointerId)
+    event.preventDefault()
+    grip.focus()
+    return { x: event.clientX }
+  }, (event, last) => {
     const { start, end } = figures.punch.x_range
-    move(((event.clientX - last) * (end - start)) / by("story").clientWidth)
-    last = event.clientX
+    move(((event.clientX - last.x) * (end - start)) / by("story").clientWidth)
+    last.x = event.clientX
   })
-  for (const end of ["pointerup", "pointercancel"]) on("lens", end, () => { last = null })
   on("lens", "dblclick", () => { lens.place = null; redraw() })
   on("lens", "keydown", (event) => {
     const spacing = me.run?.head.spacing ?? 1

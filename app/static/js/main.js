@@ -6,7 +6,7 @@ import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
-import { adopt, paint, rewrite, tellStretch, useNodes } from "./figures.js"
+import { adopt, paint, tellStretch, useNodes } from "./figures.js"
 import { connectFringes } from "./fringes.js"
 import { connectHand } from "./hand.js"
 import { connectInside } from "./inside.js"
@@ -19,7 +19,7 @@ import { me } from "./state.js"
 import * as status from "./status.js"
 import * as glossary from "./terms.js"
 import { drawRow } from "./view.js"
-import * as units from "./units.js"
+import * as units from "./words.js"
 
 const CALM = 1500 // ms after the first run
 
@@ -31,17 +31,18 @@ function onFirstRun(call) {
   })
 }
 
-// wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
-// looks: {preset: text}; usual: {preset: values} as JSON; nodes: {state: how it is drawn}; terms: {form of a word: term} as JSON; positions: {slider: values}; index: Bokeh's index of views
-export function start({ wire, figures, slots, looks, nodes, terms, usual, positions, index }) {
+// wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages; told: JSON of
+// looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a word: term} and
+// positions {slider: values}; index: Bokeh's index of views
+export function start({ wire, figures, slots, told, index }) {
+  const { looks, nodes, terms, usual, positions } = JSON.parse(told)
   useIndex(index)
   figures = plain(figures)
-  positions = plain(positions)
   useNodes(nodes)
   for (const name in figures) adopt(name, figures[name])
   channel.connect(wire)
   glossary.connect(terms)
-  status.connect({ looks: plain(looks), positions })
+  status.connect({ looks, positions })
   pages.connect(plain(slots))
   accuracy.connect()
   inputs.connect(positions, usual)
@@ -56,11 +57,11 @@ export function start({ wire, figures, slots, looks, nodes, terms, usual, positi
   channel.listen("status", status.heard)
   channel.listen("accuracy", accuracy.measured)
   channel.listen("page", pages.told)
-  let resized = 0 // what rests is drawn anew once a change of size has come to its end
+  let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {
     tellStretch()
     clearTimeout(resized)
-    resized = setTimeout(() => { rewrite(); player.show() }, 100)
+    resized = setTimeout(() => { paint(); player.show() }, 100)
   }).observe(document.querySelector("figure"))
   paint()
   for (const name in positions) status.place(name, Number(by(`${name}-entry`).value))

@@ -1,6 +1,6 @@
 // Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py).
 
-import { by, make, minus } from "./dom.js"
+import { by, digits, make } from "./dom.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
@@ -18,8 +18,9 @@ function draw(name, marks, values) {
   const scale = by(name).parentElement.querySelector(".ends"), labels = []
   const apart = Math.max(APART[0], APART[1] / (by(name).clientWidth || Infinity))
   for (const old of scale.querySelectorAll(".mark")) old.remove()
-  for (const [value, said] of marks) {
-    const at = place(value, values), mark = make("span", { className: "mark", title: `${said} at ${minus(Number(value.toPrecision(2)))}` })
+  const titles = marks.map(([value, said]) => `${said} at ${digits(value, 2)}`)
+  marks.forEach(([value, said], i) => {
+    const at = place(value, values), mark = make("span", { className: "mark", title: titles[i] })
     mark.style.left = `calc(8px + ${at} * (100% - 16px))`
     if (labels.every((other) => Math.abs(other - at) > apart)) {
       mark.append(make("span", {}, said))
@@ -27,9 +28,8 @@ function draw(name, marks, values) {
       labels.push(at)
     }
     scale.append(mark)
-  }
-  const text = marks.map(([value, said]) => `${said} at ${minus(Number(value.toPrecision(2)))}`).join(", ")
-  by(`${name}-marked`).textContent = text ? `Here: ${text}.` : ""
+  })
+  by(`${name}-marked`).textContent = marks.length ? `Here: ${titles.join(", ")}.` : ""
 }
 
 // Part of the slider at which a value lies

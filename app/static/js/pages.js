@@ -1,7 +1,7 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/views/pages.py). A page may have
 // a module, with any of connect(), opened(), told(news), frame(run, k), painted(), closed().
 
-import { order } from "./channel.js"
+import { ask, order } from "./channel.js"
 import { by, offerTable, readdress } from "./dom.js"
 import { adopt, drawn, figures, forget, paint, shade } from "./figures.js"
 import * as arealaws from "./pages/arealaws.js"
@@ -26,6 +26,9 @@ export function connect(given) {
   for (const name in modules) modules[name].connect?.()
   for (const section of document.querySelectorAll(".sheet")) {
     const names = Object.keys(slots).filter((name) => name.startsWith(`${section.id}_`))
+    for (const button of section.querySelectorAll("[data-ask]")) {
+      button.addEventListener("click", () => ask({ what: button.dataset.ask }))
+    }
     section.querySelectorAll(".figures figure").forEach((figure, i) => {
       const title = () => figure.querySelector("figcaption b")?.textContent ?? ""
       offerTable(figure, names[i], title() || section.querySelector("h2").firstChild.textContent.trim(), (tables) => {
@@ -64,10 +67,9 @@ export function told(text) {
   sheet = news
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
   shadeImages()
-  const bar = by(sheet.open)?.querySelector("progress")
-  if (bar) {
-    bar.hidden = (sheet.busy ?? null) === null
-    bar.value = sheet.busy ?? 0
+  for (const part of by(sheet.open)?.querySelectorAll("progress, [data-ask=cancel]") ?? []) {
+    part.hidden = (sheet.busy ?? null) === null
+    part.value = sheet.busy ?? 0
   }
   call("told", sheet)
   framePage()

@@ -19,18 +19,31 @@ export function cleared(canvas) {
   return pen
 }
 
+// A line through places, px
+export function line(pen, places, ink, width = 1) {
+  pen.strokeStyle = ink
+  pen.lineWidth = width
+  pen.beginPath()
+  for (const place of places) pen.lineTo(...place)
+  pen.stroke()
+}
+
+// What is drawn within a rectangle only
+export function within(pen, { left, top, width, height }, draw) {
+  pen.save()
+  pen.beginPath()
+  pen.rect(left, top, width, height)
+  pen.clip()
+  draw()
+  pen.restore()
+}
+
 const INKS = ["page", "text", "soft", "body", "shear", "normal", "slip", "repulsive", "adhering", "free", "grid", "area"]
 export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`--${name}`)]))
 
 export const size = () => parseFloat(colour("--plot-text")) || 13
 
 const font = (scale = 1, bold = false) => `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
-
-// px that a text takes
-export function wide({ pen }, text) {
-  pen.font = font()
-  return pen.measureText(text).width
-}
 
 // Text with a rim of the page's colour, so that it is legible over anything; returns from where to where it reaches
 export function write({ pen, ink, box }, text, x, y, { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
@@ -55,14 +68,8 @@ export function arrow({ pen, ink }, [x, y], [dx, dy], of) {
   if (length < 2) return
   const head = Math.min(10, length), [ux, uy] = [dx / length, dy / length]
   const tip = [x + dx, y + dy], neck = [x + dx - head * ux, y + dy - head * uy]
-  for (const [style, width] of [[ink.page, 7], [of, 4]]) {
-    pen.strokeStyle = pen.fillStyle = style
-    pen.lineWidth = width
-    pen.beginPath()
-    pen.moveTo(x, y)
-    pen.lineTo(...neck)
-    pen.stroke()
-  }
+  for (const [style, width] of [[ink.page, 7], [of, 4]]) line(pen, [[x, y], neck], style, width)
+  pen.fillStyle = of
   pen.beginPath()
   pen.moveTo(...tip)
   pen.lineTo(neck[0] - 0.6 * head * uy, neck[1] + 0.6 * head * ux)

@@ -2,10 +2,9 @@
 // and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
 
 import { opened } from "./channel.js"
-import { REAL, Run, unpack } from "./run.js"
+import { REAL, Run, SPANS, unpack } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
-const KEPT = ["T_high", "T_low", "T_most", "T_least", "T_out", "T_back", "lowest", "reach"] // what the views extend over stays while a hand moves
 
 let count = 0
 
@@ -32,14 +31,8 @@ export class Picture extends Run {
       const [bar, unit] = REAL[name], by = unit(chunk.head)
       this.curves[name] = this.curves[bar].map((value) => value * by)
     }
-    this.strongestForce = before.strongestForce
-    this.most = (before.strongest * before.head.force) / chunk.head.force
-    for (const name of KEPT) this[name] = before[name]
-  }
-
-  // What arrows of forces are drawn in parts of
-  get strongest() {
-    return this.most
+    for (const name of SPANS) this[name] = before[name] // what the views extend over stays while a hand moves
+    this.strongest *= before.head.force / chunk.head.force
   }
 
   map() {

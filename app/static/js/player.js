@@ -2,19 +2,17 @@
 
 import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
-import { by, fixed, minus } from "./dom.js"
+import { by, digits, fixed } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
 import { Picture } from "./picture.js"
-import { exact, frameDrawn, me, QUIET, reduced } from "./state.js"
+import { exact, frameDrawn, me, now, QUIET, reduced } from "./state.js"
 import { tellState } from "./status.js"
-import { drawStory, nextSlip } from "./story.js"
+import { drawStory, nextSlip, tellNow } from "./story.js"
 import { drawFringes } from "./fringes.js"
-import { tellNow } from "./saying.js"
 import { checkTruth } from "./truth.js"
-import { areaSaid, forceSaid, forceUnit } from "./units.js"
-import { value as named } from "./words.js"
+import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
 const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
 
@@ -27,8 +25,8 @@ export function receive(buffer) {
   if (me.following) me.at = me.run.length - 1
   else if (me.place) toPlace()
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
-  const now = performance.now()
-  if (me.run.sheared >= 0 && me.begun !== me.run.number && now - me.freshAt > QUIET) painted(() => drawFresh(now))
+  const time = performance.now()
+  if (me.run.sheared >= 0 && me.begun !== me.run.number && time - me.freshAt > QUIET) painted(() => drawFresh(time))
 }
 
 // Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is held
@@ -59,7 +57,7 @@ function begin(run) {
   if (me.anchor !== null) me.ghost = me.behind === null || me.behind.sheared >= 0 ? me.behind : me.ghost
   me.anchor = null
   if (me.run?.length && !me.following && (me.run.followed || me.run.head.step !== run.head.step)) { // its increments are others
-    me.place ??= me.run.place(Math.min(Math.floor(me.at), me.run.length - 1))
+    me.place ??= me.run.place(now())
   }
   me.run = run
   sketch(Boolean(run.followed))
@@ -69,23 +67,23 @@ function begin(run) {
   me.preview = null
 }
 
-// The curves of the part of the path that the increment shown belongs to
+// The increment on screen: that pointed at, or played at
+const shown = () => Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
+
+// The curves of the part of the path that it belongs to
 function drawPart(run) {
-  me.approach = run.approaching(Math.min(Math.floor(me.preview ?? me.at), run.length - 1))
+  me.approach = run.approaching(shown())
   drawCurves(run, me.ghost, me.approach)
 }
 
 // The increment of this run where that shown before would be
 function toPlace() {
   const there = me.run.atPlace(me.place)
-  if (there === null) return
-  me.at = there
-  me.place = null
+  if (there !== null) Object.assign(me, { at: there, place: null })
 }
 
-function drawFresh(now) {
-  me.fresh = false
-  me.freshAt = now
+function drawFresh(time) {
+  Object.assign(me, { fresh: false, freshAt: time })
   if (me.run.sheared >= 0) {
     fitFrames(me.run)
     drawPart(me.run)
@@ -98,11 +96,9 @@ function drawFresh(now) {
 }
 
 // The dearest of the views, in a picture of the screen of its own
-function drawLate(now) {
+function drawLate(time) {
   drawMap(me.run, me.drawn)
-  me.mapped = true
-  me.stage = me.run.stageOfMap(me.drawn)
-  me.mappedAt = now
+  Object.assign(me, { mapped: true, stage: me.run.stageOfMap(me.drawn), mappedAt: time })
 }
 
 export function show() {
@@ -117,10 +113,8 @@ export function redraw() {
 function showFrame() {
   const { run } = me
   if (!run?.length) return
-  const k = Math.max(0, Math.min(Math.floor(me.preview ?? me.at), run.length - 1))
-  drawFrame(run, k)
-  drawFringes(run, k)
-  drawStory(run, k)
+  const k = shown()
+  drawIncrement(run, k)
   me.drawn = k
   if (run.sheared >= 0 && me.begun === run.number) {
     if (me.approach !== run.approaching(k)) drawPart(run)
@@ -130,13 +124,20 @@ function showFrame() {
   me.drawnAt = performance.now()
   frameDrawn(run, k)
   if (me.preview === null) by("scrub").value = k
-  tellFrame(run, k)
-  drawBands(run, k)
-  tellNow(run, k)
   tellStretch()
 }
 
-export function tellFrame(run, k) {
+// All that shows frame k of a run, or of a motion through a slip
+export function drawIncrement(run, k) {
+  drawFrame(run, k)
+  drawFringes(run, k)
+  drawStory(run, k)
+  drawBands(run, k)
+  tellNow(run, k)
+  tellFrame(run, k)
+}
+
+function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
   const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
@@ -159,21 +160,21 @@ function under(run, k) {
 }
 
 let before = 0
-export function tick(now) {
-  const passed = Math.min((now - before) / 1000, 0.1)
-  before = now
-  if (me.fresh && (me.run.whole || me.begun !== me.run.number || now - me.freshAt > QUIET)) painted(() => drawFresh(now))
-  else if (!me.mapped && me.begun === me.run.number && (me.run.whole || now - Math.max(me.mappedAt, me.bornAt) > QUIET)) painted(() => drawLate(now))
-  if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, now)
+export function tick(time) {
+  const passed = Math.min((time - before) / 1000, 0.1), since = (then) => me.run.whole || time - then > QUIET
+  before = time
+  if (me.fresh && (me.begun !== me.run.number || since(me.freshAt))) painted(() => drawFresh(time))
+  else if (!me.mapped && me.begun === me.run.number && since(Math.max(me.mappedAt, me.bornAt))) painted(() => drawLate(time))
+  if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, time)
   requestAnimationFrame(tick)
 }
 
-function advance(passed, now) {
+function advance(passed, time) {
   const { step } = me.run.head, last = me.run.length - 1
   me.clock += passed
   me.at += (passed * me.speed) / step
   if (me.at > last + me.speed / step && ["finished", "skipped"].includes(me.status.state)) me.at = me.run.sheared // after a second at the end
-  if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && now - me.drawnAt > PICTURE && now > me.quiet) show()
+  if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && time - me.drawnAt > PICTURE && time > me.quiet) show()
 }
 
 export function play(on) {
@@ -189,8 +190,7 @@ export function play(on) {
 }
 
 function namePlay() {
-  by("play").textContent = me.playing ? "Pause" : "Play"
-  by("play").setAttribute("aria-label", by("play").textContent)
+  by("play").textContent = by("play").ariaLabel = me.playing ? "Pause" : "Play"
 }
 
 export function move(frames) {
@@ -205,21 +205,18 @@ export const toSlip = (way) => me.run && goto(nextSlip(me.run, Math.floor(me.at)
 
 export function goto(k) {
   if (me.playing) play(false)
-  me.following = false
-  me.preview = null
-  me.at = Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1))
+  Object.assign(me, { following: false, preview: null, at: Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1)) })
   show()
-  if (me.run?.length && me.run.values(Math.floor(me.at)).slip) summarise("Slip")
+  if (me.run?.curves.slip[now()]) summarise("Slip")
 }
 
 // A sentence for those who hear the page: at rest only, as what is said at every frame is a flood
 function summarise(what) {
-  const { run } = me, k = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1)
+  const { run } = me, k = now()
   if (k < 0) return
   const v = run.values(k)
-  const [F, L] = [v.F, v.L].map((value) => minus(Number(value.toPrecision(3))))
-  by("told").textContent = `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${F}, load ${L} newtons per metre, `
-    + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
+  by("told").textContent = `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${digits(v.F)}, `
+    + `load ${digits(v.L)} newtons per metre, ` + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
 }
 
 export function reset() {

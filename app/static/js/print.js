@@ -7,10 +7,13 @@ import { embedded, me, onFrame } from "./state.js"
 import { described } from "./words.js"
 
 // The canvases over a view
+export const canvasesOver = (holder) => (
+  [...holder.querySelectorAll(":scope > canvas:not(.printed)")].filter((over) => over.width))
+
 export function drawOver(pen, holder, width, height) {
-  for (const over of holder.querySelectorAll(":scope > canvas:not(.printed)")) {
+  for (const over of canvasesOver(holder)) {
     pen.globalAlpha = Number(getComputedStyle(over).opacity)
-    if (over.width) pen.drawImage(over, 0, 0, width, height)
+    pen.drawImage(over, 0, 0, width, height)
   }
 }
 

@@ -5,6 +5,8 @@ import { opened } from "./channel.js"
 export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/beside.py
 export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/film.py
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
+const ALL = 0.95 // of the nodes that feel anything have slipped: it all has
+const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
 export const REAL = { // N/m, nm
@@ -35,6 +37,18 @@ function state(head, T_n, gap) {
   return T_n > 0 ? "repulsive" : "adhering"
 }
 
+const SPAN = { // of the frames of a run, from the first of shear on unless said otherwise
+  T_high: 0, T_low: 0, // GPa, strongest repulsion, and attraction
+  T_out: 0, T_back: 0, // GPa, the strongest tangential traction against +x, and along it
+  T_most: 0, T_least: 0, // GPa, strongest traction of either kind, and the most negative
+  lowest: 0, // nm, the smallest gap of all frames
+  reach: 0, // nm from the middle within which anything acts
+  strongestForce: 0, strongest: 0, // N/m, of F and L: of all frames, and of those of shear once there are any
+}
+export const SPANS = Object.keys(SPAN)
+const least = (list) => list.reduce((a, b) => Math.min(a, b), 0)
+const largest = (list) => list.reduce((a, b) => Math.max(a, b), 0)
+
 export class Run {
   constructor(number, head) {
     this.number = number
@@ -43,78 +57,65 @@ export class Run {
     this.curves = Object.fromEntries([...head.columns, ...Object.keys(REAL)].map((name) => [name, []]))
     this.whole = false
     this.sheared = -1 // the frame at which shear begins, once it is there
-    this.T_high = 0 // GPa, strongest repulsion of the shear frames
-    this.T_low = 0
-    this.T_most = 0 // GPa, strongest traction of either kind, and the most negative
-    this.T_least = 0
-    this.T_out = 0 // GPa, the strongest tangential traction against +x, and along it
-    this.T_back = 0
-    this.strongestForce = 0 // N/m, of F and L
-    this.lowest = 0 // nm, the smallest gap
-    this.reach = 0 // nm from the middle within which anything acts while sheared
     this.worked = 0 // nJ/m, work of the top in the runs before, from which this one goes on
+    Object.assign(this, SPAN)
   }
 
-  get length() {
-    return this.places.length
-  }
+  get length() { return this.places.length }
+
+  // Numbers of the frames that a test of them holds for
+  frames(test) { return [...this.places.keys()].filter(test) }
 
   // Append one chunk
   add(chunk) {
     const { frames, last } = chunk.head
     this.whole = last
-    const start = this.length
     for (const name of this.head.columns) this.curves[name].push(...chunk.columns[name])
-    for (let k = start; k < start + frames; k++) this.curves.work[k] += this.worked
     for (const name in REAL) {
       const [bar, unit] = REAL[name], by = unit(chunk.head)
       for (const value of chunk.columns[bar]) this.curves[name].push(value * by)
-      if (name === "F" || name === "L") this.strongestForce = this.curves[name].slice(start).reduce((a, b) => Math.max(a, Math.abs(b)), this.strongestForce)
     }
-    for (let k = 0; k < frames; k++) {
-      this.places.push([chunk, k])
-      this.dip(chunk, k)
-      if (this.sheared < 0 && this.curves.stage[start + k] > 0) this.sheared = start + k
-      if (this.sheared >= 0) this.measure(chunk, k)
+    for (let row = 0; row < frames; row++) {
+      this.places.push([chunk, row])
+      this.measure(this.length - 1)
     }
   }
 
-  dip({ head: { nodes, scales }, fields: { gap } }, row) {
-    const lowest = gap.subarray(row * nodes, (row + 1) * nodes).reduce((a, b) => Math.min(a, b), 0)
-    this.lowest = Math.min(this.lowest, lowest * scales.gap)
+  // Take frame k into what is known of all of them
+  measure(k) {
+    const { work, stage } = this.curves, { head, of } = this.sent(k), { first, spacing, middle, scales } = head
+    work[k] += this.worked
+    this.lowest = Math.min(this.lowest, least(of("gap")) * scales.gap)
+    if (this.sheared < 0 && stage[k] > 0) Object.assign(this, { sheared: k, strongest: 0 })
+    this.weigh(k)
+    if (this.sheared < 0) return
+    const T_z = of("T_z"), T_x = of("T_x"), weak = (WEAK * head.adhesion) / scales.T_z
+    const tells = (value) => value > 0 || value < -weak, left = T_z.findIndex(tells)
+    this.T_high = Math.max(this.T_high, largest(T_z) * scales.T_z)
+    this.T_low = Math.min(this.T_low, least(T_z) * scales.T_z)
+    this.T_out = Math.max(this.T_out, -least(T_x) * scales.T_x)
+    this.T_back = Math.min(this.T_back, -largest(T_x) * scales.T_x)
+    this.T_most = Math.max(this.T_high, this.T_out)
+    this.T_least = Math.min(this.T_low, this.T_back)
+    if (left < 0) return
+    const ends = [left, T_z.findLastIndex(tells)].map((i) => Math.abs((first + i) * spacing - middle))
+    this.reach = Math.max(this.reach, ...ends)
   }
 
-  measure({ head, fields: { T_z, T_x } }, row) {
-    const { nodes, first, spacing, middle, scales } = head
-    const weak = (WEAK * head.adhesion) / scales.T_z
-    let high = 0, low = 0, left = nodes, right = -1, held = 0, pulled = 0
-    for (let i = 0; i < nodes; i++) {
-      const value = T_z[row * nodes + i]
-      held = Math.min(held, T_x[row * nodes + i])
-      pulled = Math.max(pulled, T_x[row * nodes + i])
-      if (value > high) high = value
-      if (value < low) low = value
-      if (value > 0 || value < -weak) {
-        if (left > i) left = i
-        right = i
-      }
-    }
-    this.T_high = Math.max(this.T_high, high * scales.T_z)
-    this.T_low = Math.min(this.T_low, low * scales.T_z)
-    this.T_out = Math.max(this.T_out, -held * scales.T_x)
-    this.T_back = Math.min(this.T_back, -pulled * scales.T_x)
-    this.T_most = Math.max(this.T_most, this.T_high, this.T_out)
-    this.T_least = Math.min(this.T_least, this.T_low, this.T_back)
-    if (right >= 0) {
-      const from = (first + left) * spacing - middle, to = (first + right) * spacing - middle
-      this.reach = Math.max(this.reach, -from, to)
-    }
+  weigh(k) {
+    const most = Math.max(Math.abs(this.curves.F[k]), Math.abs(this.curves.L[k]))
+    this.strongest = Math.max(this.strongest, most)
+    this.strongestForce = Math.max(this.strongestForce, most)
+  }
+
+  // What was sent of frame k: its head, and the Int16Array of a field over the patch
+  sent(k) {
+    const [{ head, fields }, row] = this.places[k]
+    return { head, of: (name) => fields[name].subarray(row * head.nodes, (row + 1) * head.nodes) }
   }
 
   // What is said of the run that frame k belongs to: of one that goes on from others, not the same for all
-  headOf(k) {
-    return this.places[k][0].head
-  }
+  headOf(k) { return this.places[k][0].head }
 
   // Names of the parameters that are not the same for all frames after the approach
   get changing() {
@@ -126,31 +127,40 @@ export class Run {
   // state(i), how node i is drawn.
   // All nodes of a flat surface are alike: they are drawn less than a spacing from where they were, to fill the view
   frame(k) {
-    const [{ head, fields }, row] = this.places[k]
-    const { nodes, first, spacing, middle, scales, flat } = head
-    const real = (name, factor) => Float32Array.from(
-      fields[name].subarray(row * nodes, (row + 1) * nodes), (value) => value * factor * scales[name])
+    const { head, of } = this.sent(k), { first, spacing, middle, scales, flat } = head
+    const real = (name, factor) => Float32Array.from(of(name), (value) => value * factor * scales[name])
     const x = real("u_x", 1).map((u, i) => (first + i) * spacing - middle + (flat ? u - spacing * Math.round(u / spacing) : u))
     const gap = real("gap", 1), T_n = real("T_z", 1)
     return { x, gap, T_n, T_t: real("T_x", -1), state: (i) => state(head, T_n[i], gap[i]) }
   }
 
-  // Displacement u_x of the first node, nm; of a flat surface that of all
-  u(k) {
-    const [{ head, fields }, row] = this.places[k]
-    return fields.u_x[row * head.nodes] * head.scales.u_x
+  // Least displacement u_x of all nodes of frame k, nm; of a flat surface that of any
+  least(k) {
+    const { head, of } = this.sent(k)
+    return Math.min(...of("u_x")) * head.scales.u_x
   }
 
-  // Least displacement u_x of all nodes of frame k, nm
-  least(k) {
-    const [{ head: { nodes, scales }, fields: { u_x } }, row] = this.places[k]
-    return u_x.subarray(row * nodes, (row + 1) * nodes).reduce((a, b) => Math.min(a, b)) * scales.u_x
+  // By how many lattice sites every node of frame k has moved since the frame before; the same node in either
+  moved(k) {
+    const [now, before] = [k, k - 1].map((at) => this.frame(at).x), { spacing, flat } = this.headOf(k)
+    if (flat) return Float32Array.from(now, () => Math.round((this.least(k) - this.least(k - 1)) / spacing))
+    const shift = this.headOf(k).first - this.headOf(k - 1).first
+    return now.map((x, i) => (i + shift in before ? Math.round((x - before[i + shift]) / spacing) : 0))
+  }
+
+  // The slip that led to frame k: how many nodes feel anything, how many of them moved, whether all, and by how many sites
+  slipTo(k) {
+    const moved = this.moved(k), { state: stateOf } = this.frame(k)
+    const acting = [...moved.keys()].filter((i) => stateOf(i) !== "free"), gone = acting.filter((i) => moved[i])
+    const sites = gone.length ? Math.abs(moved[gone[gone.length >> 1]]) : 0
+    const said = `${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}`
+    return { acting: acting.length, gone: gone.length, all: gone.length >= ALL * acting.length, sites, said }
   }
 
   // Stretches of repulsion in frame k, [from, to] as numbers of nodes with fractions
   patches(k) {
-    const [{ head: { nodes, first }, fields: { T_z } }, row] = this.places[k], T = T_z.subarray(row * nodes, (row + 1) * nodes)
-    const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0), found = []
+    const { head: { first }, of } = this.sent(k), T = of("T_z"), found = []
+    const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0)
     T.forEach((value, i) => {
       if (value <= 0) return
       if (!(T[i - 1] > 0)) found.push([first + i - beyond(i, i - 1), 0])
@@ -165,43 +175,36 @@ export class Run {
     return found.length ? [found[0][0], found.at(-1)[1]] : null
   }
 
-  // Largest of F and L after the approach, N/m
-  get strongest() {
-    const { F, L } = this.curves
-    if (this.weighed !== F.length) {
-      const from = Math.max(0, this.sheared)
-      this.most = [F, L].reduce((most, list) => list.reduce((a, b, k) => (k < from ? a : Math.max(a, Math.abs(b))), most), 0)
-      this.weighed = F.length
-    }
-    return this.most
+  // Where both of them are in some frames, nm from the middle; NaN where there are none
+  edgesOver(frames) {
+    const { spacing, middle } = this.head, found = frames.map((k) => this.edges(k))
+    return [0, 1].map((side) => found.map((ends) => (ends?.[side] ?? NaN) * spacing - middle))
   }
 
-  values(k) {
-    return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]]))
-  }
+  values(k) { return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]])) }
+
+  // Whether the run ends with the approach
+  get pressed() { return this.head.span[0] === this.head.span[1] }
 
   // Whether frame k is shown among the approach, along delta, rather than what follows; all of a run that ends there
-  approaching(k) {
-    return !this.normal && (this.sheared < 0 || k < this.sheared || this.head.span[0] === this.head.span[1])
-  }
+  approaching(k) { return !this.normal && (this.sheared < 0 || k < this.sheared || this.pressed) }
 
   // The frames [from, to) that are drawn together, and what along: the approach or what follows, both where delta changes
   part(approach) {
-    const whole = this.normal || this.head.span[0] === this.head.span[1]
-    const [from, to] = approach ? [0, this.sheared < 0 || whole ? this.length : this.sheared] : [whole ? 0 : Math.max(0, this.sheared), this.length]
+    const { length } = this, turn = this.normal || this.pressed ? null : this.sheared
+    const [from, to] = approach ? [0, turn < 0 ? length : turn ?? length] : [Math.max(0, turn), length]
     return { from, to, abscissa: approach ? "delta" : this.head.abscissa }
   }
 
   // {along, value} of a curve over a part, times `factor`
   drawn(name, approach, factor = 1) {
     const { from, to, abscissa } = this.part(approach)
-    return { along: Float32Array.from(this.curves[abscissa].slice(from, to)), value: Float32Array.from(this.curves[name].slice(from, to), (v) => v * factor) }
+    const list = (of, by) => Float32Array.from(of.slice(from, to), (v) => v * by)
+    return { along: list(this.curves[abscissa], 1), value: list(this.curves[name], factor) }
   }
 
   // Nothing acts anywhere after the approach
-  get apart() {
-    return this.whole && this.sheared >= 0 && this.reach === 0
-  }
+  get apart() { return this.whole && this.sheared >= 0 && this.reach === 0 }
 
   // A curve of the frames after the approach, times `factor`
   shear(name, factor = 1) {
@@ -209,13 +212,9 @@ export class Run {
   }
 
   // What curves are drawn along: U_x, or delta where that is what changes; nm
-  get along() {
-    return this.curves[this.head.abscissa]
-  }
+  get along() { return this.curves[this.head.abscissa] }
 
-  get normal() {
-    return this.head.abscissa === "delta"
-  }
+  get normal() { return this.head.abscissa === "delta" }
 
   // Where frame k lies on its path, whatever the size of the increments
   place(k) {
@@ -225,22 +224,20 @@ export class Run {
 
   // The frame closest to a place; null while it may still come
   atPlace({ stage, at }) {
-    let best = null
-    for (let k = 0; k < this.length; k++) {
-      if (this.stage(k) === stage && (best === null || Math.abs(this.place(k).at - at) < Math.abs(this.place(best).at - at))) best = k
-    }
+    const far = (k) => Math.abs(this.place(k).at - at), frames = this.frames((k) => this.stage(k) === stage)
+    const best = frames.reduce((a, b) => (a === null || far(b) < far(a) ? b : a), null)
     return this.whole ? best ?? this.length - 1 : best < this.length - 1 ? best : null
   }
 
-  stage(k) {
-    return this.head.stages[this.curves.stage[k]]
-  }
+  stage(k) { return this.head.stages[this.curves.stage[k]] }
 
   // The frames of another run up to k, as the beginning of this one that goes on from there
   takeOver(other, k) {
     this.places = other.places.slice(0, k + 1)
     for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
-    for (const name of ["sheared", "T_high", "T_low", "T_most", "T_least", "T_out", "T_back", "strongestForce", "lowest", "reach"]) this[name] = other[name]
+    for (const name of ["sheared", ...SPANS]) this[name] = other[name]
+    this.strongest = 0
+    for (let i = Math.max(0, this.sheared); i <= k; i++) this.weigh(i)
     this.worked = this.curves.work.at(-1)
   }
 
@@ -253,13 +250,10 @@ export class Run {
 
   // [place along the path, value] at every slip (of one stage) of a part, times `factor`
   slips(name, factor = 1, stage = null, approach = false) {
-    const at = [[], []], { from, to } = this.part(approach)
-    this.curves.slip.forEach((slipped, k) => {
-      if (!slipped || k < from || k >= to || (stage !== null && this.curves.stage[k] !== stage)) return
-      at[0].push(this.stage(k) === "press" ? this.curves.U_x[k] : this.curves.slip_at[k])
-      at[1].push(this.curves[name][Math.max(k - 1, from)] * factor)
-    })
-    return at
+    const { slip, slip_at, U_x, stage: stages } = this.curves, { from, to } = this.part(approach)
+    const frames = this.frames((k) => slip[k] && k >= from && k < to && (stage === null || stages[k] === stage))
+    return [frames.map((k) => (this.stage(k) === "press" ? U_x[k] : slip_at[k])),
+      frames.map((k) => this.curves[name][Math.max(k - 1, from)] * factor)]
   }
 
   // The frame nearest to a place along the path, nm, in the part of frame `now`; of several the one closest to it
@@ -277,8 +271,8 @@ export class Run {
   // still to come are NaN
   map(shown) {
     const stage = this.stageOfMap(shown)
-    const frames = this.places.map((_, k) => k).filter((k) => this.curves.stage[k] === stage)
-    const blocks = [...new Set(frames.map((k) => this.places[k][0].head))]
+    const frames = this.frames((k) => this.curves.stage[k] === stage)
+    const blocks = [...new Set(frames.map((k) => this.headOf(k)))]
     const from = Math.min(...blocks.map((head) => head.first))
     const to = Math.max(...blocks.map((head) => head.first + head.nodes))
     const approach = this.approaching(shown), [start, end] = this.extent(approach)
@@ -287,41 +281,36 @@ export class Run {
     const rows = to - from
     const image = new Float32Array(rows * columns).fill(NaN)
     for (const k of frames) {
-      const [{ head, fields }, row] = this.places[k]
+      const { head, of } = this.sent(k), { first, scales } = head, T_z = of("T_z")
       const c = Math.round((along[k] - start) / step)
-      for (let i = 0; i < head.nodes; i++) {
-        const j = row * head.nodes + i, value = fields.T_z[j] * head.scales.T_z
-        if (acts(head, value, fields.gap[j] * head.scales.gap)) image[(head.first - from + i) * columns + c] = value
-      }
+      of("gap").forEach((gap, i) => {
+        const value = T_z[i] * scales.T_z
+        if (acts(head, value, gap * scales.gap)) image[(first - from + i) * columns + c] = value
+      })
     }
-    return { image, rows, columns, start, step, unrested: this.unrested(frames, along, step), low: (from - 0.5) * this.head.spacing - this.head.middle }
+    const low = (from - 0.5) * this.head.spacing - this.head.middle
+    return { image, rows, columns, start, step, unrested: this.unrested(frames, along, step), low }
   }
 
   // [middle, width] of every stretch of the path without a frame, for the surface never came to rest there
   unrested(frames, along, step) {
-    const found = []
-    frames.slice(1).forEach((k, i) => {
+    return frames.slice(1).flatMap((k, i) => {
       const [a, b] = [along[frames[i]], along[k]], missed = Math.abs(b - a) - step
-      if (missed > 0.6 * step && this.curves.slip[k]) found.push([(a + b) / 2, missed])
+      return missed > 0.6 * step && this.curves.slip[k] ? [[(a + b) / 2, missed]] : []
     })
-    return found
   }
 
   // Edges of what is repelled (place along the path, x, nm) in the stages that the map does not show: the other branches of
   // a loop, each edge a line that ends with NaN
   otherEdges(shown) {
-    const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown)), { spacing, middle } = this.head
+    const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown))
     const lines = { U_x: [], x: [] }
     for (const other of new Set(this.curves.stage.slice(from, to))) {
       if (other === stage || this.head.stages[other] === "press") continue
-      for (const side of [0, 1]) {
-        for (let k = from; k < to; k++) {
-          if (this.curves.stage[k] !== other) continue
-          lines.U_x.push(this.curves[abscissa][k])
-          lines.x.push((this.edges(k)?.[side] ?? NaN) * spacing - middle)
-        }
-        lines.U_x.push(NaN)
-        lines.x.push(NaN)
+      const frames = this.frames((k) => k >= from && k < to && this.curves.stage[k] === other)
+      for (const edge of this.edgesOver(frames)) {
+        lines.U_x.push(...frames.map((k) => this.curves[abscissa][k]), NaN)
+        lines.x.push(...edge, NaN)
       }
     }
     return lines

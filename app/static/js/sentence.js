@@ -2,19 +2,15 @@
 // returns {key, text, claims}: key names the moment, so that a sentence stays while it lasts; claims are what the text
 // asserts, [name, ...values], for tests/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
 
-import { minus } from "./dom.js"
+import { digits, minus, newtons } from "./dom.js"
 import { FILM } from "./run.js"
-import { movedSites } from "./sites.js"
 
 const AFTER = 1.0 // nm of the path for which a slip is what happens
 const LET_GO = 0.5 // sites of peeling that are worth a word
 const MORE = 1.3 // times as far: more on one side
 const SAME = 0.01 // a change by less is none
 
-const three = (value) => minus(Number(value.toPrecision(3)))
-const newtons = (force) => (Math.abs(force) < 0.1 ? `${three(1000 * force)} mN/m` : `${three(force)} N/m`)
 const nm = (length) => `${minus(Math.abs(length) < 99.95 ? length.toFixed(1) : length.toFixed(0))} nm`
-const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
 const tell = (key, text, ...claims) => ({ key, text, claims })
 
 // What happens at frame k
@@ -61,16 +57,14 @@ function pressed(run, k, stage) {
 }
 
 function slid(run, at) {
-  const { F, A } = run.curves, by = run.followed ? [] : movedSites(run, at), frame = run.frame(at)
-  const acting = [...by.keys()].filter((i) => frame.state(i) !== "free"), gone = acting.filter((i) => by[i])
-  const sites = gone.length ? Math.abs(by[gone[gone.length >> 1]]) : 0
-  const part = gone.length && gone.length < 0.95 * acting.length ? "A part of the contact slips" : "It slips"
-  const far = sites && gone.length >= 0.95 * acting.length ? ` by ${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}, ${nm(sites * run.head.spacing)}` : ""
+  const { F, A } = run.curves, { gone, all, sites, said } = run.followed ? {} : run.slipTo(at)
+  const part = gone && !all ? "A part of the contact slips" : "It slips"
+  const far = sites && all ? ` by ${said}, ${nm(sites * run.head.spacing)}` : ""
   const change = Math.abs(F[at]) < Math.abs(F[at - 1]) ? "drops" : "changes"
-  const force = `friction ${change} from ${three(F[at - 1])} to ${newtons(F[at])}`
+  const force = `friction ${change} from ${digits(F[at - 1])} to ${newtons(F[at])}`
   const gain = A[at] / A[at - 1] - 1
   const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? "" : A[at] > A[at - 1] ? ", and contact comes back" : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
-  const claims = [["slip", at], ["F", at - 1, F[at - 1]], ["F", at, F[at]], ...(sites && far ? [["sites", at, sites]] : [])]
+  const claims = [["slip", at], ["F", at - 1, F[at - 1]], ["F", at, F[at]], ...(far ? [["sites", at, sites]] : [])]
   if (area && gain !== 0) claims.push([A[at] > A[at - 1] ? "A rises" : A[at] === 0 ? "A = 0" : "A falls", at])
   return tell(`slip ${at}`, `${part}${far}: ${force}${area}.`, ...claims)
 }
@@ -81,7 +75,7 @@ function pulled(run, k) {
   const begun = stickBegins(run, k)
   if (k <= run.sheared) return tell("rest", run.curves.A[k] > 0 || flat ? "Pressed on and at rest: nothing pulls sideways yet." : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
   const steady = smooth(run, k)
-  if (steady) return tell("smooth", `It slides smoothly, without slips: friction only swings between ${three(steady.low)} and ${newtons(steady.high)}.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
+  if (steady) return tell("smooth", `It slides smoothly, without slips: friction only swings between ${digits(steady.low)} and ${newtons(steady.high)}.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
   const rising = way * (F[k] - F[Math.max(begun, k - 1)]) >= 0
   if (!rising) return tell(way * F[k] < 0 ? "swing" : "eases", way * F[k] < 0 ? "Still bent the other way: friction pushes it on." : "Friction eases, without a slip.", ["F eases", k])
   if (way * F[k] < 0) return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.", ["F against", k])

@@ -3,7 +3,7 @@
 
 import { frameBox, lookOf } from "./bokeh.js"
 import { make } from "./dom.js"
-import { cleared } from "./pen.js"
+import { cleared, within } from "./pen.js"
 
 const sheets = {} // view: {canvas, columns: {label: columns}, changed}
 
@@ -35,19 +35,15 @@ export function drawSketches(figures, parts) {
     sheet.changed = false
     const box = frameBox(figures[view]), pen = cleared(sheet.canvas)
     if (!box || !pen) continue
-    const { x_range, y_range } = figures[view]
-    const across = box.width / (x_range.end - x_range.start), up = box.height / (y_range.end - y_range.start)
-    const X = (x) => box.left + (x - x_range.start) * across, Y = (y) => box.top + (y_range.end - y) * up
-    pen.beginPath()
-    pen.rect(box.left, box.top, box.width, box.height)
-    pen.clip()
-    for (const label in parts[view]) { // in the order in which Bokeh draws them
-      if (sheet.columns[label]) drawPart(pen, lookOf(parts[view][label]), sheet.columns[label], X, Y)
-    }
+    within(pen, box, () => {
+      for (const label in parts[view]) { // in the order in which Bokeh draws them
+        if (sheet.columns[label]) drawPart(pen, lookOf(parts[view][label]), sheet.columns[label], box)
+      }
+    })
   }
 }
 
-function drawPart(pen, look, columns, X, Y) {
+function drawPart(pen, look, columns, { X, Y }) {
   if (look.mapper) return drawImage(pen, look.mapper, columns, X, Y)
   const x = columns[look.x], y = columns[look.y]
   pen.strokeStyle = look.stroke

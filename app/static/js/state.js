@@ -18,6 +18,9 @@ export const me = Object.seal({ // what is not declared here cannot be set
   drawnAt: 0, freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
 })
 
+// The increment played at, of the run on screen; -1 before there is any
+export const now = () => Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
+
 // What else is drawn with every frame: functions of the run and the frame
 const followers = []
 export const onFrame = (call) => followers.push(call)

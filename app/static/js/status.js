@@ -2,11 +2,11 @@
 
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, waiting } from "./channel.js"
-import { by, fixed, minus, on, say } from "./dom.js"
+import { by, closest, digits, fixed, minus, on, say } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { me } from "./state.js"
 import { explain } from "./terms.js"
-import { checkTruth } from "./truth.js"
+import { checkTruth, inWords } from "./truth.js"
 
 let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
 
@@ -33,7 +33,8 @@ export function heard(text) {
     if (frames > 0 && !me.dragging) writeAddress()
     say("profile-error", errors.profile)
     namePreset()
-    tellLook(presetSaid())
+    const look = presetSaid()
+    if (by("look").textContent !== look) explain(by("look"), look)
   }
   checkTruth()
   drawMarks(me.status.marks, positions)
@@ -55,18 +56,17 @@ function describe(name, value, error, before) {
 // The depth itself, beside its part of delta_0
 export function tellDepth(value) {
   const depth = Number(value) * 10 * (me.status.values?.delta_n ?? 1)
-  document.querySelector("[data-name=delta_bar] .unit").textContent = `= ${minus(Number(depth.toPrecision(3)))} nm`
+  document.querySelector("[data-name=delta_bar] .unit").textContent = `= ${digits(depth)} nm`
 }
 
 // A slider at the position nearest to a value
 export function place(name, value) {
-  const list = positions[name], slider = by(name)
-  slider.value = list.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(list[best] - value) ? i : best), 0)
+  const slider = by(name)
+  slider.value = closest(positions[name], value)
   slider.setAttribute("aria-valuetext", `${value}`)
 }
 
 const changes = () => Object.keys(me.status.address).filter((name) => !["preset", "profile"].includes(name))
-const inWords = (name) => document.querySelector(`label[for="${name}-entry"]`)?.firstChild.textContent.trim() || name
 
 // The menu, which says so where the scene is no longer that of the preset; choosing the preset then brings it back
 function namePreset() {
@@ -75,10 +75,6 @@ function namePreset() {
   menu.options[0].textContent = `${title} – changed`
   menu.value = changes().length ? "" : preset
   for (const radio of document.querySelectorAll("#row input")) radio.checked = radio.value === menu.value
-}
-
-function tellLook(text) {
-  if (by("look").textContent !== text) explain(by("look"), text)
 }
 
 // What to look for, where the scene is still that of the preset

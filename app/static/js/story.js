@@ -1,11 +1,11 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
 import { frameBox } from "./bokeh.js"
-import { by, fixed, minus } from "./dom.js"
+import { by, fixed, newtons } from "./dom.js"
 import { figures, overlays } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
-import { movedSites } from "./sites.js"
-import { arrow, cleared, inks, size, write } from "./pen.js"
+import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
+import { changeSaid, nowSaid } from "./sentence.js"
 import { me } from "./state.js"
 
 const LINES = 24 // of the mesh in the body, from the surface to the top
@@ -22,23 +22,17 @@ const GAIN = 0.005 // a change of the area by less is not told
 export function drawStory(run, k, canvas = by("story"), figure = figures.punch) {
   const box = frameBox(figure), pen = cleared(canvas), main = figure === figures.punch
   if (!box || !pen) return
-  const { x_range, y_range } = figure
-  const X = (x) => box.left + ((x - x_range.start) / (x_range.end - x_range.start)) * box.width
-  const Y = (y) => box.top + ((y_range.end - y) / (y_range.end - y_range.start)) * box.height
-  const frame = run.frame(k), slip = lastSlip(run, k)
+  const { X, Y } = box, frame = run.frame(k), slip = lastSlip(run, k)
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, main, ink: inks() }
-  pen.save()
-  pen.beginPath()
-  pen.rect(box.left, box.top, box.width, box.height)
-  pen.clip()
-  if (run.head.flat) drawLattice(view)
-  else {
-    drawMesh(view)
-    if (slip) drawMoved(view)
-    drawEdges(view)
-  }
-  drawTop(view)
-  pen.restore()
+  within(pen, box, () => {
+    if (run.head.flat) drawLattice(view)
+    else {
+      drawMesh(view)
+      if (slip) drawMoved(view)
+      drawEdges(view)
+    }
+    drawTop(view)
+  })
   drawForces(view)
   if (main && !run.head.flat) drawLens(view)
   if (main) tellSlip(view)
@@ -48,15 +42,11 @@ export function drawStory(run, k, canvas = by("story"), figure = figures.punch) 
 function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
   const { nodes, first, spacing, middle } = run.headOf(k), every = Math.max(1, Math.round(nodes / LINES))
   const U_x = run.curves.U_x[k]
-  pen.strokeStyle = ink.body
   pen.globalAlpha = 0.55
-  pen.lineWidth = 1
-  pen.beginPath()
   for (let i = Math.floor(every / 2); i < nodes; i += every) {
-    pen.moveTo(X(frame.x[i]), Y(frame.gap[i]))
-    pen.lineTo(X((first + i) * spacing - middle + U_x), box.top + BAR)
+    const hung = [X((first + i) * spacing - middle + U_x), box.top + BAR]
+    line(pen, [[X(frame.x[i]), Y(frame.gap[i])], hung], ink.body)
   }
-  pen.stroke()
   pen.globalAlpha = 1
 }
 
@@ -65,15 +55,10 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
   const U_x = run.curves.U_x[k], { x_range } = figures.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
-  pen.strokeStyle = ink.page
-  pen.lineWidth = 1.5
-  pen.beginPath()
   const pitch = run.head.flat ? run.head.spacing / 4 : 20, shift = U_x % pitch
   for (let x = Math.ceil((x_range.start - shift) / pitch) * pitch; x + shift < x_range.end; x += pitch) {
-    pen.moveTo(X(x + shift) - 3, box.top + BAR)
-    pen.lineTo(X(x + shift) + 3, box.top)
+    line(pen, [[X(x + shift) - 3, box.top + BAR], [X(x + shift) + 3, box.top]], ink.page, 1.5)
   }
-  pen.stroke()
   if (!main && slip) write({ pen, ink, box }, slipSaid(run, slip.at), box.left + 8, box.top + BAR + 12, { of: ink.slip, align: "left", bold: true })
 }
 
@@ -81,30 +66,24 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
 function drawForces(view) {
   const { box, narrow, run, k, ink } = view
   const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest))
-  const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), line = 1.3 * size()
-  const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * line, right = box.left + box.width - 12
+  const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
+  const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row, right = box.left + box.width - 12
   const moves = { approach: `pushed down ${fixed(delta, 1)} nm`, reload: `pushed down ${fixed(delta, 1)} nm`, unload: `lifted to ${fixed(delta, 1)} nm`,
     back: `pulled back: ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `pulled ${fixed(U_x, 1)} nm`
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
-  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, `}F = ${said(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
+  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, `}F = ${newtons(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
   if (none(L) || run.apart) return
   const deep = (Math.abs(L) / full) * long, at = box.left + (narrow ? 0.06 : LENS) * box.width, from = box.top + BAR + 3
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
-  const text = narrow ? `L = ${said(L)}` : `load L = ${said(L)}, ${L > 0 ? "presses" : "holds it up"}`
-  write(view, text, at + 12, from + Math.max(2.1 * line, 0.5 * deep), { of: ink.normal, align: "left" })
-}
-
-// A force per depth in the unit that needs the fewest digits
-export function said(force) {
-  const small = Math.abs(force) < 0.1
-  return `${minus(Number((small ? 1000 * force : force).toPrecision(3)))} ${small ? "mN/m" : "N/m"}`
+  const text = narrow ? `L = ${newtons(L)}` : `load L = ${newtons(L)}, ${L > 0 ? "presses" : "holds it up"}`
+  write(view, text, at + 12, from + Math.max(2.1 * row, 0.5 * deep), { of: ink.normal, align: "left" })
 }
 
 // Under the surface: friction on the punch, a bracket for each stretch that is repelled, and how far either edge has peeled
 function drawEdges(view) {
-  const { box, narrow, X, Y, frame, run, k, ink } = view, line = 1.3 * size()
+  const { box, narrow, X, Y, frame, run, k, ink } = view, row = 1.3 * size()
   const patches = run.patches(k), bottom = box.top + box.height
   const y = Math.min(Math.max(Y(0), Y(Math.min(...frame.gap))) + 12, bottom - 1.8 * size())
   if (!patches.length) {
@@ -122,22 +101,15 @@ function drawEdges(view) {
   const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
   const start = run.sheared >= 0 && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
-  if (!start || y + 0.8 * size() + line > bottom) return
-  const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b], low = y + 0.8 * size() + line
+  if (!start || y + 0.8 * size() + row > bottom) return
+  const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b], low = y + 0.8 * size() + row
   const told = peeled.map((sites) => Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go by" : "gained"} ${Math.abs(sites).toFixed(1)} sites`)
   if (told[0]) write(view, told[0], Math.min(left, X(0) - 20), low, { align: "right" })
   if (told[1]) write(view, told[1], Math.max(right, X(0) + 20), low, { align: "left" })
 }
 
 function bracket({ pen, ink }, [left, right], y) {
-  pen.strokeStyle = ink.area
-  pen.lineWidth = 2
-  pen.beginPath()
-  pen.moveTo(left, y - 6)
-  pen.lineTo(left, y)
-  pen.lineTo(right, y)
-  pen.lineTo(right, y - 6)
-  pen.stroke()
+  line(pen, [[left, y - 6], [left, y], [right, y], [right, y - 6]], ink.area, 2)
 }
 
 // What the substrate does to the punch: as large as the pull, against it, beside the contact
@@ -159,36 +131,42 @@ function lastSlip(run, k) {
 
 // The nodes that slipped flash, and fade as the top goes on
 function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
-  const moved = movedSites(run, slip.at), shift = run.headOf(k).first - run.headOf(slip.at).first
-  pen.strokeStyle = ink.slip
-  pen.lineWidth = 14
+  const moved = run.moved(slip.at), shift = run.headOf(k).first - run.headOf(slip.at).first
   pen.lineCap = "round"
   pen.globalAlpha = 0.6 * (1 - slip.age)
-  pen.beginPath()
-  let drawing = false
-  frame.x.forEach((x, i) => {
-    const point = [X(x), Y(frame.gap[i])]
-    if (moved[i + shift] && drawing) pen.lineTo(...point)
-    else if (moved[i + shift]) pen.moveTo(...point)
-    drawing = Boolean(moved[i + shift])
-  })
-  pen.stroke()
+  let stretch = []
+  for (let i = 0; i <= frame.x.length; i++) {
+    if (i in frame.x && moved[i + shift]) stretch.push([X(frame.x[i]), Y(frame.gap[i])])
+    else line(pen, stretch.splice(0), ink.slip, 14)
+  }
   pen.globalAlpha = 1
 }
 
-const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
 export function slipSaid(run, at, brief = false) {
-  const moved = movedSites(run, at), frame = run.frame(at)
-  const acting = [...moved.keys()].filter((i) => frame.state(i) !== "free")
-  const gone = acting.filter((i) => moved[i])
+  const { acting, gone, all, sites, said } = run.slipTo(at)
   const before = run.curves.A_bar[at - 1], now = run.curves.A_bar[at], change = now / before - 1
   const area = before === 0 ? (now > 0 ? ", contact again" : "") : now === 0 ? ", A falls to 0"
     : Math.abs(change) < GAIN ? "" : `, A ${change > 0 ? "+" : "−"}${(100 * Math.abs(change)).toPrecision(2)} %`
-  if (!gone.length) return run.stage(at) === "unload" ? "pull-off" : `jump${area}`
-  const sites = Math.abs(moved[gone[gone.length >> 1]]), nm = fixed(sites * run.head.spacing, 1)
-  const part = gone.length < 0.95 * acting.length ? `${gone.length} of ${acting.length} nodes` : ""
-  const far = part && brief ? "" : `${part && " by "}${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}${brief ? "" : ` (${nm} nm)`}`
+  if (!gone) return run.stage(at) === "unload" ? "pull-off" : `jump${area}`
+  const part = all ? "" : `${gone} of ${acting} nodes`, nm = fixed(sites * run.head.spacing, 1)
+  const far = part && brief ? "" : `${part && " by "}${said}${brief ? "" : ` (${nm} nm)`}`
   return `slip: ${part}${far}${run.head.flat ? "" : area}`
+}
+
+const HOLD = 700 // ms for which a sentence stays, unless a slip happens
+let sentence = { key: "", at: 0 }, compared = [] // what is on screen since when; the runs last compared
+
+// The live sentence beside the hero: what happens now, and what the last change has done
+export function tellNow(run, k) {
+  const said = nowSaid(run, k), time = performance.now(), urgent = said.key.startsWith("slip") || !me.playing
+  if (said.key !== sentence.key && (urgent || time - sentence.at > HOLD)) {
+    sentence = { key: said.key, at: time }
+    by("sentence").textContent = said.text
+  }
+  const wanted = [run, me.ghost, run.whole, run.scene] // its scene may be told after its frames
+  if (wanted.every((what, i) => what === compared[i])) return
+  compared = wanted
+  by("why").textContent = changeSaid(run, me.ghost)?.text ?? ""
 }
 
 function tellSlip({ run, k, slip, narrow }) {

@@ -1,12 +1,12 @@
 // What a plot shows as a table, built from the frames that are here; opened with its button, and only then loaded.
 
 import { drawnBy } from "./bokeh.js"
-import { by, fixed, make, minus } from "./dom.js"
+import { by, digits, fixed, make, makeRow } from "./dom.js"
 import { figures, parts } from "./figures.js"
 import { me } from "./state.js"
 
 // A number in some four digits
-const short = (value) => (Number.isFinite(value) ? minus(Number(value.toPrecision(4))) : "–")
+const short = (value) => (Number.isFinite(value) ? digits(value, 4) : "–")
 
 // title, headings and rows of a plot of a run, at frame k where it shows one
 const TABLES = {
@@ -40,13 +40,12 @@ function increments(run, title, headings, cells) {
 
 // Where anything acts in a frame, in places of the undeformed punch
 function acting(values, run, k) {
-  const { first, spacing, middle } = run.headOf(k), frame = run.frame(k), count = { repulsive: 0, adhering: 0, free: 0, contact: 0 }, at = []
-  for (let i = 0; i < frame.gap.length; i++) {
-    const state = frame.state(i)
-    count[state]++
-    if (state !== "free") at.push((first + i) * spacing - middle)
-  }
-  return [at.length ? fixed(at[0], 1) : "–", at.length ? fixed(at.at(-1), 1) : "–", count.repulsive + count.contact, count.adhering]
+  const { first, spacing, middle } = run.headOf(k), frame = run.frame(k)
+  const states = Array.from(frame.gap, (_, i) => frame.state(i))
+  const count = (...of) => states.filter((state) => of.includes(state)).length
+  const ends = [states.findIndex((state) => state !== "free"), states.findLastIndex((state) => state !== "free")]
+  const places = ends.map((i) => (i < 0 ? "–" : fixed((first + i) * spacing - middle, 1)))
+  return [...places, count("repulsive", "contact"), count("adhering")]
 }
 
 export function openTable(view) {
@@ -96,14 +95,8 @@ export function openMeasured(points) {
 }
 
 function open({ title, headings, rows }) {
-  const table = make("table")
-  const head = table.createTHead().insertRow()
-  for (const text of headings) head.append(make("th", { scope: "col" }, text))
-  const body = table.createTBody()
-  for (const cells of rows) {
-    const row = body.insertRow()
-    for (const text of cells) row.insertCell().textContent = text
-  }
+  const head = make("tr", {}, ...headings.map((text) => make("th", { scope: "col" }, text)))
+  const table = make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows.map(makeRow)))
   by("table-title").textContent = title
   by("table").querySelector(".rows").replaceChildren(table)
   by("table").showModal()

@@ -16,15 +16,16 @@ export function explain(element, text = element.textContent) {
   }))
 }
 
-const termAt = (event) => event.target.closest?.(".term")
-const glossary = () => import("./later/glossary.js")
+const ANSWERS = { mouseover: "show", focusin: "show", click: "keep" } // what later/glossary.js does at a term
 
 export function connect(given) {
-  forms = JSON.parse(given)
+  forms = given
   found = new RegExp(`(?<![\\p{L}-])(${Object.keys(forms).join("|")})(?![\\p{L}-])`, "iu")
   for (const element of document.querySelectorAll("[data-terms]")) explain(element)
-  for (const event of ["mouseover", "focusin"]) {
-    document.addEventListener(event, async (of) => { const at = termAt(of); if (at) (await glossary()).show(at) })
+  for (const event in ANSWERS) {
+    document.addEventListener(event, async ({ target }) => {
+      const at = target.closest?.(".term")
+      if (at) (await import("./later/glossary.js"))[ANSWERS[event]](at)
+    })
   }
-  document.addEventListener("click", async (event) => { const at = termAt(event); if (at) (await glossary()).keep(at) })
 }

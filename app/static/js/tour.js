@@ -3,9 +3,10 @@
 import { frameBox } from "./bokeh.js"
 import { order } from "./channel.js"
 import { colour } from "./colours.js"
-import { by, fixed, make, makeButton, minus, readdress } from "./dom.js"
+import { by, fixed, make, makeButton, minus, onDrag, readdress } from "./dom.js"
 import { figures } from "./figures.js"
 import { openPage } from "./pages.js"
+import { cleared, line } from "./pen.js"
 import { goto, play } from "./player.js"
 import { firstSlip } from "./sentence.js"
 import { me } from "./state.js"
@@ -129,55 +130,57 @@ const cover = (view) => covers[view] ??= figureOf(view).appendChild(make("div", 
 // What lies ahead of the increment shown stays hidden until the stop has been played
 function hideFuture() {
   for (const view of COVERED) {
-    const box = frameBox(figures[view]), { start, end } = figures[view].x_range, hidden = phase === "why" || phase === "turn" || !box || !me.run
+    const box = frameBox(figures[view]), hidden = phase === "why" || phase === "turn" || !box || !me.run
     cover(view).hidden = hidden
     if (hidden) continue
-    const now = phase === "wait" || me.run.sheared < 0 ? start : me.run.along[Math.max(me.run.sheared, me.drawn)]
-    const x = box.left + ((now - start) / (end - start)) * box.width + 1, far = box.left + box.width + 2
+    const ahead = phase === "wait" || me.run.sheared < 0, far = box.left + box.width + 2
+    const x = (ahead ? box.left : box.X(me.run.along[Math.max(me.run.sheared, me.drawn)])) + 1
     Object.assign(cover(view).style, { left: `${x}px`, top: `${box.top}px`, width: `${Math.max(0, far - x)}px`, height: `${box.height}px` })
   }
 }
 
+const paragraph = (className, ...parts) => make("p", { className }, ...parts)
+
+// A text with its terms explained
+function told(tag, className, text) {
+  const element = make(tag, { className })
+  explain(element, filled(text))
+  return element
+}
+
 function write() {
-  const stop = STOPS[at]
+  const stop = STOPS[at], asking = phase === "ask", next = STOPS[at + 1]
+  const title = make("h2", {}, `${at + 1} of ${STOPS.length}: ${stop.name}`)
   document.documentElement.dataset.tour = phase
-  const title = make("h2", { textContent: `${at + 1} of ${STOPS.length}: ${stop.name}` }), truth = phase === "wait" ? 0 : right()
-  const end = makeButton({ textContent: "End tour", onclick: close })
-  card.replaceChildren(make("div", { className: "top" }, title, end))
-  if (phase === "wait") card.append(make("p", { textContent: "getting ready …" }))
-  else if (phase !== "turn") {
-    const question = make("p", { className: "question" })
-    explain(question, filled(stop.question))
-    if (stop.said && phase === "ask") card.append(make("ul", {}, ...stop.said.map((text) => make("li", { textContent: text }))))
-    card.append(question)
-    if (stop.sketch && phase === "ask") card.append(make("p", { className: "said", textContent: "Draw the curve you expect below if you like, then choose:" }))
-    const row = make("div", { className: "answers" })
-    for (const i of stop.order) {
-      if (phase === "why" && i !== chosen && i !== truth) continue
-      const button = makeButton({ className: "answer", textContent: stop.answers[i], disabled: phase !== "ask", onclick: () => answer(i) })
-      if (hands[i]) button.append(make("span", { className: "hands", textContent: ` ${hands[i]} hand${hands[i] > 1 ? "s" : ""}` }))
-      if (phase !== "ask" && (i === chosen || i === truth)) button.dataset.mark = i === truth ? "right" : "wrong"
-      if (phase === "show" && i !== chosen) delete button.dataset.mark
-      if (phase === "show" && i === chosen) button.dataset.mark = "chosen"
-      row.append(button)
-    }
-    card.append(row)
-  }
-  if (phase === "show") card.append(make("p", { className: "said", textContent: "Watch …" }))
-  if (phase === "why") {
-    const why = make("span")
-    explain(why, filled(stop.why))
-    const said = make("p", {}, make("b", { textContent: chosen === truth ? "Yes. " : "Not so. " }), why), picture = make("canvas", { className: "picture-of" })
-    said.setAttribute("role", "status")
-    card.append(said, picture)
-    PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
-  }
-  if (phase !== "why" && phase !== "turn") return
-  const ways = [make("span", { className: "said", textContent: stop.ask })]
-  if (phase === "why") ways.push(makeButton({ textContent: "Your turn", onclick: takeTurn }))
-  if (at + 1 < STOPS.length) ways.push(makeButton({ textContent: `Next: ${STOPS[at + 1].name}`, onclick: () => openTour(at + 2) }))
-  card.append(make("div", { className: "answers ways" }, ...ways))
-  if (phase === "why") ways.at(-1).focus({ preventScroll: true })
+  card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
+  if (phase === "wait") return card.append(paragraph("", "getting ready …"))
+  if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
+  if (phase !== "turn") card.append(told("p", "question", stop.question))
+  if (asking && stop.sketch) card.append(paragraph("said", "Draw the curve you expect below if you like, then choose:"))
+  const answers = phase === "turn" ? [] : stop.order.map(answerButton).filter(Boolean)
+  if (answers.length) card.append(make("div", { className: "answers" }, ...answers))
+  if (phase === "show") card.append(paragraph("said", "Watch …"))
+  if (asking || phase === "show") return null
+  const ways = [make("span", { className: "said" }, stop.ask)]
+  if (phase === "why") ways.push(makeButton({ onclick: takeTurn }, "Your turn"))
+  if (next) ways.push(makeButton({ onclick: () => openTour(at + 2) }, `Next: ${next.name}`))
+  const row = make("div", { className: "answers ways" }, ...ways)
+  if (phase === "turn") return card.append(row)
+  const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
+  const picture = make("canvas", { className: "picture-of" })
+  card.append(make("p", { role: "status" }, yes, told("span", "", stop.why)), picture, row)
+  PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
+  return ways.at(-1).focus({ preventScroll: true })
+}
+
+// An answer with the hands raised for it; once the reason is told, only that chosen and the right one
+function answerButton(i) {
+  const reason = i === right() ? "right" : i === chosen && "wrong"
+  const mark = { show: i === chosen && "chosen", why: reason }[phase]
+  if (phase === "why" && !mark) return null
+  const raised = hands[i] ? [make("span", { className: "hands" }, ` ${hands[i]} hand${hands[i] > 1 ? "s" : ""}`)] : []
+  const given = { className: "answer", disabled: phase !== "ask", onclick: () => answer(i), data: mark ? { mark } : {} }
+  return makeButton(given, STOPS[at].answers[i], ...raised)
 }
 
 // 1 to 3 choose an answer; with Shift they count a class's raised hands
@@ -199,29 +202,21 @@ function takeTurn() {
 
 // A curve drawn by hand over the view, kept while the run draws itself beside it
 function connectSketch(canvas) {
-  let drawing = false
-  canvas.addEventListener("pointerdown", (event) => { drawing = true; sketch = []; canvas.setPointerCapture(event.pointerId) })
-  canvas.addEventListener("pointermove", (event) => {
-    if (!drawing) return
+  onDrag(canvas, ({ pointerId }) => {
+    canvas.setPointerCapture(pointerId)
+    return (sketch = [])
+  }, (event) => {
     const box = canvas.getBoundingClientRect()
     sketch.push([(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height])
   })
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { drawing = false })
 }
 
 function drawSketch() {
   const canvas = by("tour-sketch"), { sketch: wanted } = STOPS[at]
   canvas.hidden = !wanted || phase === "wait"
   canvas.dataset.open = phase === "ask"
-  if (canvas.hidden) return
-  const { clientWidth: width, clientHeight: height } = canvas
-  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
-  const pen = canvas.getContext("2d")
-  pen.clearRect(0, 0, width, height)
-  pen.strokeStyle = colour("--slip")
-  pen.lineWidth = 4
+  const pen = canvas.hidden ? null : cleared(canvas)
+  if (!pen) return
   pen.lineCap = pen.lineJoin = "round"
-  pen.beginPath()
-  for (const [x, y] of sketch) pen.lineTo(x * width, y * height)
-  pen.stroke()
+  line(pen, sketch.map(([x, y]) => [x * canvas.clientWidth, y * canvas.clientHeight]), colour("--slip"), 4)
 }

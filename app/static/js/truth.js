@@ -12,10 +12,9 @@ function asked() {
   return Object.assign({}, me.status.values, ...changes, me.entered)
 }
 
-export const symbol = (name) => {
-  const label = document.querySelector(`label[for="${name}-entry"]`)
-  return (label?.querySelector("i") ?? label)?.textContent ?? name
-}
+const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
+export const symbol = (name) => (labelOf(name)?.querySelector("i") ?? labelOf(name))?.textContent ?? name
+export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
 
 export function checkTruth() {
   const scene = me.run?.scene, wanted = asked()
@@ -27,8 +26,8 @@ export function checkTruth() {
   const { dataset } = document.querySelector(".page")
   const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following // curves come with the shear
   say("stale", me.stale && !(me.dragging && me.run.followed) ? `computed for ${values || "the scene before"}` : mixed ? "curves: still those of the run before" : "")
-  if (mixed) dataset.mixed = "true"
-  else delete dataset.mixed
-  if (me.stale && (me.run === me.anchor || me.lost)) dataset.stale = "true"
-  else delete dataset.stale
+  for (const [name, is] of Object.entries({ mixed, stale: me.stale && (me.run === me.anchor || me.lost) })) {
+    if (is) dataset[name] = "true"
+    else delete dataset[name]
+  }
 }

@@ -43,12 +43,12 @@ export function connectViews() {
   }
   arrange()
   for (const name of ["lab", "projector"]) on(name, "click", () => look(name))
-  for (const radio of document.querySelectorAll("#chosen input")) radio.addEventListener("change", () => choose(radio.value))
+  on("chosen", "change", (event) => choose(event.target.value))
   for (const curve of CURVES) document.querySelector(`main .${curve} figcaption`).addEventListener("click", () => { if (!isLab()) choose(curve) })
   choose(CURVES[0])
   // in the hand, one slider at a time
-  for (const radio of document.querySelectorAll("#one input")) radio.addEventListener("change", () => {
-    for (const control of document.querySelectorAll(".control")) control.toggleAttribute("data-shown", control.dataset.name === radio.value)
+  on("one", "change", ({ target }) => {
+    for (const one of document.querySelectorAll(".control")) one.toggleAttribute("data-shown", one.dataset.name === target.value)
   })
 }
 

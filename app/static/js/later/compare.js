@@ -6,9 +6,9 @@ import { load, onPins, pins, swatch, titleOf } from "./pins.js"
 import { goto } from "../player.js"
 import { me } from "../state.js"
 
-function row(name, mark, run, surface, leadTo) {
+function row(name, mark, run, leadTo) {
   const heading = make("th", { scope: "row" }, ...(mark ? [mark, " "] : []), name)
-  const found = run ? measured(run, surface) : {}
+  const found = run ? measured(run) : {}
   const cells = Object.keys(MEASURES).map((measure) => {
     const { text = "…", why = "", k } = found[measure] ?? {}
     const said = `${name}, ${MEASURES[measure][0]}: ${text} ${MEASURES[measure][1]}${why && `; ${why}`}`
@@ -21,8 +21,8 @@ function row(name, mark, run, surface, leadTo) {
 function fill() {
   const head = make("tr", {}, make("th", { scope: "col" }, "run"),
     ...Object.values(MEASURES).map(([text, unit, title]) => make("th", { scope: "col", title }, text, make("small", {}, unit))))
-  const rows = pins.map((pin) => row(titleOf(pin), swatch(pin.slot), pin.run, pin.values?.surface ?? pin.scene.surface ?? "circular", (k) => load(pin, k)))
-  const own = row("on screen", null, me.run, me.status.values.surface, (k) => goto(k))
+  const rows = pins.map((pin) => row(titleOf(pin), swatch(pin.slot), pin.run, (k) => load(pin, k)))
+  const own = row("on screen", null, me.run, goto)
   by("numbers-table").replaceChildren(make("thead", {}, head), make("tbody", {}, own, ...rows))
 }
 

@@ -1,19 +1,16 @@
 // Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
 
-import { drawBands } from "../bands.js"
 import { frameBox, set } from "../bokeh.js"
 import { listen, order } from "../channel.js"
 import { by } from "../dom.js"
-import { drawFrame, figures, painted } from "../figures.js"
-import { drawFringes } from "../fringes.js"
-import { cleared, inks, size, write } from "../pen.js"
-import { goto, show, tellFrame } from "../player.js"
+import { figures, painted } from "../figures.js"
+import { cleared, inks, line, size, write } from "../pen.js"
+import { drawIncrement, goto, show } from "../player.js"
 import { FILM, Run } from "../run.js"
-import { tellNow } from "../saying.js"
 import { over } from "../sketch.js"
-import { me, onFrame } from "../state.js"
-import { drawStory, nextSlip, slipAt } from "../story.js"
-import { forceUnit } from "../units.js"
+import { me, now, onFrame } from "../state.js"
+import { nextSlip, slipAt } from "../story.js"
+import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
 const TRACE = 90 // px, the length of a film in the curve
@@ -25,7 +22,7 @@ let listens = false
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
   if (film) return end()
-  const { run } = me, at = Math.min(Math.floor(me.at), (run?.length ?? 0) - 1), k = at < 0 ? null : slipAt(run, at)
+  const { run } = me, at = now(), k = at < 0 ? null : slipAt(run, at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
   if (k === null) return refuse(`Slow motion: no slip up to here${nextSlip(run, at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   if (!listens) listen("status", heard)
@@ -73,22 +70,17 @@ function receive(chunk) {
   requestAnimationFrame(step)
 }
 
-function step(now) {
+function step(time) {
   if (!film?.frames) return
-  const { frames, k } = film, passed = (now - film.begun) / 1000
+  const { frames, k } = film, passed = (time - film.begun) / 1000
   if (passed > SECONDS + REST) return end()
   const at = Math.max(k, Math.min(frames.length - 1, k + Math.floor((passed / SECONDS) * (frames.length - k))))
   if (at !== film.at) {
     film.at = at
     painted(() => {
-      drawFrame(frames, at)
-      drawFringes(frames, at)
-      drawStory(frames, at)
-      tell("slow motion")
-      tellNow(frames, at)
+      drawIncrement(frames, at)
       drawTrace(frames, k, at)
-      tellFrame(frames, at)
-      drawBands(frames, at)
+      tell("slow motion")
       by("slip").hidden = true
     })
   }
@@ -99,16 +91,12 @@ function step(now) {
 function drawTrace(frames, k, at) {
   const box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
   if (!pen) return
-  const { x_range, y_range } = figures.forces, { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
-  const x = box.left + ((frames.along[k - 1] - x_range.start) / (x_range.end - x_range.start)) * box.width
-  const long = Math.min(TRACE, box.left + box.width - x), of = (i) => x + ((i - k + 1) / (frames.length - k)) * long
-  const Y = (value) => box.top + ((y_range.end - value * factor) / (y_range.end - y_range.start)) * box.height
-  pen.strokeStyle = ink.slip
-  pen.lineWidth = 2.5
-  pen.beginPath()
-  for (let i = k - 1; i <= at; i++) pen.lineTo(of(i), Y(F[i]))
-  pen.stroke()
-  write({ pen, ink, box }, "F in slow motion", of(at), Y(F[at]) - size(), { of: ink.slip })
+  const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
+  const x = box.X(frames.along[k - 1]), long = Math.min(TRACE, box.left + box.width - x)
+  const place = (i) => [x + ((i - k + 1) / (frames.length - k)) * long, box.Y(F[i] * factor)]
+  line(pen, F.slice(k - 1, at + 1).map((_, i) => place(k - 1 + i)), ink.slip, 2.5)
+  const [x_end, high] = place(at)
+  write({ pen, ink, box }, "F in slow motion", x_end, high - size(), { of: ink.slip })
 }
 
 function leave() {
@@ -125,6 +113,5 @@ function end() {
 
 me.filmed = receive
 onFrame(() => { // another increment is drawn: it goes on from there; the same one, where the page has changed its size
-  if (!film || (me.run === film.run && Math.floor(me.at) === film.k)) return
-  leave()
+  if (film && (me.run !== film.run || Math.floor(me.at) !== film.k)) leave()
 })

@@ -4,11 +4,16 @@
 import { by, make } from "../dom.js"
 
 const AWAY = 250 // ms for the pointer to reach the explanation
-let asked = null, at = null, kept = false, leaving = 0, box = null
+let at = null, kept = false, leaving = 0, box = null
 
-export const text = () => (asked ??= fetch(new URL("../../glossary.html", import.meta.url))
-  .then((answer) => (answer.ok ? answer.text() : Promise.reject(answer.status)))
-  .catch((error) => { asked = null; throw error }))
+// The text of a file beside the scripts, asked for once, unless it does not come
+export function file(name) {
+  let asked = null
+  return () => (asked ??= fetch(new URL(`../../${name}`, import.meta.url))
+    .then((answer) => (answer.ok ? answer.text() : Promise.reject(answer.status)))
+    .catch((error) => { asked = null; throw error }))
+}
+export const text = file("glossary.html")
 
 async function said(term) {
   const read = new DOMParser().parseFromString(await text(), "text/html").getElementById(`term-${term}`)

@@ -15,10 +15,11 @@ export const MEASURES = { // measure: [heading, unit, what it is]
   dissipated: ["dissipated", "nJ/m", "work of the top over a closed cycle"],
 }
 const number = (value, digits = 4) => fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-9)))))
-const none = (why, k) => ({ text: NONE, why, k })
+const bar = (name, value) => `${name} = ${(value * 1000).toPrecision(5)}·10⁻³`
+const some = (text, k, why = "") => ({ text, why, k })
+const none = (why, k) => some(NONE, k, why)
 
-// surface: what it is called in the scene
-export function measured(run, surface) {
+export function measured(run) {
   const { curves, head, sheared } = run
   if (sheared < 0) return Object.fromEntries(Object.keys(MEASURES).map((name) => [name, none("not yet sheared", 0)]))
   const found = {}, shear = head.stages.indexOf("shear"), width = 2 * head.middle
@@ -26,21 +27,20 @@ export function measured(run, surface) {
   const first = inShear.find((k) => curves.slip[k] > 0)
   const before = first === undefined ? end : Math.max(first - 1, sheared)
   const slid = inShear.find((k) => run.least(k) >= head.spacing)
-  const slips = curves.slip.reduce((sum, count, k) => (k < sheared ? sum : sum + count), 0)
-  found.slips = { text: `${slips}`, why: "", k: curves.slip.findIndex((count, k) => k >= sheared && count) }
-  if (found.slips.k < 0) found.slips.k = end
+  const slips = curves.slip.slice(sheared), at = slips.findIndex(Boolean)
+  found.slips = some(`${slips.reduce((sum, count) => sum + count, 0)}`, at < 0 ? end : sheared + at)
   if (first === undefined) for (const name of ["U_s", "F_s", "A_s", "tau_c"]) found[name] = none("no slip in shear", end)
   else {
     const F = curves.F_slip[first], A = curves.slip_A[first] * width
-    found.U_s = { text: number(curves.slip_at[first]), why: "", k: before }
-    found.F_s = { text: number(F), why: `F̄ = ${(curves.slip_F[first] * 1000).toPrecision(5)}·10⁻³`, k: before }
-    found.A_s = { text: number(A), why: `Ā = ${(curves.slip_A[first] * 1000).toPrecision(5)}·10⁻³`, k: before }
-    found.tau_c = A > 0 ? { text: number(F / A, 3), why: "", k: before } : none("no repulsive contact at the slip", before)
+    found.U_s = some(number(curves.slip_at[first]), before)
+    found.F_s = some(number(F), before, bar("F̄", curves.slip_F[first]))
+    found.A_s = some(number(A), before, bar("Ā", curves.slip_A[first]))
+    found.tau_c = A > 0 ? some(number(F / A, 3), before) : none("no repulsive contact at the slip", before)
   }
   found.mean = friction(run, inShear, first ?? slid)
-  found.peeling = peeled(run, before, surface)
-  found.dissipated = run.dissipated === null ? none("no closed cycle: path loop has one", end) : { text: number(run.dissipated), why: "", k: run.length - 1 }
-  found.regime = { text: regime(run, inShear, first, slid), why: "", k: first ?? slid ?? sheared }
+  found.peeling = peeled(run, before)
+  found.dissipated = run.dissipated === null ? none("no closed cycle: path loop has one", end) : some(number(run.dissipated), run.length - 1)
+  found.regime = some(regime(run, inShear, first, slid), first ?? slid ?? sheared)
   return found
 }
 
@@ -55,15 +55,15 @@ function friction({ curves, head }, inShear, start) {
   return { text: number(0.5 * (most[0] + least[0])), why: `largest ${number(most[0])}, least ${number(least[0])} N/m`, k: most[1] }
 }
 
-function peeled(run, before, surface) {
-  if (surface !== "circular") return none("for a single patch of contact: surface circular", before)
+function peeled(run, before) {
+  if (run.head.scene.surface !== "circular") return none("for a single patch of contact: surface circular", before)
   const then = run.edges(run.sheared)
   let k = before
   while (k > run.sheared && !run.edges(k)) k-- // the last increment in contact
   const now = run.edges(k)
   if (!then || !now || k === run.sheared) return none("no repulsive contact", run.sheared)
-  const trailing = now[0] - then[0], leading = then[1] - now[1], sum = trailing + leading
-  const one = Math.abs(sum) < 0.05 ? NONE : fixed((trailing - leading) / sum, 2)
+  const trailing = now[0] - then[0], leading = then[1] - now[1], all = Math.abs(trailing) + Math.abs(leading)
+  const one = all < 0.05 ? NONE : fixed((trailing - leading) / all, 2)
   return { text: `${fixed(trailing, 1)} | ${fixed(leading, 1)}, ${one}`, why: "1: the trailing edge alone; 0: both alike", k }
 }
 

@@ -1,6 +1,6 @@
 // Pinned runs: kept in this browser, drawn behind the run on screen, shown as chips. Loaded with the first pin.
 
-import { linkTo, restore, sceneOf } from "../address.js"
+import { restore, sceneOf } from "../address.js"
 import { order } from "../channel.js"
 import { colour } from "../colours.js"
 import { by, make, makeButton, makeShape, readdress } from "../dom.js"
@@ -12,7 +12,7 @@ import { value } from "../words.js"
 const MOST = 4
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
-export const pins = [] // {run, scene, values, name, slot, shown, carried}: scene {name: text} as in an address, slot 1 .. MOST
+export const pins = [] // {run, scene, name, slot, shown, carried}: scene {name: text} as in an address, slot 1 .. MOST
 
 // Only the run itself was carried on from another: loaded, or in a link, its scene begins anew
 export const titleOf = ({ name, carried }) => `${name}${carried ? ", carried on" : ""}`
@@ -29,28 +29,24 @@ function columns(lines) {
   }
 }
 
-// part(run, name, factor): what is drawn of a curve, in one unit for all runs
-function drawBeside(run, part, { names, factor }, approach) {
+// part(run, name): what is drawn of a curve, in one unit for all runs
+function drawBeside(run, part, { names }, approach) {
   const shown = drawable(run)
-  const line = (pin, name, times, width) => {
-    const { along, value: y } = part(pin.run, name, times)
+  const line = (pin, name, width) => {
+    const { along, value: y } = part(pin.run, name)
     return { pin, width, x: along, y }
   }
-  fill("forces", "pins", columns(shown.flatMap((pin) => [line(pin, names.F, factor), line(pin, names.L, factor, THIN)])))
-  fill("area", "pins", columns(shown.map((pin) => line(pin, "A", 1))))
+  fill("forces", "pins", columns(shown.flatMap((pin) => [line(pin, names.F), line(pin, names.L, THIN)])))
+  fill("area", "pins", columns(shown.map((pin) => line(pin, "A"))))
   fill("map", "pins", columns(approach ? [] : shown.flatMap((pin) => outline(pin))))
 }
 
 // Both edges of contact over the path, until a leg turns; gaps where nothing is repelled
 function outline(pin) {
-  const { run } = pin, { spacing, middle } = run.head, x = [], ends = [[], []]
-  const stage = run.curves.stage[run.sheared]
-  for (let k = run.sheared; k < run.length && run.curves.stage[k] === stage; k++) {
-    const found = run.edges(k)
-    x.push(run.along[k])
-    ends.forEach((list, i) => list.push(found ? found[i] * spacing - middle : NaN))
-  }
-  return run.head.flat ? [] : ends.map((y) => ({ pin, x, y, width: 2 }))
+  const { run } = pin, { stage } = run.curves
+  const frames = run.frames((k) => k >= run.sheared && stage[k] === stage[run.sheared])
+  const x = frames.map((k) => run.along[k])
+  return run.head.flat ? [] : run.edgesOver(frames).map((y) => ({ pin, x, y, width: 2 }))
 }
 
 // The frame of a pinned run whose top has been pulled, or pressed, as far as that of the run on screen
@@ -81,15 +77,14 @@ export function pinRun() {
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((one) => one.run === run)) return say("this run is pinned already")
-  add(run, { ...status.address }, { ...status.values }, named(status.address, status.preset))
-  pins.at(-1).carried = Boolean(status.after)
+  add(run, { ...status.address }, named(status.address, status.preset), Boolean(status.after))
   redraw()
   say(`pinned: ${titleOf(pins.at(-1))}`)
 }
 
-function add(run, scene, values, name) {
+function add(run, scene, name, carried = false) {
   const slot = [1, 2, 3, 4].find((free) => pins.every((one) => one.slot !== free))
-  pins.push({ run, scene, values, name, slot, shown: true })
+  pins.push({ run, scene, name, slot, shown: true, carried })
 }
 
 // What differs from the preset, or the title of that
@@ -105,9 +100,7 @@ function remove(one) {
 }
 
 // Back on the screen, at an increment of it
-export function load(one, k = null) {
-  restore(one.scene, k)
-}
+export const load = ({ scene }, k = null) => restore(scene, k)
 
 const button = (text, label, onclick, more) => makeButton({ title: label, "aria-label": label, onclick, ...more }, text)
 
@@ -173,16 +166,16 @@ function tell() {
 
 // In a link: the name, then names and values of the scene, with stars in between
 const escaped = (text) => `${text}`.replaceAll("%", "%25").replaceAll("*", "%2A")
-export const inLink = () => pins.map(({ name, scene }) => ["pin", [name, ...Object.entries(scene).flat()].map(escaped).join("*")])
-export const link = () => linkTo(inLink())
+const inLink = () => pins.map(({ name, scene }) => ["pin", [name, ...Object.entries(scene).flat()].map(escaped).join("*")])
 
 // The pins of an address: the server computes them, beside the run on screen
 export function fromLink(texts) {
   for (const text of texts.slice(0, MOST - pins.length)) {
     const [name, ...pairs] = text.split("*").map((part) => part.replaceAll("%2A", "*").replaceAll("%25", "%"))
-    const entries = Array.from({ length: Math.floor(pairs.length / 2) }, (_, i) => pairs.slice(2 * i, 2 * i + 2))
-    const scene = sceneOf(new URLSearchParams(entries))
-    add(null, scene, null, name.slice(0, 40) || "pinned run")
+    const asked = new URLSearchParams()
+    for (let i = 0; i + 1 < pairs.length; i += 2) asked.set(pairs[i], pairs[i + 1])
+    const scene = sceneOf(asked)
+    add(null, scene, name.slice(0, 40) || "pinned run")
     order("beside", { ...scene, beside: BESIDE + pins.at(-1).slot })
   }
   tell()
@@ -200,7 +193,7 @@ function receive(chunk) {
 }
 
 me.beside = receive
-overlays.curves = (run, part, name, factor) => drawable(run).map((one) => part(one.run, name, factor).value)
+overlays.curves = (run, part, name) => drawable(run).map((one) => part(one.run, name).value)
 overlays.drawn = drawBeside
 overlays.has = (run) => pins.some((one) => one.shown && one.run === run)
 onFrame(drawSurfaces)

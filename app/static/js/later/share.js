@@ -4,10 +4,10 @@ import { linkTo } from "../address.js"
 import { holderOf, svgOf } from "../bokeh.js"
 import { listen, opened, order } from "../channel.js"
 import { colour } from "../colours.js"
-import { by, make } from "../dom.js"
+import { by, make, on } from "../dom.js"
 import { figures } from "../figures.js"
 import { sharpen } from "../pen.js"
-import { drawOver } from "../print.js"
+import { canvasesOver, drawOver } from "../print.js"
 import { me } from "../state.js"
 import { drawStory } from "../story.js"
 import { described } from "../words.js"
@@ -15,7 +15,7 @@ import { described } from "../words.js"
 const NAME = "mixed-mode-contact"
 const COLUMNS = ["U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip"] // as solver/files.py
 const LINE = 20, MARGIN = 12 // px of a caption
-const FONT = "14px system-ui, 'Segoe UI', Roboto, sans-serif"
+const FONT = "system-ui, 'Segoe UI', Roboto, sans-serif"
 let connected = false
 
 // Views that are on screen: [name, title]
@@ -47,54 +47,51 @@ function wrapped(pen, text, width) {
   return lines
 }
 
-// Where title, key and caption go around a view of that size, px
-function layout(holder, width, height) {
+const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
+const textAt = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
+
+// {text, holder, width, height, top, whole} of a view as an SVG with its title, key and caption, px; below `top` the view
+// itself, and what `over` makes of what lies over it
+function framed(name, over = () => "") {
+  const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect()
   const pen = make("canvas").getContext("2d")
-  pen.font = FONT
-  const key = [], lines = wrapped(pen, described(me.run, me.drawn), width - 2 * MARGIN)
-  let x = MARGIN, row = 0
-  for (const [ink, text] of keyOf(holder)) {
-    const wide = 24 + pen.measureText(text).width
-    if (x + wide > width - MARGIN && x > MARGIN) [x, row] = [MARGIN, row + 1]
-    key.push({ ink, text, x, row })
+  const parts = [`<rect width="100%" height="100%" fill="${colour("--page")}"/>`]
+  let x = MARGIN, y = MARGIN + LINE / 2
+  pen.font = `14px ${FONT}`
+  parts.push(textAt(x, y, titleOf(holder), 'font-weight="600"'))
+  keyOf(holder).forEach(([ink, said], i) => {
+    const wide = 24 + pen.measureText(said).width
+    if (!i || x + wide > width - MARGIN) [x, y] = [MARGIN, y + LINE]
+    parts.push(`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, said))
     x += wide + 16
-  }
-  const top = MARGIN + LINE * (key.length ? row + 2 : 1)
-  return { key, lines, top, whole: top + height + LINE * lines.length + MARGIN, title: titleOf(holder) }
+  })
+  const top = y + LINE / 2, lines = wrapped(pen, described(me.run, me.drawn), width - 2 * MARGIN)
+  const whole = top + height + LINE * lines.length + MARGIN
+  parts.push(`<g transform="translate(0 ${top})">${svgOf(figures[name])}${over(holder, width, height)}</g>`)
+  lines.forEach((line, i) => parts.push(textAt(MARGIN, top + height + LINE * (i + 0.5), line)))
+  const size = `width="${width}" height="${whole}" viewBox="0 0 ${width} ${whole}"`
+  const font = `font-family="${FONT}" font-size="14" fill="${colour("--text")}"`
+  const spaces = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
+  return { text: `<svg ${spaces} ${size} ${font}>${parts.join("")}</svg>`, holder, width, height, top, whole }
 }
 
-function download(blob, name) {
-  const link = make("a", { href: URL.createObjectURL(blob), download: name })
+function download(blob, ending) {
+  const name = `${NAME}${ending}`, link = make("a", { href: URL.createObjectURL(blob), download: name })
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000)
   say(`saved ${name}`)
 }
 
-// A view with its title, key and caption, in so many pixels for each of the page
+// A view in so many pixels for each of the page
 export async function png(name, scale = 1) {
-  const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect(), place = layout(holder, width, height)
-  const canvas = make("canvas", { width: Math.round(width * scale), height: Math.round(place.whole * scale) })
-  const plot = new Image(), pen = canvas.getContext("2d")
-  plot.src = `data:image/svg+xml,${encodeURIComponent(svgOf(figures[name]))}`
+  const { text, holder, width, height, top, whole } = framed(name), plot = new Image()
+  const canvas = make("canvas", { width: Math.round(width * scale), height: Math.round(whole * scale) })
+  const pen = canvas.getContext("2d")
+  plot.src = `data:image/svg+xml,${encodeURIComponent(text)}`
   await plot.decode()
   pen.scale(scale, scale)
-  pen.fillStyle = colour("--page")
-  pen.fillRect(0, 0, width, place.whole)
-  pen.fillStyle = colour("--text")
-  pen.textBaseline = "middle"
-  pen.font = `600 ${FONT}`
-  pen.fillText(place.title, MARGIN, MARGIN + LINE / 2)
-  pen.font = FONT
-  for (const { ink, text, x, row } of place.key) {
-    const y = MARGIN + LINE * (row + 1.5)
-    pen.fillStyle = ink
-    pen.fillRect(x, y - 2, 18, 4)
-    pen.fillStyle = colour("--text")
-    pen.fillText(text, x + 24, y)
-  }
-  place.lines.forEach((line, i) => pen.fillText(line, MARGIN, place.top + height + LINE * (i + 0.5)))
-  pen.translate(0, place.top)
-  pen.drawImage(plot, 0, 0, width, height)
+  pen.drawImage(plot, 0, 0, width, whole)
+  pen.translate(0, top)
   sharpen(scale)
   if (me.run) drawStory(me.run, me.drawn)
   drawOver(pen, holder, width, height)
@@ -103,27 +100,8 @@ export async function png(name, scale = 1) {
   return new Promise((done) => canvas.toBlob(done, "image/png"))
 }
 
-const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
-const textAt = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
-
-export function svg(name) {
-  const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect(), place = layout(holder, width, height)
-  const over = [...holder.querySelectorAll(":scope > canvas:not(.printed)")].filter((canvas) => canvas.width)
-  const parts = [
-    `<rect width="100%" height="100%" fill="${colour("--page")}"/>`,
-    textAt(MARGIN, MARGIN + LINE / 2, place.title, 'font-weight="600"'),
-    ...place.key.flatMap(({ ink, text: said, x, row }) => {
-      const y = MARGIN + LINE * (row + 1.5)
-      return [`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, said)]
-    }),
-    `<g transform="translate(0 ${place.top})">${svgOf(figures[name])}`,
-    ...over.map((canvas) => `<image width="${width}" height="${height}" href="${canvas.toDataURL()}"/>`), "</g>",
-    ...place.lines.map((line, i) => textAt(MARGIN, place.top + height + LINE * (i + 0.5), line)),
-  ]
-  const size = `width="${width}" height="${place.whole}" viewBox="0 0 ${width} ${place.whole}"`
-  const font = `font-family="system-ui, 'Segoe UI', Roboto, sans-serif" font-size="14" fill="${colour("--text")}"`
-  return `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" ${size} ${font}>${parts.join("")}</svg>`
-}
+export const svg = (name) => framed(name, (holder, width, height) => canvasesOver(holder)
+  .map((canvas) => `<image width="${width}" height="${height}" href="${canvas.toDataURL()}"/>`).join("")).text
 
 const number = (value) => `${Number(value.toPrecision(8))}`
 
@@ -135,9 +113,7 @@ export function csv(run) {
   return [[...COLUMNS, "stage", ...changing].join(","), ...rows, ""].join("\n")
 }
 
-function say(text) {
-  by("share-said").textContent = text
-}
+const say = (text) => { by("share-said").textContent = text }
 
 // Browsers lend the clipboard to secure pages only: elsewhere the old way
 async function copy(field, what) {
@@ -155,7 +131,7 @@ function taken(buffer) {
   const { head, start } = opened(buffer)
   if (head.what === "file") {
     if (head.why) say(head.why)
-    else download(new Blob([buffer.slice(start)]), `${NAME}.${head.kind}`)
+    else download(new Blob([buffer.slice(start)]), `.${head.kind}`)
     for (const button of document.querySelectorAll("[data-file]")) button.disabled = false
   } else if (head.link === by("share-link").value) {
     by("share-qr").src = head.qr
@@ -168,13 +144,12 @@ function taken(buffer) {
 function connect() {
   connected = true
   listen("taken", taken)
-  by("copy-link").addEventListener("click", () => copy(by("share-link"), "link"))
-  by("copy-python").addEventListener("click", () => copy(by("share-python"), "Python lines"))
-  by("save-png").addEventListener("click", async () => download(await png(by("share-view").value, Number(by("share-scale").value)), `${NAME}-${by("share-view").value}.png`))
-  by("save-svg").addEventListener("click", () => {
-    download(new Blob([svg(by("share-view").value)], { type: "image/svg+xml" }), `${NAME}-${by("share-view").value}.svg`)
-  })
-  by("save-csv").addEventListener("click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), `${NAME}.csv`))
+  const view = by("share-view"), scale = by("share-scale")
+  on("copy-link", "click", () => copy(by("share-link"), "link"))
+  on("copy-python", "click", () => copy(by("share-python"), "Python lines"))
+  on("save-png", "click", async () => download(await png(view.value, Number(scale.value)), `-${view.value}.png`))
+  on("save-svg", "click", () => download(new Blob([svg(view.value)], { type: "image/svg+xml" }), `-${view.value}.svg`))
+  on("save-csv", "click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => {
       say("computing the run once more, in full precision …")

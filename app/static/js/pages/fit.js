@@ -16,9 +16,7 @@ const chosen = () => [...document.querySelectorAll("#fit-free input")].filter((b
 export function connect() {
   on("measurement", "change", read)
   on("measurement", "click", () => { by("measurement").value = "" }) // so that the same file can be chosen again
-  on("fit-example", "click", () => ask({ what: "example" }))
   on("fit-go", "click", () => ask({ what: "fit", free: chosen().map((box) => box.name).join() }))
-  on("fit-cancel", "click", () => ask({ what: "cancel" }))
   on("fit-show", "click", show)
 }
 
@@ -32,8 +30,7 @@ async function read(event) {
 }
 
 export function told(news) {
-  by("fit-cancel").hidden = (news.busy ?? null) === null
-  by("fit-go").disabled = !("fit" in news) || !by("fit-cancel").hidden
+  by("fit-go").disabled = !("fit" in news) || (news.busy ?? null) !== null
   if (news.fit === found) return
   found = news.fit ?? null
   by("fit-values").hidden = by("fit-show").hidden = !found

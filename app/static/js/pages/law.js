@@ -12,7 +12,6 @@ export function frame(run, k) {
   if (!law) return
   const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.headOf(k) // which may be another than that of the law
   const a = law.spacing, phi_t = phi_ratio * phi_n, nodes = run.frame(k), { x, gap, T_n, T_t } = nodes
-  const states = { stick: [], slip: [], open: [] }
   const s = new Float32Array(x.length), shear = new Float32Array(x.length), normal = new Float32Array(x.length)
   for (let i = 0; i < x.length; i++) {
     const place = x[i] + middle
@@ -21,15 +20,16 @@ export function frame(run, k) {
     let sum = 0
     for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++) sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
     normal[i] = (T_n[i] * delta_n) / phi_n / sum
-    states[nodes.state(i) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip"].push(i)
   }
-  for (const state in states) {
-    const pick = (list) => Float32Array.from(states[state], (i) => list[i])
+  const stateOf = (i) => (nodes.state(i) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip")
+  const found = Object.groupBy(x.keys(), stateOf)
+  for (const state of ["stick", "slip", "open"]) {
+    const pick = (list) => Float32Array.from(found[state] ?? [], (i) => list[i])
     const columns = { s: pick(s), gap: pick(gap) }
     fill("law_shear_map", state, columns)
     fill("law_normal_map", state, columns)
     fill("law_shear_law", state, state === "open" ? { s: [], value: [] } : { s: columns.s, value: pick(shear) })
     fill("law_normal_law", state, { gap: columns.gap, value: pick(normal) })
-    by(`law-${state}`).textContent = states[state].length
+    by(`law-${state}`).textContent = columns.s.length
   }
 }

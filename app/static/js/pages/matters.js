@@ -1,11 +1,12 @@
 // The page "What matters": a bar for each parameter, and in the hero which nodes hold the contact until the first slip.
 
 import { frameBox } from "../bokeh.js"
-import { order } from "../channel.js"
-import { by, make, makeButton, minus, on } from "../dom.js"
-import { figures } from "../figures.js"
+import { ask, order } from "../channel.js"
+import { by, digits, make, makeButton, minus, on } from "../dom.js"
+import { figures, fill } from "../figures.js"
 import { inks } from "../pen.js"
 import { leaveBehind, me } from "../state.js"
+import { forceUnit } from "../words.js"
 
 const MORE = 1.05 // times the value, that a click asks for
 const OF_ZERO = 0.05 // of the depth, where that is zero
@@ -13,19 +14,62 @@ const HIGH = 26 // px, the mark of the node that holds most
 const WIDE = 1.96 // standard deviations: 95 %
 const COLUMNS = { U_s: 0, F_s: 1, A_s: 2 }
 
+const DRAWS = 100 // runs
+const SAID = { U_s: "Uₛ", F_s: "Fₛ", L_s: "Lₛ", A_s: "Aₛ" }
+
+let band = null // {bands: {F, L, A: {x, y}}, linear, drawn: {U_s, F_s, L_s, A_s: [low, high]}, differ, draws, lost, force, width}
+let shown = "" // of which band, in which unit, the curves' bands are
 let found = null // {values: {parameter: now}, bars: {parameter: [U_s, F_s, A_s]}, first, nodes: shares of F_s}
 
 export function connect() {
   for (const id of ["matters-of", "matters-spread"]) on(id, "input", draw)
+  on("matters-spread", "input", () => band && ask({ percent: 0 }))
+  on("matters-draw", "click", () => ask({ percent: band ? 0 : percent() }))
+  on("matters-try", "click", () => ask({ percent: percent(), draws: DRAWS }))
 }
 
-export function told({ matters }) {
+const percent = () => Number(by("matters-spread").value)
+
+export function told({ matters, band: given, busy }) {
+  for (const id of ["matters-draw", "matters-try"]) by(id).disabled = !matters || (busy ?? null) !== null
+  band = given ?? null
+  by("matters-draw").setAttribute("aria-pressed", band !== null)
+  by("matters-tried").textContent = band?.drawn ? tried() : ""
   if (matters === found) return
   found = matters ?? null
   draw()
 }
 
-export const closed = () => { found = null }
+export function closed() {
+  found = band = null
+  drawBand(me.run, false)
+}
+
+// What so many runs say, where that is something else than the derivatives do
+function tried() {
+  const unit = forceUnit([me.run]), over = { U_s: [1, "nm"], A_s: [band.width, "nm"] }
+  const said = (name, ends) => {
+    const [size, text] = over[name] ?? [(unit.names.F === "F" ? band.force : 1) * unit.factor, unit.text]
+    return `${ends.map((value) => digits(value * size, 4)).join(" … ")} ${text}`
+  }
+  const both = band.differ.map((name) => `${SAID[name]} ${said(name, band.drawn[name])}, not ${said(name, band.linear[name])}`)
+  const lost = band.lost ? ` ${band.lost} others slip in another way, or not at all.` : ""
+  if (both.length) return `${band.draws} runs say otherwise, 95 times in 100: ${both.join("; ")}.${lost}`
+  return `${band.draws} runs agree: Fₛ ${said("F_s", band.drawn.F_s)}, 95 times in 100.${lost}`
+}
+
+// Behind the curves, in their unit, while the shear is on screen
+function drawBand(run, there) {
+  if (!run || me.dragging) return
+  const unit = forceUnit([run]), force = (unit.names.F === "F" ? band?.force : 1) * unit.factor
+  const now = there && band ? `${run.number} ${force} ${JSON.stringify(band.linear)}` : ""
+  if (now === shown) return
+  shown = now
+  for (const [view, name, size] of [["forces", "F", force], ["forces", "L", force], ["area", "A", band?.width]]) {
+    const { x, y } = now ? band.bands[name] : { x: [], y: [] }
+    fill(view, `band_${name}`, { U_x: x.map((at) => at ?? NaN), value: y.map((value) => (value ?? NaN) * size) })
+  }
+}
 
 const said = (name) => document.querySelector(`label[for="${name}-entry"]`)?.firstChild.textContent.trim() || name
 const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ? "0" : Math.abs(value).toFixed(2)} %`
@@ -59,6 +103,7 @@ function raise(name) {
 
 // Over the punch, with every frame: how much each node holds
 export function frame(run, k) {
+  drawBand(run, !run.normal && !run.approaching(k))
   const box = found && !run.head.flat ? frameBox(figures.punch) : null
   if (!box) return
   const { x } = run.frame(k), { first } = run.headOf(k), { x_range, y_range } = figures.punch, { nodes } = found, ink = inks()

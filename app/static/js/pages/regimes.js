@@ -2,7 +2,7 @@
 
 import { drawnBy, onEvent } from "../bokeh.js"
 import { ask } from "../channel.js"
-import { by, minus, on } from "../dom.js"
+import { by, digits, minus, on } from "../dom.js"
 import { figures, parts } from "../figures.js"
 
 const DIGITS = 4 // of a value
@@ -12,15 +12,13 @@ const tell = (what, detail) => document.dispatchEvent(new CustomEvent(what, { de
 let axes = [], regimes = [] // {name, values} across and upwards; of each place, row by row, what it is called
 
 export function connect() {
-  on("regimes-cancel", "click", () => ask({ what: "cancel" }))
   on("regimes-of", "change", () => ask({ what: "of", of: by("regimes-of").value }))
   for (const side of ["x", "y"]) on(`regimes-${side}`, "change", () => ask({ what: "axes", x: by("regimes-x").value, y: by("regimes-y").value }))
 }
 
 export function told(news) {
-  by("regimes-cancel").hidden = (news.busy ?? null) === null
   axes = news.axes ?? []
-  regimes = news.codes?.map((code) => news.names[code]) ?? []
+  regimes = news.codes?.map((code) => news.names.at(code)) ?? []
 }
 
 export function opened() {
@@ -34,11 +32,12 @@ export function opened() {
 function read(x, y) {
   const { image, rows, columns } = drawnBy(parts.regimes_map.map), i = Math.round(x), j = Math.round(y)
   const regime = regimes[j * columns + i]
-  if (!regime || i < 0 || i >= columns || j < 0 || j >= rows) return ""
+  if (regime === undefined || i < 0 || i >= columns || j < 0 || j >= rows) return ""
   const named = Object.entries(valuesAt([i, j])).map(([name, value]) => `${by("regimes-x").querySelector(`[value="${name}"]`).textContent} ${minus(value)}`)
   const value = image[j * columns + i], [, unit] = by("regimes-high").textContent.split(" ")
   const what = by("regimes-of").selectedOptions[0].textContent
-  return `${named.join(", ")}: ${regime}${Number.isFinite(value) ? `, ${what} ${minus(Number(value.toPrecision(3)))} ${unit ?? ""}` : ""}`
+  const said = [regime, Number.isFinite(value) && `${what} ${digits(value)} ${unit ?? ""}`]
+  return `${named.join(", ")}: ${said.filter(Boolean).join(", ")}`
 }
 
 // {parameter: text} at a place of the map, in columns and rows

@@ -16,7 +16,6 @@ export const PICTURES = {
     const frame = run.frame(k), edges = run.edges(k), { first, spacing } = run.headOf(k)
     const i = edges ? Math.floor(edges[0] - first) : frame.gap.findIndex((gap) => gap === Math.min(...frame.gap))
     const at = frame.x[Math.max(0, i)] + 2 * spacing, scale = width / (ACROSS * spacing), low = 0.72 * height
-    frame.up = frame.gap.map((gap) => gap + 2.4)
     drawAtoms({ pen, frame, run, k, ink: inks() }, (x) => 0.5 * width + (x - at) * scale, (y) => low - y * scale * 0.8, scale, at - (ACROSS * spacing) / 2, at + (ACROSS * spacing) / 2)
   },
   edges: (canvas, run, k) => {

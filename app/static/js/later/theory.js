@@ -1,4 +1,7 @@
-// A figure to each idea of the theory page, drawn from its formula. Loaded with the page.
+// The theory page: fetched and shown when it is asked for, a figure to each idea drawn from its formula.
+
+import { by } from "../dom.js"
+import * as glossary from "./glossary.js"
 
 const WIDE = 220, HIGH = 96, LEFT = 26, BASE = 80, STEPS = 80
 
@@ -34,9 +37,16 @@ const IDEAS = {
   fold: () => axes("Uₓ", "u") + `<path d="M30 76Q150 70 170 44"/><path class="pale" d="M170 44Q150 34 104 32"/>` + line(170, 44, 170, 16, "F") + `<path d="M170 16Q190 12 214 11"/>` + text(92, 66, "at rest") + text(164, 24, "slip", "end") + text(100, 28, "unstable", "end"),
 }
 
-// Fill the figures of a page
-export function drawIdeas(page) {
-  for (const figure of page.querySelectorAll("[data-idea]")) {
+const page = glossary.file("theory.html")
+
+export async function openTheory() {
+  by("theory").showModal()
+  try {
+    by("theory-text").innerHTML = (await page()) + (await glossary.text())
+  } catch {
+    return by("theory-text").replaceChildren("The page could not be loaded; close it and try again.")
+  }
+  for (const figure of by("theory-text").querySelectorAll("[data-idea]")) {
     figure.innerHTML = `<svg viewBox="0 0 ${WIDE} ${HIGH}" aria-hidden="true">${IDEAS[figure.dataset.idea]()}</svg>`
   }
 }
