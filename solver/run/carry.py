@@ -31,7 +31,7 @@ def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint
         return owned(checkpoint)
     load_steps = checkpoint.load_steps or load_steps_of(scene)
     step = next(step for step in load_steps if step.stage == checkpoint.stage)
-    if not step.loading.direction[0] or checkpoint.state is None:
+    if not step.loading.direction[0] or checkpoint.state is None or checkpoint.patch is None:
         raise ValueError(f"stage = {step.stage!r}: a run goes on with changed parameters in shear only; start it anew")
     _refuse(scene, changed)
     problem = step.problem(Contact(scene, *checkpoint.patch), checkpoint.pressure)
