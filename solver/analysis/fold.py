@@ -59,7 +59,7 @@ def sharpened(contact, fold, held, height, pressure):
     last, solves = np.append(np.zeros(v.size), 1.0), None
     for _ in range(STEPS):
         solves = Solves(tangent, b, c, near=solves)
-        right, left = solves(last), solves(last, transposed=True)
+        right, left = solves(last, guess=np.append(c, 0.0)), solves(last, transposed=True, guess=np.append(b, 0.0))
         phi, psi, g = right[:-1], left[:-1], right[-1]
         by_residual = solves(np.append(tangent.residual(load, height, pressure), 0.0))
         by_load = solves(np.append(tangent.direction, 0.0))

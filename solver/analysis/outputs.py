@@ -50,5 +50,5 @@ def over_own(scene, name, found, by):
 
 
 def explicit(scene, found, change):
-    """What F_bar, L_bar and A_bar (3,) change by at fixed tractions, per unit: forces are over w E."""
-    return -found / scene.E * [1.0, 1.0, 0.0] if change.name == "E" else np.zeros(3)
+    """What F_bar, L_bar and A_bar, `found` (3, ...), change by at fixed tractions, per unit: forces are over w E."""
+    return (-found.T / scene.E * [1.0, 1.0, 0.0]).T if change.name == "E" else np.zeros_like(found)

@@ -67,31 +67,35 @@ class Change:
         """The derivative of quantity(Scene), a number or an array."""
         return (quantity(self.high) - quantity(self.low)) / self.span
 
-    def law(self, kernel, rows, first, tangent):
-        """The derivative of the law (`cohesive_law.traction` or `.tangent`) at the nodes of a Tangent, (rows, m)."""
+    def law(self, kernel, rows, first, tangents):
+        """The derivative of the law (`cohesive_law.traction` or `.tangent`) at nodes of k Tangents, (k, rows, m)."""
+        m = tangents[0].m
         if self.profiles is None:
-            return np.zeros((rows, tangent.m))
-        low, high = self.profiles[:, first : first + tangent.m] + tangent.u[1]
-        change = kernel(self.high, tangent.u[0], high) - kernel(self.low, tangent.u[0], low)
-        return np.where(tangent.active, change / self.span, 0.0)
+            return np.zeros((len(tangents), rows, m))
+        x, z = np.array([tangent.u for tangent in tangents]).swapaxes(0, 1)
+        low, high = self.profiles[:, None, first : first + m] + z
+        change = kernel(self.high, x, high) - kernel(self.low, x, low)
+        active = np.array([tangent.active for tangent in tangents])
+        return np.where(active, change / self.span, 0.0).swapaxes(0, 1)
 
     def complied(self, T, first, uniform):
-        """dC T on the patch, (2, m) nm, of T (2, m) GPa there; 0.0 where C does not change."""
+        """dC T on the patch, (k, 2, m) nm, of T (k, 2, m) GPa there; 0.0 where C does not change."""
         if self.compliance is None:
             return 0.0
         if uniform:
             return self.compliance[:2, :1] * T
-        n, nodes = self.low.nodes, slice(first, first + T.shape[1])
-        whole = np.zeros((2, n))
-        whole[:, nodes] = T
-        spectrum = np.fft.rfft(whole, axis=1)
-        multiply(spectrum, self.compliance)
-        return np.fft.irfft(spectrum, n, axis=1)[:, nodes]
+        n, nodes = self.low.nodes, slice(first, first + T.shape[-1])
+        whole = np.zeros((*T.shape[:2], n))
+        whole[..., nodes] = T
+        spectra = np.fft.rfft(whole)
+        for spectrum in spectra:
+            multiply(spectrum, self.compliance)
+        return np.fft.irfft(spectra, n)[..., nodes]
 
-    def traction(self, first, tangent):
-        """dT (2, m), GPa per unit, at fixed displacements."""
-        return self.law(cohesive_law.traction, 2, first, tangent)
+    def traction(self, first, tangents):
+        """dT (k, 2, m), GPa per unit, at fixed displacements of k Tangents."""
+        return self.law(cohesive_law.traction, 2, first, tangents)
 
-    def stiffness(self, first, tangent):
-        """dJ (4, m), GPa/nm per unit, at fixed displacements."""
-        return self.law(cohesive_law.tangent, 4, first, tangent)
+    def stiffness(self, first, tangents):
+        """dJ (k, 4, m), GPa/nm per unit, at fixed displacements of k Tangents."""
+        return self.law(cohesive_law.tangent, 4, first, tangents)

@@ -140,8 +140,8 @@ class _Known:
             carried = np.zeros((1, 2, rest.m))
             carried[0, 1] = 1.0 / rest.count
             (dual,), (x,) = self.duals(rest, solves, carried)
-            parts = self.parts(rest, False)
-            self.pressure_by = np.array([np.sum(dual * dT) + x @ rest_R for dT, rest_R in parts])
+            parts = self.parts([rest], False)
+            self.pressure_by = np.array([np.sum(dual * dT) + x @ rest_R for (dT,), (rest_R,) in parts])
             self.pressure_nodes = (dual * rest.T).sum(axis=0)
 
     def settled(self, v, active, load, held):
@@ -159,15 +159,17 @@ class _Known:
         x = np.array([solves(tangent.flat(across(tangent.J, one)), transposed=True) for one in gradients])
         return np.array([one + tangent.dual(part) for one, part in zip(gradients, x, strict=True)]), x
 
-    def parts(self, tangent, held):
-        """[(dT (2, m), what R changes by beside C dT (size,))] of every Change."""
-        out = []
+    def parts(self, tangents, held):
+        """[(dT (k, 2, m), what R changes by beside C dT (k, size))] of every Change, at k Tangents."""
+        out, T = [], np.array([tangent.T for tangent in tangents])
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
-            rest = np.zeros((2, tangent.m)) + change.complied(tangent.T, self.first, self.contact.uniform)
+            rest = np.zeros_like(T) + change.complied(T, self.first, self.contact.uniform)
             if not held:
-                rest[1] -= change.by(lambda scene: scene.delta)
-            rest = np.append(rest.ravel(), -tangent.scale * dp) if held else rest.ravel()
-            out.append((change.traction(self.first, tangent), rest))
+                rest[:, 1] -= change.by(lambda scene: scene.delta)
+            rest = rest.reshape(len(T), -1)
+            if held:
+                rest = np.append(rest, np.full((len(T), 1), -tangents[0].scale * dp), axis=1)
+            out.append((change.traction(self.first, tangents), rest))
         return out
 
     def branch(self, branch, start, fold):
@@ -177,16 +179,21 @@ class _Known:
         by = {change.name: np.full((4, n), np.nan) for change in self.changes}
         found[0] = branch.loads
         share = (found[0] - branch.start) / (branch.end - branch.start)
+        tangents, every = [], []
         for i in range(n - (fold is not None)):
             tangent, solves = self.settled(branch.v[i], branch.active[i], found[0, i], self.held)
             found[1:, i] = values(self.scene, tangent.T)
             duals, x = self.duals(tangent, solves, gradients(self.scene, tangent.T))
             slope[:, i] = x @ tangent.direction
-            for change, (dT, rest) in zip(self.changes, self.parts(tangent, self.held), strict=True):
-                ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
-                load = (1.0 - share[i]) * ends[0] + share[i] * ends[1]
-                moved = (duals * dT).sum(axis=(1, 2)) + x @ rest + explicit(self.scene, found[1:, i], change)
-                by[change.name][:, i] = [load, *(moved + slope[:, i] * load)]
+            tangents.append(tangent)
+            every.append((duals, x))
+        inner, (duals, x) = slice(len(tangents)), map(np.array, zip(*every, strict=True))
+        for change, (dT, rest) in zip(self.changes, self.parts(tangents, self.held), strict=True):
+            ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
+            load = (1.0 - share[inner]) * ends[0] + share[inner] * ends[1]
+            moved = np.einsum("kiam,kam->ik", duals, dT) + np.einsum("kis,ks->ik", x, rest)
+            moved += explicit(self.scene, found[1:, inner], change) + slope[:, inner] * load
+            by[change.name][:, inner] = [load, *moved]
         if fold:
             found[:, -1] = fold.values
             for name, values_by in by.items():
@@ -206,12 +213,12 @@ class _Known:
         bent, left = along(tangent.J, phi[: 2 * m].reshape(2, m)), tangent.dual(psi)
         speed = psi @ tangent.direction
         by = {}
-        for change, (dT, rest) in zip(self.changes, self.parts(tangent, self.held), strict=True):
+        for change, ((dT,), (rest,)) in zip(self.changes, self.parts([tangent], self.held), strict=True):
             load = -(np.sum(left * dT) + psi @ rest) / speed
-            dJ = change.stiffness(self.first, tangent)
+            (dJ,) = change.stiffness(self.first, [tangent])
             turned = np.sum(left * along(dJ, phi[: 2 * m].reshape(2, m)))
-            complied = change.complied(bent, self.first, self.contact.uniform)
-            turned += np.sum(psi[: 2 * m].reshape(2, m) * complied)
+            complied = change.complied(bent[None], self.first, self.contact.uniform)
+            turned += np.sum(psi[: 2 * m].reshape(1, 2, m) * complied)
             moved = (duals * dT).sum(axis=(1, 2)) + x @ rest + (x @ tangent.direction) * load - back * turned
             by[change.name] = np.array([load, *(moved + explicit(scene, found, change))])
         nodes = self._nodes(at, left, bent, speed, duals, x, back)

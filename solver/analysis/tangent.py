@@ -9,6 +9,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from ..continuation.inverse import Inverse
 from ..following.branch import NotFollowed
+from ..mechanics.cohesive_law import add_product
 from ..mechanics.contact import Contact
 from ..mechanics.dense import MOST, fill
 
@@ -30,7 +31,7 @@ class Tangent:
         self.scale = float(contact.modes.compliance[1, 0])
         self.direction = np.zeros(self.size)
         self.direction[:m] = 1.0
-        self._identity = np.repeat([[1.0], [0.0], [0.0], [1.0]], m, axis=1)
+        self._turned = np.ascontiguousarray(self.J[[0, 2, 1, 3]])  # J^T
 
     def residual(self, load, height, pressure):
         """R (size,), nm, with the top at U_x = load and, unless a load is held, U_z = height; pressure: p_0, GPa."""
@@ -40,13 +41,14 @@ class Tangent:
 
     def comply(self, T):
         """C T (2, m) nm, of T (2, m) GPa; a new array."""
-        return self.contact.product(self._identity, T)[0].copy()
+        return self.contact.comply(T).copy()
 
     def product(self, x):
         """A x, (size,)."""
         w = x[: 2 * self.m].reshape(2, -1)
-        rise = along(self.J, w)
-        out = w - self.comply(rise)
+        rise = np.zeros_like(w)
+        add_product(self.J, w, rise)
+        out = w - self.contact.comply(rise)
         if not self.held:
             return out.ravel()
         out[1] -= x[-1]
@@ -61,7 +63,9 @@ class Tangent:
 
     def transposed(self, x):
         """A^T x, (size,)."""
-        out = x[: 2 * self.m].reshape(2, -1) - across(self.J, self.dual(x))
+        out = np.zeros((2, self.m))
+        add_product(self._turned, self.dual(x), out)
+        np.subtract(x[: 2 * self.m].reshape(2, -1), out, out=out)
         return np.append(out.ravel(), -x[self.m : 2 * self.m].sum()) if self.held else out.ravel()
 
     def matrix(self):
@@ -105,11 +109,13 @@ class Solves:
         self._near = near and (near._lu or near._near)
         self._by_iterations = {}
 
-    def __call__(self, b, transposed=False):
-        """x (size,) for b (size,)."""
+    def __call__(self, b, transposed=False, guess=None):
+        """x (size,) for b (size,); guess: where iterations begin, as from zero none leads to a b that is all border."""
         product = self._transposed if transposed else self._product
         if self._lu is None:
-            x = self._iterated(product, b, transposed)
+            x = self._iterated(product, b, transposed) if guess is None else guess
+            if guess is not None:
+                x = x + self._iterated(product, b - product(x), transposed)
             if np.linalg.norm(product(x) - b) <= 10.0 * ACCURACY * np.linalg.norm(b):
                 return x
             if self.tangent.m > MOST:

@@ -87,15 +87,18 @@ def orthonormalise(rows, known, q, others, z):
     """Append q to `rows`, made orthonormal to the first `known`, and z, transformed alike, to `others`; False if q
     depends on them, or there is no room. Overwrites q and z.
     """
-    before = np.sqrt(dot(q, q))
+    before = rest = np.sqrt(dot(q, q))
     for _ in range(2):
+        last = rest
         for k in range(known):
             share = dot(rows[k], q)
             for i in range(q.size):
                 q[i] -= share * rows[k, i]
             for i in range(z.size):
                 z[i] -= share * others[k, i]
-    rest = np.sqrt(dot(q, q))
+        rest = np.sqrt(dot(q, q))
+        if rest > 0.5 * last:  # little was taken off, so that round-off of it means nothing
+            break
     if not rest > 1e-10 * before or known == rows.shape[0]:
         return False
     for i in range(q.size):

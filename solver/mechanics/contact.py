@@ -72,11 +72,16 @@ class Contact:
 
     def product(self, tangents, w):
         """(C dT/du w nm, dT/du w GPa), (2, size) each, buffers; counts as a force evaluation, without exponentials."""
-        self.evaluated()
         self._layer.field[:] = 0.0
         cohesive_law.add_product(tangents, w, self._layer.field)
+        return self.comply(self._layer.field), self._layer.field
+
+    def comply(self, T):
+        """C T, (2, size) nm, of T (2, size) GPa; a buffer; counts as a force evaluation, without exponentials."""
+        self.evaluated()
+        self._layer.field[:] = T
         self._layer.apply()
-        return self._layer.product, self._layer.field
+        return self._layer.product
 
     def within_window(self, u):
         """Nodes whose gap lies within the interaction window, bool (size,)."""
