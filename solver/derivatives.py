@@ -5,7 +5,7 @@ import csv
 import sys
 
 from . import NotConverged, NotFollowed, __version__, skeleton_of
-from .command import BAD_INPUT, NOT_CONVERGED, InputError, check_writable, parameter_table, scene_of, settings
+from .command import BAD_INPUT, NOT_CONVERGED, InputError, check_writable, parameter_table, scene_of, settings, writing
 from .files import write_json
 
 AT_A_SLIP = ("U_s", "F_s", "L_s", "A_s")
@@ -34,12 +34,11 @@ def _guarded(run):
         for option in ("json", "csv"):
             check_writable(option, getattr(arguments, option))
         try:
-            return run(arguments)
+            with writing():
+                return run(arguments)
         except (NotConverged, NotFollowed) as error:
             print(f"{error}; derivatives are had of runs that are followed: change a parameter", file=sys.stderr)
             return NOT_CONVERGED
-        except OSError as error:
-            raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
 
     return command
 
