@@ -177,7 +177,7 @@ STOP = """() => {
 }"""
 
 
-def to(page, stop, most=70):
+def to(page, stop, most=140):  # two rounds of the page, and what takes the focus on the way
     """Tab on to the element with this id."""
     for _ in range(most):
         page.keyboard.press("Tab")
