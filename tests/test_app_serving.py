@@ -34,12 +34,12 @@ def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
         files = {name: size for name, size in page.evaluate(entries) if "/app/static/" in name}
         assert {name.rsplit("/", 1)[1].split("?v=")[0] for name in files} >= {"style.css", "main.js", "solid.js"}
         assert all(f"{behind.address}/static/" in name and "?v=" in name for name in files)
-        paid.append(sum(files.values()))
+        paid.append({name for name, size in files.items() if size > 0})
         page.close()
     context.close()
     behind.process.kill()  # workers go with their server
     behind.process.wait(PATIENCE / 1000)
-    assert paid[0] > 0 == paid[1]
+    assert paid[0] and not paid[0] & paid[1]  # what is fetched late may come with the second page only
 
 
 @pytest.mark.thorough
