@@ -59,6 +59,7 @@ def continue_branch(corrector, judge, state, target):
 def _with_nodes(corrector, state, active):
     """The State, and those before it, solved again with these nodes active; None if that fails."""
     past = []
+    corrector.begin(state)  # not with the inverse at hand: the tangent at an end is singular
     for load, v in state.past[:3]:
         v = v.copy()
         if not corrector.solve(v, active, load, state.secants):
