@@ -14,7 +14,7 @@ from solver.presets import presets
 
 pytestmark = pytest.mark.browser
 SCENES = 3  # of the default suite
-MANY = int(os.environ.get("SENTENCES", "60"))  # of the thorough one
+MANY = int(os.environ.get("SENTENCES", "30"))  # of the thorough one
 POINTS = 18  # frames of a run at which the sentence is read, besides those at slips
 ROUNDED = 2e-3  # what three digits and the packed fields are good for
 WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
