@@ -206,7 +206,7 @@ def test_a_sample_of_the_atlas_finds_nothing_wrong_and_writes_its_report(tmp_pat
     assert frames["unstable"] == 0 and frames["judged"] >= 100
     assert sum(region["judged"] > 0 for region in report["regions"].values()) >= len(AXES)
     shown = capsys.readouterr().out
-    assert f"0 of {frames['judged']} judged by the spectrum of the motion" in shown
+    assert f"0, and {frames['said']} that say so, of {frames['judged']} judged by the spectrum of the motion" in shown
     # Bokeh's own scripts, written out in the page, name addresses that they would load for formulas: not elements
     text = page.read_text()
     assert "Conditioning" in text and not re.search(r'<(script|link|img)[^>]*(src|href)="http', text)
@@ -220,9 +220,12 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     kept, found = robustness.Sample(), {"probed": ["nodes"], "verdict": "wrong"}
     kept.see(saddle)
     assert "unstable, disturbances grow" in robustness._unstable(scene, kept, found)
-    assert robustness.unstable([found]) == (1, 1)
+    assert robustness.unstable([found]) == (1, 0, 1)
     report = data([found], [], [])
     assert report["regions"]["nodes"]["unstable"] == 1 and failed([found], [], [])
+    said, kept = {}, robustness.Sample()
+    kept.see(replace(saddle, safe_damping=2.0 * scene.damping))  # a frame that says itself that it may flutter
+    assert robustness._unstable(scene, kept, said) is None and robustness.unstable([said]) == (0, 1, 1)
 
 
 def test_a_number_outside_the_atlas_is_refused(capsys):

@@ -6,6 +6,7 @@ from html import escape
 from .. import html_page
 from .robustness import BAD, GOOD, by_region, counts, unstable
 
+FRAMES = ("unstable", "said", "judged")  # as `unstable` counts them
 COLOURS = ("#0072B2", "#BBBBBB", "#E69F00", *["#D55E00"] * len(BAD))  # Okabe & Ito; what must not be is red
 
 
@@ -23,10 +24,9 @@ def data(results, forms, limits):
     return {
         "counts": counts(results),
         "converged_of_valid": share(results),
-        "unstable_frames": dict(zip(("unstable", "judged"), unstable(results), strict=True)),
+        "unstable_frames": dict(zip(FRAMES, unstable(results), strict=True)),
         "regions": {
-            name: counts(some) | dict(zip(("unstable", "judged"), unstable(some), strict=True))
-            for name, some in by_region(results)
+            name: counts(some) | dict(zip(FRAMES, unstable(some), strict=True)) for name, some in by_region(results)
         },
         "closed_forms": [asdict(row) | {"held": row.held} for row in forms],
         "conditioning": [asdict(limit) for limit in limits],
@@ -53,10 +53,10 @@ def tables(results, forms, limits):
 
 def _scenes(results):
     title = f"Scenes: {len(results)}; converged: {100 * share(results):.2f}% of the valid ones; unstable frames:"
-    title += " {} of {} judged by the spectrum of the motion".format(*unstable(results))
+    title += " {}, and {} that say so, of {} judged by the spectrum of the motion".format(*unstable(results))
     groups = ("all", results), *by_region(results)
-    rows = [(name, *counts(some).values(), "{} of {}".format(*unstable(some))) for name, some in groups]
-    return title, ("probed", *GOOD, *BAD, "unstable frames"), rows
+    rows = [(name, *counts(some).values(), "{}, {} of {}".format(*unstable(some))) for name, some in groups]
+    return title, ("probed", *GOOD, *BAD, "unstable frames, those that say so"), rows
 
 
 def _closed_forms(forms):
