@@ -36,10 +36,13 @@ class Limits:
     landing: float = 0.03  # from 0.1 on they reach other rests than the motion
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
-    # units by which a restless motion's load is raised in every look until it rests. Oscillations grow slowly where
-    # they begin: with 1e-3, soft layers rest up to 0.5 nm of load off; with 1e-4 to 5e-4, to 0.1 or 0.2 the same
-    raised: float = 3e-4
-    budget: int = 150_000  # steps of one motion: the load may be raised by five units
+    # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
+    # gone since the end of the branch. Oscillations grow slowly where they begin: raised ten times as fast, the load
+    # went 0.3 nm too far
+    raised: float = 1e-2
+    raised_least: float = 1e-4  # units
+    raised_most: float = 1e-3  # units; by more, surfaces slide on and on
+    budget: int = 60_000  # steps of one motion; the longest of the slider box takes 8,000. The load rises by 6 units
     diverged: float = 1e9  # units of displacement; or stiffness of the interaction over the closed one
 
 
@@ -214,7 +217,8 @@ class _Passage:
             return
         if not returned and self.pace.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
-        self.load += LIMITS.raised * self.unit
+        share = LIMITS.raised * (self.load - self.end.load)
+        self.load += min(max(LIMITS.raised_least * self.unit, share), LIMITS.raised_most * self.unit)
         self.landing = LIMITS.landing * self.unit
         self.motion.load = self.load
 
