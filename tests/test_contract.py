@@ -70,7 +70,7 @@ def members(protocol):
 
 def test_every_member_is_offered(problem):
     v, active = state(problem)
-    few = {"noise"} if problem.linearised(v, active).size <= LIMITS.dense else set()
+    few = {"noise"} if problem.linearised(v, active).size <= LIMITS.most else set()
     for part, protocol in (
         (problem, Problem),
         (problem.motion(), Dynamics),

@@ -234,26 +234,24 @@ class _Arc:
             high, mode = low, found
         else:
             return replace(self._lost(), load=after[0])
-        low_growth, high_growth = found.growth, mode.growth
+        ends, growth = [low, high], [found.growth, mode.growth]  # of the point that rests, and the one that does not
         for _ in range(60):  # regula falsi
-            if high[0] - low[0] <= LIMITS.sharpness * self.unit or high_growth - low_growth == 0.0:
+            low, high = ends
+            if high[0] - low[0] <= LIMITS.sharpness * self.unit or growth[0] == growth[1]:
                 break
-            part = min(max(-low_growth / (high_growth - low_growth), 1e-3), 1.0 - 1e-3)
+            part = min(max(growth[0] / (growth[0] - growth[1]), 1e-3), 1.0 - 1e-3)
             load, v = low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1])
             if not self.corrector.solve(v, state.active, load, state.secants):
                 break
             found = self.judge.rightmost(self.problem, v, state.active, mode, inverse)
-            rests = found.growth < 0.0
-            if rests:
-                low, low_growth = (load, v), found.growth
-                high_growth *= 0.5 if last == rests else 1.0  # Illinois: an end that stays twice counts half
-            else:
-                high, high_growth, mode = (load, v), found.growth, found
-                low_growth *= 0.5 if last == rests else 1.0
-            last = rests
+            side = int(found.growth >= 0.0)
+            ends[side], growth[side], mode = (load, v), found.growth, found if side else mode
+            if last == side:
+                growth[1 - side] *= 0.5  # Illinois: an end that stays twice counts half
+            last = side
         away = mode.x * np.copysign(1.0, dot(mode.x, after[1] - older[0][1]))  # the way the state moves
         away *= LIMITS.start * self.unit / max(np.abs(away).max(), 1e-300)
-        return LimitPoint(*high, state.active, away, mode.kind)
+        return LimitPoint(*ends[1], state.active, away, mode.kind)
 
     def _fold(self, points):
         """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""

@@ -4,7 +4,6 @@ As a rule by Anderson steps; where they fail, by Anderson steps preconditioned w
 which a few do. The problem forms that inverse; where that takes too long, iterations stand in, whose products are kept.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
 
@@ -30,28 +29,18 @@ class Limits:
 LIMITS = Limits()
 
 
-@dataclass
-class Sharp:
-    """The tangent at an equilibrium (v, active) and the function, (size,) to (size,), close to -(dR/dv)^-1 there."""
-
-    v: np.ndarray
-    active: np.ndarray
-    apply: Callable
-    formed: bool  # else by iterations, too slow for other uses
-
-    def at(self, v):
-        """Whether it is that of the equilibrium v (size,)."""
-        return self.v.shape == v.shape and bool((self.v == v).all())
-
-
 class Corrector:
-    """Solves one problem; between calls it keeps the inverse at hand, and scratch."""
+    """Solves one problem; between calls it keeps the inverse at hand, and scratch.
+
+    Attributes: worst, the residual of the last solution, nm; sharp, (v, active) of the equilibrium the inverse of whose
+    tangent is in use, or None: a State keeps it for `begin`; inverse, that function, (size,) to (size,), close to
+    -(dR/dv)^-1, for other uses, or None if it takes iterations, which are too slow for them.
+    """
 
     def __init__(self, problem):
-        self.problem = problem
-        self.worst = np.inf  # residual of the last solution, nm
-        self._sharp = None  # the Sharp in use, if any, for the part of the residual that no secant pair knows
-        self._known = None  # the Sharp formed last
+        self.problem, self.worst = problem, np.inf
+        self.sharp = self.inverse = None
+        self._smooth = None  # the inverse in use, if any, for the part of the residual that no secant pair knows
         self._origin = None  # (v, active) of the equilibrium found last
         self._r = np.empty(problem.size)
 
@@ -59,31 +48,21 @@ class Corrector:
         """Room for secant pairs of this problem."""
         return Secants(LIMITS.memory, self.problem.size)
 
-    @property
-    def sharp(self):
-        """(v, active) of the tangent whose inverse is in use, or None; a State keeps it for `begin`."""
-        return self._sharp and (self._sharp.v, self._sharp.active)
-
-    @property
-    def inverse(self):
-        """The formed inverse of a tangent nearby, for other uses, or None."""
-        return self._sharp.apply if self._sharp and self._sharp.formed else None
-
     def begin(self, state):
         """Prepare to go on from a State, with the inverse by which it was reached, if any."""
         self._origin = state.v, state.active
-        self._sharp = self._at(*state.sharp) if state.sharp else None
+        self._use(state.sharp)
 
-    def _at(self, v, active):
-        """The Sharp of an equilibrium."""
-        if self._known is None or not self._known.at(v):
-            formed = self.problem.preconditioner(v, active)
-            self._known = Sharp(v, active, formed or self._iterations(v, active, LIMITS.iterated), formed is not None)
-        return self._known
+    def _use(self, sharp):
+        """From now on use the inverse of the tangent at the equilibrium `sharp`, (v, active), or none."""
+        if sharp is None:
+            self.sharp = self.inverse = self._smooth = None
+        elif not self._uses(sharp):
+            self.sharp, self.inverse = sharp, self.problem.preconditioner(*sharp)
+            self._smooth = self.inverse or self._iterations(*sharp, LIMITS.iterated)
 
-    @property
-    def _smooth(self):
-        return self._sharp and self._sharp.apply
+    def _uses(self, sharp):
+        return self.sharp is not None and np.array_equal(self.sharp[0], sharp[0])
 
     def direction(self, state):
         """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
@@ -112,65 +91,53 @@ class Corrector:
 
     def solve(self, v, active, s, secants):
         """Solve for v (size,), in place, at fixed load s, nm; whether that succeeded."""
-        return self._solved(v, active, s, secants, self._anderson) is not None
+        return self._solved(v, active, s, secants) is not None
 
     def solve_on_arc(self, v, active, s, secants, chord, arc):
         """The load (nm) at which v, changed in place, is an equilibrium with <chord, v> = arc, nm; None if it fails."""
-        return self._solved(v, active, s, secants, self._anderson_on_arc, chord, arc)
+        return self._solved(v, active, s, secants, chord, arc)
 
-    def _solved(self, v, active, s, secants, method, *arc):
-        """The load at which v, changed in place by `method`, is an equilibrium, or None.
+    def _solved(self, v, active, s, secants, *arc):
+        """The load at which v, changed in place, is an equilibrium, or None.
 
-        Where the method fails, it is tried again with the inverse of the tangent at the equilibrium found last, unless
-        that was already in use. Secant pairs of steps that led nowhere would mislead the next ones.
+        Where Anderson steps fail, they are tried again with the inverse of the tangent at the equilibrium found last,
+        unless that was already in use. Secant pairs of steps that led nowhere would mislead the next ones.
         """
         guess = v.copy()
         self._origin = self._origin or (guess, active)
         while True:
-            found = method(v, active, s, secants, LIMITS.sharp_steps if self._sharp else LIMITS.steps, *arc)
+            found = self._anderson(v, active, s, secants, *arc)
             if found is not None:
                 self._origin = v.copy(), active
                 return found
             v[:] = guess
             secants.forget()
-            if self._sharp and self._sharp.at(self._origin[0]):
+            if self._uses(self._origin):
                 return None
-            self._sharp = self._at(*self._origin)
+            self._use(self._origin)
 
-    def _anderson(self, v, active, s, secants, most):
-        problem, r = self.problem, self._r
-        bound = LIMITS.longest * problem.unit
-        self.worst = worst = problem.residual(v, active, s, r)
-        steps = 0
-        while worst > problem.tolerance:
-            if steps == most or not isfinite(worst):
-                return None
-            v_before, r_before = v.copy(), r.copy()
-            advance(v, secants.move(r, self._smooth), bound)
-            self.worst = worst = problem.residual(v, active, s, r)
-            secants.push(v, r, v_before, r_before)
-            steps += 1
-        return s
-
-    def _anderson_on_arc(self, v, active, s, secants, most, chord, arc):
+    def _anderson(self, v, active, s, secants, chord=None, arc=0.0):
+        """One attempt of `_solved`; with a chord, the load changes along with v."""
         problem, r, direction = self.problem, self._r, self.problem.direction
-        bound = LIMITS.longest * problem.unit
-        worst = problem.residual(v, active, s, r)
-        for _ in range(most):
-            if worst <= problem.tolerance:
-                self.worst = worst
-                return s
-            if not isfinite(worst):
+        left = LIMITS.steps if self.sharp is None else LIMITS.sharp_steps
+        self.worst = problem.residual(v, active, s, r)
+        while self.worst > problem.tolerance:
+            if left == 0 or not isfinite(self.worst):
                 return None
             v_before, r_before = v.copy(), r.copy()
-            # v must change by correction + change * response when the load does by change: chosen to stay on the arc
-            correction, response = secants.move(r, self._smooth), secants.move(direction, self._smooth)
-            slope = dot(chord, response)
-            change = (arc - dot(chord, v) - dot(chord, correction)) / slope if slope != 0.0 else 0.0
-            change *= advance(v, correction + change * response, bound)
-            problem.residual(v, active, s, r)
+            move, change = secants.move(r, self._smooth), 0.0
+            if chord is not None:
+                # v must change by move + change * response when the load does by change: chosen to stay on the arc
+                response = secants.move(direction, self._smooth)
+                slope = dot(chord, response)
+                change = (arc - dot(chord, v) - dot(chord, move)) / slope if slope != 0.0 else 0.0
+                move += change * response
+            change *= advance(v, move, LIMITS.longest * problem.unit)
+            self.worst = problem.residual(v, active, s, r)
             secants.push(v, r, v_before, r_before)
-            s += change
-            r += change * direction
-            worst = np.abs(r).max()
-        return None
+            if chord is not None:
+                s += change
+                r += change * direction
+                self.worst = float(np.abs(r).max())
+            left -= 1
+        return s

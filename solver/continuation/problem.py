@@ -16,7 +16,7 @@ class Linearised(Protocol):
     """An equilibrium linearised: a disturbance x, N real numbers of unit mass, obeys x'' = (J - K) x - gamma x'."""
 
     size: int  # N
-    noise: np.ndarray  # (N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.dense`
+    noise: np.ndarray  # (N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.most`
 
     def product(self, x):
         """(J - K) x, (N,), a new array."""
@@ -26,17 +26,17 @@ class Linearised(Protocol):
 
     def inverse(self, solve: Callable, f):
         """(x, K x), (N,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w. K x is exact even if
-        `solve` is not. For N > `rest.LIMITS.dense`."""
+        `solve` is not. For N > `rest.LIMITS.most`."""
 
     def interaction(self, x):
-        """J x, (N,), a new array. For N > `rest.LIMITS.dense`."""
+        """J x, (N,), a new array. For N > `rest.LIMITS.most`."""
 
     def seen(self, x):
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""
 
     def safe_damping(self, known: tuple) -> tuple:
         """(damping over critical above which no wave can flutter, what that was estimated for), or `known`, the same of
-        a state before, if that will do. Called beyond `rest.LIMITS.dense`."""
+        a state before, if that will do. Called beyond `rest.LIMITS.most`."""
 
     def waves(self) -> tuple | None:
         """(mu (2, waves) of all modes, shown) if every mode is a wave, with shown(i, q) the x of one, complex (N,), or

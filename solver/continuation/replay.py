@@ -21,7 +21,7 @@ class Limits:
     """Of recognising and using a period."""
 
     same: float = 0.01  # units of the problem; states closer than that are the same, others are part of a site off
-    begins: float = 1e-6  # nm by which a branch is taken to begin before its first state, lest rounding decide
+    near: float = 1e-6  # nm; loads that close are the same, lest rounding decide
     stencil: int = 6  # known states through which one in between is interpolated
 
 
@@ -38,11 +38,10 @@ class Branch:
 
     def add(self, load, v, active):
         """Insert a state (v, active) in order of its load, nm, unless it is there already."""
-        i = bisect_left(self.loads, load)
-        if any(abs(other - load) < 1e-9 for other in self.loads[max(i - 1, 0) : i + 1]):
-            return
-        self.loads.insert(i, load)
-        self.states.insert(i, (v, active))
+        i = bisect_left(self.loads, load - LIMITS.near)
+        if i == len(self.loads) or self.loads[i] > load + LIMITS.near:
+            self.loads.insert(i, load)
+            self.states.insert(i, (v, active))
 
     def state_at(self, load, stencil=LIMITS.stencil):
         """(v, active) at `load`: interpolated over the root of the load's distance to the end, smooth at a fold."""
@@ -87,7 +86,7 @@ class Record:
     def branch_at(self, load):
         """The ended Branch that holds that load, nm, or None."""
         for branch in reversed(self.branches):
-            if branch.end is not None and branch.loads[0] - LIMITS.begins <= load <= branch.end.load:
+            if branch.end is not None and branch.loads[0] - LIMITS.near <= load <= branch.end.load:
                 return branch
         return None
 
@@ -132,7 +131,7 @@ class Replay:
         """Find out whether the state in which a slip landed was passed some sites before: if so, a period is known."""
         first, landed = record.branches[0].loads[0], slip.after
         same = LIMITS.same * self.problem.unit
-        for sites in range(1, floor((slip.load - first) / self.spacing + 1e-3) + 1):
+        for sites in range(1, floor((slip.load - first + LIMITS.near) / self.spacing) + 1):
             period = sites * self.spacing
             home = landed.load - period
             branch = record.branch_at(max(home, first))

@@ -23,8 +23,7 @@ class Limits:
     """Growths over gamma (over k_min in the overdamped limit), |mu| over k_min, unless said otherwise."""
 
     unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest: round-off of flats makes 1e-8
-    dense: int = 32  # size of a disturbance up to which all its mu are computed: that takes no longer
-    dense_waves: int = 256  # the same where waves may flutter: 0.1 s
+    dense_waves: int = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
     kept: int = 4  # vectors carried to the next state: two complex pairs
     sure: float = 2.0  # residual of a mode near zero, over its distance from growing, up to which it counts as known
@@ -32,7 +31,7 @@ class Limits:
     # a growth below minus that need not be known better; at critical damping none is below -0.5. The margin does not
     # tell of flutter: with 0.25, that of a soft layer was seen too late to be located
     clear: float = 0.4
-    most: int = 60  # vectors that a look may add to the space
+    most: int = 60  # vectors that a look may add to the space; up to that size of a disturbance all mu are computed
     # the one rule when to look: a state is accepted without while the mode's growth is `clear` and no unknown has moved
     # farther since the last look than `far` units, times the margin: towards a fold both shrink as the root of the
     # distance in load
@@ -102,7 +101,7 @@ class Judge:
         friction = self.damping * critical
         if (waves := here.waves()) is not None:
             return _of_waves(here, *waves, friction)
-        if here.size <= LIMITS.dense:
+        if here.size <= LIMITS.most:
             return _dense(here, friction)
         safety = here.safe_damping(known.safety) if fits else here.safe_damping()
         if self.damping < safety[0] and here.size <= LIMITS.dense_waves:

@@ -5,7 +5,7 @@ for a while; `look` examines where it is; `land` looks for the rest with Anderso
 died down; `raise_load` goes on under a higher load where the motion does not rest; `check` gives up.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
@@ -34,10 +34,6 @@ class Limits:
     crawl_longest: float = 256.0
     # units of residual and swing below which Anderson steps look for the rest, 0.3 times as much each time they fail;
     landing: float = 0.03  # from 0.1 on they reach other rests than the motion
-    short: float = 1e-5  # units, the same while the motion is starting
-    come_and_go: int = (
-        10  # changes of a node at the edge of the window, after which it stays as it is, lest it swing on
-    )
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
     # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
@@ -46,10 +42,8 @@ class Limits:
     raised: float = 1e-2
     raised_least: float = 1e-4  # units
     raised_most: float = 1e-3  # units; by more, surfaces slide on and on
-    farthest: float = 5.0  # units by which the load may be raised
-    budget: int = 250_000  # steps of one motion
+    budget: int = 60_000  # steps of one motion; the longest of the slider box takes 8,000. The load rises by 6 units
     diverged: float = 1e9  # units of displacement; or stiffness of the interaction over the closed one
-    filmed: float = 0.01  # units between two states that a film takes
 
 
 LIMITS = Limits()
@@ -121,7 +115,7 @@ class _Passage:
     def start(self, problem):
         """From rest, just beyond the end of the branch."""
         end = self.end
-        self.load, self.v, self.end_v, self.end_active = end.load, end.v + end.away, end.v, end.active
+        self.load, self.v = end.load, end.v + end.away
         if self.film is not None:
             self.film.append((problem, end.v, end.active, end.load))
         self.active = problem.active(self.v, self.load)
@@ -129,13 +123,12 @@ class _Passage:
         y = self.dynamics.start(self.v, self.active, self.load)
         self.motion = motion_of(self.dynamics, y, self.load, self.damping, self.closed)
         self._of(problem)
-        self.landing, self.short = LIMITS.landing * self.unit, LIMITS.short * self.unit
+        self.landing = LIMITS.landing * self.unit
         self.starting, self.steps, self.elapsed = end.located, 0, 0.0
 
     def _of(self, problem):
         """Room for what is known of each unknown."""
         self.problem, self.ahead, self._r = problem, np.zeros(problem.size), np.empty(problem.size)
-        self._changes = np.zeros(self.active.size, int)
 
     def step(self):
         """Some steps of the motion, adapted to the interaction here, and about where the state will be then."""
@@ -152,11 +145,12 @@ class _Passage:
         self.steps, self.elapsed = self.steps + LIMITS.steps, self.elapsed + LIMITS.steps * motion.time
 
     def _filmed(self):
-        """The same, a step at a time; a state far enough from the film's last one is added to it."""
+        """The same, a step at a time; a state as far from the film's last one as a step may crawl is added to it."""
+        least = LIMITS.crawl / LIMITS.steps * self.unit
         for _ in range(LIMITS.steps):
             self.motion.advance(self.active, 1)
             v, last = self.dynamics.unknowns(self.motion.y), self.film[-1][1]
-            if v.size != last.size or np.abs(v - last).max() > LIMITS.filmed * self.unit:
+            if v.size != last.size or np.abs(v - last).max() > least:
                 self.film.append((self.problem, v, self.active, self.load))
 
     def look(self):
@@ -165,19 +159,17 @@ class _Passage:
         if not np.abs(self.v).max() < LIMITS.diverged * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
-        now = self.problem.active(self.v, self.load)
-        changed = now != self.active
-        if changed.any():
-            self._changes += changed
-            self.active = np.where(self._changes > LIMITS.come_and_go, self.active, now)
+        before, self.active = self.active, self.problem.active(self.v, self.load)
+        if (self.active != before).any():
             self._grow()
         self.worst = self.problem.residual(self.v, self.active, self.load, self._r)
-        self.starting = self.end.located and np.abs(self.v - self.end_v).max() < LIMITS.left * self.unit
+        self.starting = self._near_end(self.v)
 
     def _grow(self):
         """More unknowns while some are needed."""
         while (grown := self.problem.grown(self.v, self.active, self.load)) is not None:
-            _, self.end_v, self.end_active = self.problem.grown(self.end_v, self.end_active, self.end.load, True)
+            _, v, active = self.problem.grown(self.end.v, self.end.active, self.end.load, True)
+            self.end = replace(self.end, v=v, active=active)
             problem, self.v, self.active = grown
             self.dynamics = self.motion.dynamics = problem.motion()
             self.mode = None
@@ -185,22 +177,19 @@ class _Passage:
 
     def land(self):
         """The State in which Anderson steps come to rest from here; None if it is too early, or they fail."""
-        small = self.short if self.starting else self.landing
-        if not self.worst < small or not self._swing() < small:
+        if self.starting or not self.worst < self.landing or not self._swing() < self.landing:
             return None
         state = self._rest_near()
-        if state is not None and not self._same_as_end(state):
-            if self.film is not None:
-                self.film.append((self.problem, state.v, state.active, self.load))
-            return state
-        if self.starting:
-            self.short *= 0.3
-        else:
+        if state is None or self._near_end(state.v):
             self.landing *= 0.3
-        return None
+            return None
+        if self.film is not None:
+            self.film.append((self.problem, state.v, state.active, self.load))
+        return state
 
-    def _same_as_end(self, state):
-        return self.end.located and np.abs(state.v - self.end_v).max() < LIMITS.left * self.unit
+    def _near_end(self, v):
+        """Whether v is not yet another state than the end of the branch."""
+        return self.end.located and bool(np.abs(v - self.end.v).max() < LIMITS.left * self.unit)
 
     def _swing(self):
         """How far the velocities would carry an unknown, nm."""
@@ -242,7 +231,7 @@ class _Passage:
 
     def check(self):
         """Raises Restless or NotConverged where going on makes no sense."""
-        if self.load > self.end.load + LIMITS.farthest * self.unit:
+        if self.steps > LIMITS.budget and self.load > self.end.load:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self.worst:.2g} nm")
         if self.steps > LIMITS.budget:
             raise NotConverged(f"still moving, residual {self.worst:.2g} nm, after {LIMITS.budget} steps")
