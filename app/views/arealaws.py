@@ -11,7 +11,7 @@ import numpy as np
 
 from app.limits import INCREMENTS, increments_of
 from app.service import tasks
-from app.views.pages import Swept
+from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
@@ -122,7 +122,7 @@ class Series:
             yield {"delta_bar": depth, "L_0": result["L_0"], "A_0": result["A_0"]} | fit
 
 
-class Page(Swept):
+class Page(Sheet):
     """See pages.py."""
 
     def __init__(self, *given):

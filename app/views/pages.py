@@ -14,6 +14,7 @@ from pathlib import Path
 from bokeh.models import Column, Range1d
 
 from app.service.sweep import Sweep
+from app.service.wanted import Wanted
 from app.views.live import punch
 from app.views.plots import composed, views
 
@@ -50,10 +51,14 @@ def places():
 
 
 class Sheet:
-    """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so."""
+    """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so.
+
+    Workers are asked for many calls, shared by all visitors, in its `sweep`, and for one of its own by `wanted`.
+    """
 
     def __init__(self, session, publish, views):
         self.session, self.publish, self.views = session, publish, views
+        self.sweep, self.wanted = Sweep(session, self.take), Wanted(session)
 
     def start(self):
         """The page has been opened."""
@@ -68,25 +73,18 @@ class Sheet:
     def nearer(self, scene, origin):
         """A pickled Skeleton nearer to a scene than that of the Scene `origin` (None: there is none), if it has one."""
 
+    def take(self, call, result):
+        """A call of its sweep has been made."""
+
     def close(self):
-        """Leave no work behind."""
+        """Ask for nothing any longer."""
+        self.sweep.cancel()
+        self.wanted.forget()
 
     def draw(self, slot, label, **columns):
         """Give a part of a figure other data."""
         source = self.views[slot].parts[label].data_source
         source.data = dict(source.data) | columns
-
-
-class Swept(Sheet):
-    """A Sheet with calls for the workers in its `sweep`: `take(call, result)` is called as each is made."""
-
-    def __init__(self, *given):
-        super().__init__(*given)
-        self.sweep = Sweep(self.session, self.take)
-
-    def close(self):
-        """Ask for nothing any longer."""
-        self.sweep.cancel()
 
 
 def compose_all():
