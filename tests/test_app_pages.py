@@ -57,7 +57,9 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
         middle = image[rows // 2, [columns // 4, 3 * (columns // 4)]]
         assert middle == pytest.approx(-cohesive_law.traction(scene, s, gap)[0], rel=1e-6)
         law = json.loads(session.wire.page)["law"]
-        assert law["spacing"] == scene.spacing and 0.5 < law["peak"] < 0.71  # 1/sqrt(2) for one spring, less for a lattice
+        assert (
+            law["spacing"] == scene.spacing and 0.5 < law["peak"] < 0.71
+        )  # 1/sqrt(2) for one spring, less for a lattice
 
 
 def test_the_tangential_law_has_its_peak_where_the_page_says(session):

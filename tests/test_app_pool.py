@@ -106,7 +106,7 @@ def test_owners_take_turns_and_are_told_how_many_come_before():
     turns = [("a", 1), ("b", 1), ("c", 1), ("a", 2), ("b", 2), ("a", 3)]
     assert [line.place(tasks[turn]) for turn in turns] == list(range(6))
     assert [line.take() for _ in range(6)] == [tasks[turn] for turn in turns]
-    assert len(line) == 0 and line.place(tasks["a", 1]) is None
+    assert line.rank is None and line.place(tasks["a", 1]) is None
 
 
 def test_the_shelf_keeps_what_was_used_last_within_its_bytes():

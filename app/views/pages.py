@@ -2,8 +2,9 @@
 
 A page is an entry of PAGES and a module here with compose() -> [figure], named page_slot, and a class `Page`,
 a Sheet. What it publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part
-done or None) and images {view.label: limits}; the rest is for a script of its own, static/js/pages/NAME.js. Its section
-of the document is html/pages/NAME.html; without one it is a title above the figures.
+done or None), images {view.label: limits}, hidden {element: whether} and tables {element: rows of cells}, a cell a text
+or a button {said, pressed, ask: what it orders}; the rest is for a script of its own, static/js/pages/NAME.js. Its
+section of the document is html/pages/NAME.html; without one it is a title above the figures.
 """
 
 import json
