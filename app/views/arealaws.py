@@ -123,7 +123,7 @@ class Series:
         """Of the table of its runs."""
         for depth, result in self.found:
             law = self.quadratic(result)
-            fit = [f"{law.zeta:#.4g}", f"{law.r2:.4f}", f"{law.worst:.3f}", f"{law.rise:.2f}"] if law else [NONE] * 4
+            fit = [f"{law.zeta:.4g}", f"{law.r2:.4f}", f"{law.worst:.3f}", f"{law.rise:.2f}"] if law else [NONE] * 4
             yield [f"{depth:.2f}", f"{THOUSAND * result['L_0']:.3f}", f"{THOUSAND * result['A_0']:.1f}", *fit]
 
 

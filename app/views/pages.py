@@ -28,21 +28,17 @@ PAGES = {  # name: (title, where its figures go)
     "matters": ("What matters", ()),
     "regimes": ("Map", ("map",)),
     "fit": ("Fit", ("curve", "residuals")),
+    "accuracy": ("Accuracy", ("seconds", "evaluations")),
 }
 SECTIONS = Path(__file__).parents[1] / "html" / "pages"
-FIGURE = '<figure><figcaption></figcaption><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'
 
 
 def section(name):
     """The section of a page in the document, as a template."""
     if (SECTIONS / f"{name}.html").exists():
         return (SECTIONS / f"{name}.html").read_text(encoding="utf-8")
-    title, slots = PAGES[name]
-    figures = "".join(FIGURE.format(f"{name}_{slot}") for slot in slots)
-    return f"""  <section id="{name}" class="sheet" aria-labelledby="{name}-title" hidden>
-    <h2 id="{name}-title">{title}</h2><div class="figures">{figures}</div>
-  </section>
-"""
+    figures = "".join(f'{{% call plot("{name}_{slot}") %}}{{% endcall %}}' for slot in PAGES[name][1])
+    return f'{{% call sheet("{name}") %}}<div class="figures">{figures}</div>{{% endcall %}}'
 
 
 def places():
