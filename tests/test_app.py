@@ -18,8 +18,8 @@ from solver.scene import PARAMETERS
 
 
 def all_at_work(pool):
-    """Wait for the second worker of two, which has measured FFTW's plans when it is ready."""
-    while pool.wisdom is None:
+    """Wait for the second worker of two."""
+    while pool.ready < pool.size:
         pool.submit(worker.ready).result(PATIENCE)
 
 

@@ -120,16 +120,6 @@ def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
     assert shelf.get(Scene(E=50.0)) is None
 
 
-@pytest.mark.thorough
-def test_plans_measured_by_one_worker_are_shared():
-    workers = Pool(size=2)
-    while workers.wisdom is None:
-        workers.submit(worker.ready).result(PATIENCE)
-    assert any(b"fftw" in part for part in workers.wisdom)
-    worker.learn(workers.wisdom)  # as every other worker does
-    workers.close()
-
-
 def test_a_pool_is_dead_once_it_has_been_silent_unless_a_worker_is_idle(monkeypatch):
     workers = Pool(size=1)
     assert not workers.alive()[0]

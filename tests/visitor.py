@@ -61,7 +61,7 @@ def unpacked(chunk):
 class NoPool:
     """A pool that takes tasks and never does any."""
 
-    status, in_flight, wisdom = "ready", 0, None
+    status, in_flight = "ready", 0
 
     def __init__(self):
         self.tasks = []

@@ -22,9 +22,9 @@ FINAL = ("done", "failed")
 class Job(threading.Thread):
     """One measurement: waits for its turn, then listens to its process; `tell(job, news)` is called in this thread."""
 
-    def __init__(self, scene, wisdom, tell):
+    def __init__(self, scene, tell):
         super().__init__(name="measurement", daemon=True)
-        self.scene, self.wisdom, self.tell = scene, wisdom, tell
+        self.scene, self.tell = scene, tell
         self.stopped = threading.Event()
         self.caller = None
 
@@ -37,7 +37,7 @@ class Job(threading.Thread):
             self.caller = Caller()
             if not self.stopped.is_set():
                 hear = partial(self.tell, self)
-                self.caller.call(work, self.scene, self.wisdom, limit=LONGEST, hear=hear)
+                self.caller.call(work, self.scene, limit=LONGEST, hear=hear)
         except Lost as lost:
             if lost.kind == "error":
                 log.error("a measurement failed:\n%s", lost.reason)
@@ -66,10 +66,10 @@ class Bench:
     def __init__(self, doc):
         self.doc, self.job, self.told, self.hear = doc, None, {}, None
 
-    def begin(self, scene, wisdom=None):
+    def begin(self, scene):
         """Measure a scene instead of what is being measured."""
         self.close()
-        self.job = Job(scene, wisdom, self._heard)
+        self.job = Job(scene, self._heard)
         self._tell({"state": "waiting", "progress": 0.0, "points": [], "scene": scene})
         log.info("a measurement begins")
         self.job.start()

@@ -59,7 +59,7 @@ class Page(Sheet):
     def order(self, values):
         """Measure, or cancel."""
         if values.get("what") == "measure":
-            self.session.bench.begin(self.session.scene, self.session.pool.wisdom)
+            self.session.bench.begin(self.session.scene)
         elif values.get("what") == "cancel":
             self.session.bench.cancel()
 
