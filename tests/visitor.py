@@ -66,7 +66,7 @@ class NoPool:
     def __init__(self):
         self.tasks = []
 
-    def submit(self, *task, near=None, owner=None, rank=0, seconds=0.0):
+    def submit(self, *task, owner=None, rank=0, seconds=0.0):
         self.tasks.append(Task(task, owner, rank))
         return self.tasks[-1]
 

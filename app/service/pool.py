@@ -93,14 +93,13 @@ class Pool:
                 Thread(target=self._sit, args=(seat, number), name=f"seat {number}", daemon=True).start()
         atexit.register(self.close)
 
-    def submit(self, call, *arguments, owner=None, rank=SCREEN, near=None, seconds=0.0):
-        """A Task of that owner, done by the worker that did the task `near` if that is idle: it still has the plans.
+    def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0):
+        """A Task of that owner.
 
         seconds: what it is expected to take at most. Cancel it while it waits, `abandon` it when not.
         """
         self.start()
         task = Task((call, *arguments), owner, rank, seconds + self.patience)
-        task.seat = near and near.seat
         with self._lock:
             if self._closing.is_set() or self.status == "failing":
                 task.set_exception(Lost("closed", self.why or "the server is being stopped"))
@@ -161,9 +160,8 @@ class Pool:
                 if task is None:
                     break
                 if task.set_running_or_notify_cancel():
-                    seat = task.seat if task.seat in idle else idle[0]
-                    task.seat, seat.task = seat, task
-                    seat.ring()
+                    task.seat, idle[0].task = idle[0], task
+                    idle[0].ring()
 
     def _next(self):
         """The task whose turn it is, taken from the line, or None."""

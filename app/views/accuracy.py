@@ -48,13 +48,13 @@ class Page(Sheet):
     """See pages.py."""
 
     def start(self):
-        """What was measured of the scene is there again."""
-        self.session.bench.hear = self._show
-        self._show()
+        """What was measured is there again."""
+        self.session.bench.hear = self._hear
+        self._hear()
 
     def scene_changed(self):
         """Another scene would be measured now; what was measured stays."""
-        self._show()
+        self._tell()
 
     def order(self, values):
         """Measure, or cancel."""
@@ -68,7 +68,11 @@ class Page(Sheet):
         self.session.bench.hear = None
         super().close()
 
-    def _show(self):
+    def _hear(self):
+        self._draw(self.session.bench.told.get("points", ()))
+        self._tell()
+
+    def _tell(self):
         told, now = self.session.bench.told, _said(self.session.scene)
         state, why, before = told.get("state"), told.get("why", ""), _said(told.get("scene", self.session.scene))
         busy = told["progress"] if state in ("waiting", "measuring") else None
@@ -80,7 +84,6 @@ class Page(Sheet):
         text += f", with {before}" if busy is None and before != now else ""
         texts = {"scene": now, "state": text, "sentence": told.get("sentence", "")}
         texts |= {"others": " ".join(told.get("others", ()))}
-        self._draw(told.get("points", ()))
         self.publish(busy=busy, texts={f"accuracy-{name}": text for name, text in texts.items()})
 
     def _draw(self, points):
