@@ -5,6 +5,7 @@ as soon as the points around it are known, and what one visitor has asked for is
 """
 
 import pickle
+from math import dist, inf
 
 import holoviews as hv
 import numpy as np
@@ -99,18 +100,10 @@ class Page(Sheet):
         if not self._holds(scene):
             return None
         here = self._place_of(scene)
-        off, nearest = min(
-            ((np.hypot(i - here[0], j - here[1]), k) for (i, j), (_, k) in self.known.items() if k is not None),
-            key=lambda one: one[0],
-            default=(np.inf, None),
-        )
-        return pickle.dumps(nearest) if off < self._off(here, origin) else None
-
-    def _off(self, here, origin):
-        if origin is None or not self._holds(origin):
-            return np.inf
-        there = self._place_of(origin)
-        return np.hypot(there[0] - here[0], there[1] - here[1])
+        known = [(dist(place, here), skeleton) for place, (_, skeleton) in self.known.items() if skeleton is not None]
+        off, nearest = min(known, key=lambda one: one[0], default=(inf, None))
+        held = origin is not None and self._holds(origin)
+        return pickle.dumps(nearest) if off < (dist(self._place_of(origin), here) if held else inf) else None
 
     def _base(self, scene):
         """The scene with the map's own parameters where they do not matter; raises SceneError."""
