@@ -6,6 +6,7 @@ A process of its own measures (service/bench.py), also while the page is closed,
 from math import ceil, floor, log10
 
 import holoviews as hv
+from bokeh.models import FixedTicker
 
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
@@ -36,7 +37,7 @@ def _figure(name, work):
         colours |= dict.fromkeys((f"way {series}", f"mark {series}", series), colour)
     elements.append(dots("astray", work, ERROR, marker="x", size=16))
     figure = rendered(f"accuracy_{name}", elements, colours)
-    figure.xaxis.ticker.desired_num_ticks = 2  # decades, not their parts
+    figure.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
     for part in figure.renderers:
         if (series := part.name.split(".")[1]) in SERIES:
             *_, right, down, align = SERIES[series]
