@@ -1,12 +1,14 @@
 """What is said beside the curves when a choice shows in them, and the measurement of accuracy in the app."""
 
+import json
 import multiprocessing
 import queue
+import re
 import time
 
 import pytest
 from served import PATIENCE, finished
-from visitor import Page
+from visitor import Page, order
 
 from app.service import measuring
 from app.service.bench import Bench
@@ -72,52 +74,53 @@ def test_a_session_says_its_cautions_once_a_run_has_ended_and_again_for_a_known_
 
 
 class Visitor:
-    """A stand-in for a document and its wire: runs what is scheduled, remembers what was told."""
-
-    accuracy = ""
+    """A stand-in for a document: keeps what is scheduled; and what it measures."""
 
     def __init__(self):
         self.calls = queue.Queue()
+        self.bench = Bench(self)
 
     def add_next_tick_callback(self, call):
         self.calls.put(call)
+
+    @property
+    def state(self):
+        return self.bench.told["state"]
 
 
 @pytest.mark.slow
 def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
     visitor = Visitor()
-    bench = Bench(visitor, visitor)
-    bench.begin(Scene(), {})
-    job = bench.job
+    visitor.bench.begin(Scene())
+    job = visitor.bench.job
     visitor.calls.get(timeout=WAIT)()
     process = job.caller.process
-    assert '"measuring"' in visitor.accuracy and process.is_alive()
-    bench.cancel("enough")
-    assert '"cancelled"' in visitor.accuracy and "enough" in visitor.accuracy
+    assert visitor.state == "measuring" and process.is_alive()
+    visitor.bench.cancel("enough")
+    assert visitor.state == "cancelled" and visitor.bench.told["why"] == "enough"
     job.join(WAIT)
     assert not process.is_alive() and process not in multiprocessing.active_children()
     while not visitor.calls.empty():
         visitor.calls.get()()
-    assert '"cancelled"' in visitor.accuracy
+    assert visitor.state == "cancelled"
 
 
 @pytest.mark.slow
 def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_so():
     first, second = Visitor(), Visitor()
-    one, other = Bench(first, first), Bench(second, second)
-    one.begin(Scene(), {})
+    first.bench.begin(Scene())
     first.calls.get(timeout=WAIT)()
-    other.begin(Scene(), {})
-    waiting = other.job
+    second.bench.begin(Scene())
+    waiting = second.bench.job
     time.sleep(0.3)
-    assert waiting.caller is None and '"waiting"' in second.accuracy
-    one.job.caller.process.kill()
-    while '"failed"' not in first.accuracy:
+    assert waiting.caller is None and second.state == "waiting"
+    first.bench.job.caller.process.kill()
+    while first.state != "failed":
         first.calls.get(timeout=WAIT)()
-    assert "Measure again" in first.accuracy
+    assert "Measure again" in first.bench.told["why"]
     second.calls.get(timeout=WAIT)()
-    assert '"measuring"' in second.accuracy
-    other.close()
+    assert second.state == "measuring"
+    second.bench.close()
     waiting.join(WAIT)
     assert not waiting.is_alive()
 
@@ -126,45 +129,69 @@ def test_points_of_an_empty_report_are_none():
     assert measuring.points(None) == []
 
 
+def told(session):
+    return json.loads(session.wire.page)
+
+
+def test_what_was_measured_stays_while_the_page_is_closed_and_names_its_scene(session):
+    point = {"series": "fast", "tolerance": 1e-5, "seconds": 0.03, "evaluations": 700, "error": 2e-6, "astray": True}
+    order(session, "page", page="accuracy")
+    assert told(session)["texts"]["accuracy-state"].startswith("takes")
+    session.bench.told = {"state": "done", "points": [point], "scene": session.scene, "sentence": "It is right."}
+    session.bench.hear()
+    order(session, "page", page="")
+    assert session.bench.hear is None
+    order(session, "page", page="accuracy")
+    texts = told(session)["texts"]
+    assert texts["accuracy-state"] == "done" and texts["accuracy-sentence"] == "It is right."
+    for work in ("seconds", "evaluations"):
+        view = session.pages.page.views[work]
+        for label in ("mark fast", "fast", "astray"):
+            assert view.parts[label].data_source.data[work] == [point[work]]
+        assert view.parts["fast"].data_source.data["text"] == ["1e−5"]
+        assert view.figure.x_range.start < point[work] < view.figure.x_range.end
+    order(session, "scene", E="80")
+    assert told(session)["texts"]["accuracy-state"].endswith("E = 70 GPa")
+
+
 @pytest.mark.browser
 def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
-    page = visit("?nodes=64&width=160&radius=1&u_x_max=8&du_x=0.2&du_z=0.5")
+    page = visit("?nodes=64&width=160&radius=1&u_x_max=8&du_x=0.2&du_z=0.5&page=accuracy")
     finished(page)
-    assert page.evaluate("document.querySelectorAll('.point').length") == 0
-    page.get_by_role("button", name="Accuracy").click()
-    dialog = page.get_by_role("dialog", name="Accuracy")
-    dialog.get_by_role("button", name="Measure now").click()
-    page.wait_for_function("0 < document.getElementById('bench-progress').value", timeout=PATIENCE)
-    page.keyboard.press("r")  # behind the dialog nothing happens
-    dialog.locator("#bench-sentence").wait_for(timeout=PATIENCE)
-    assert "tolerance" in dialog.locator("#bench-sentence").text_content()
-    assert "python -m solver accuracy --quick" in dialog.locator("#others").text_content()
-    assert "done" in dialog.locator("#bench-state").inner_text()
-    for series in ("fast", "gfmd", "weighted", "fire"):
-        for plot in ("seconds", "evaluations"):
-            assert page.locator(f"#error-{plot} .{series} .point").count() >= 1
-    page.keyboard.press("Escape")
-    dialog.wait_for(state="hidden")
+    page.get_by_role("button", name="Measure now").click()
+    page.wait_for_function("0 < document.querySelector('#accuracy progress').value", timeout=PATIENCE)
+    page.wait_for_function("document.getElementById('accuracy-state').textContent === 'done'", timeout=PATIENCE)
+    assert "tolerance" in page.locator("#accuracy-sentence").text_content()
+    assert "python -m solver accuracy --quick" in page.locator("#accuracy-others").text_content()
+    assert page.locator("#accuracy progress").is_hidden()
+    for plot in ("seconds", "evaluations"):
+        page.locator(f"#accuracy [data-view=accuracy_{plot}]").click()
+        page.locator("#table").wait_for()
+        rows = page.locator("#table tbody tr").all_inner_texts()
+        for series in ("fast", "gfmd", "gfmd mass-weighted", "FIRE"):
+            assert any(re.match(rf"{series}\t.*\t1e−\d+$", row) for row in rows)
+        page.keyboard.press("Escape")
+        page.locator("#table").wait_for(state="hidden")
     assert page.evaluate("punch.status.run") == 1
 
 
 @pytest.mark.thorough
 @pytest.mark.browser
 def test_a_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
-    page = visit()
+    page = visit("?page=accuracy")
     finished(page)
-    state = page.locator("#bench-state")
-    for run, end in ((1, "Cancel"), (2, "Close")):
-        page.get_by_role("button", name="Accuracy").click()
+    state = page.locator("#accuracy-state")
+    for run, end in ((1, "Cancel"), (2, "ArrowRight")):
         page.get_by_role("button", name="Measure now").click()
-        page.wait_for_function("0 < document.getElementById('bench-progress').value", timeout=PATIENCE)
-        page.get_by_role("dialog").get_by_role("button", name=end).click()
+        page.wait_for_function("document.getElementById('accuracy-state').textContent.endsWith('%')", timeout=PATIENCE)
         if end == "Cancel":
-            page.wait_for_function("document.getElementById('bench-state').textContent === 'cancelled'")
-            page.keyboard.press("Escape")
+            page.locator("#accuracy").get_by_role("button", name="Cancel").click()
+            page.wait_for_function("document.getElementById('accuracy-state').textContent === 'cancelled'")
         else:
             page.focus("#delta_bar")
             page.keyboard.press("ArrowRight")
-            page.wait_for_function("document.getElementById('bench-state').textContent.includes('scene has changed')")
+            page.wait_for_function(
+                "document.getElementById('accuracy-state').textContent.includes('scene has changed')", timeout=PATIENCE
+            )
         finished(page, run=run)
     assert "cancelled" in state.text_content()

@@ -106,7 +106,7 @@ def test_owners_take_turns_and_are_told_how_many_come_before():
     turns = [("a", 1), ("b", 1), ("c", 1), ("a", 2), ("b", 2), ("a", 3)]
     assert [line.place(tasks[turn]) for turn in turns] == list(range(6))
     assert [line.take() for _ in range(6)] == [tasks[turn] for turn in turns]
-    assert len(line) == 0 and line.place(tasks["a", 1]) is None
+    assert line.rank is None and line.place(tasks["a", 1]) is None
 
 
 def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
@@ -118,16 +118,6 @@ def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
     assert shelf.get(Scene(E=20.0)) and shelf.get(Scene(E=40.0)) and shelf.get(Scene(E=30.0)) is None
     shelf.put(Scene(E=50.0), Frames((bytes(int(shelf.maxsize)),), 1, 1, 0.0))
     assert shelf.get(Scene(E=50.0)) is None
-
-
-@pytest.mark.thorough
-def test_plans_measured_by_one_worker_are_shared():
-    workers = Pool(size=2)
-    while workers.wisdom is None:
-        workers.submit(worker.ready).result(PATIENCE)
-    assert any(b"fftw" in part for part in workers.wisdom)
-    worker.learn(workers.wisdom)  # as every other worker does
-    workers.close()
 
 
 def test_a_pool_is_dead_once_it_has_been_silent_unless_a_worker_is_idle(monkeypatch):

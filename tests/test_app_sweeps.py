@@ -153,8 +153,8 @@ def test_area_laws_show_the_solver_s_onsets_as_they_come(session):
     found = onset(task.call[1])
     data = session.pages.page.views["threshold"].parts["points0"].data_source.data
     assert (data["F"], data["A"]) == (pytest.approx([1000 * found.F_s]), pytest.approx([1000 * found.A_s]))
-    row = told(session)["rows"][0]
-    assert row["delta_bar"] == 0.1 and row["zeta"] == pytest.approx(6693, rel=0.01)
+    row = told(session)["tables"]["arealaws-rows"][0]
+    assert row[0] == "0.10" and float(row[3]) == pytest.approx(6693, rel=0.01)
     assert told(session)["busy"] == pytest.approx(1 / 30)
     order(session, "ask", what="cancel")
     assert told(session)["busy"] is None
@@ -164,10 +164,10 @@ def test_an_interface_is_added_once_and_the_oldest_gives_way(session):
     order(session, "page", page="arealaws")
     for ratio in ("0.5", "0.4", "0.3"):
         order(session, "scene", phi_ratio=ratio)
-        assert told(session)["addable"]
+        assert not told(session)["hidden"]["arealaws-add"]
         order(session, "ask", what="add")
-        assert not told(session)["addable"]
-    names = [s["name"] for s in told(session)["series"]]
+        assert told(session)["hidden"]["arealaws-add"]
+    names = [pick["said"] for _, pick, *_ in told(session)["tables"]["arealaws-series"]]
     asked = [task for task in session.pool.tasks if task.call[0] is tasks.onset_of and not task.cancelled()]
     assert len(asked) == 50  # nothing is computed any longer for the series that had to go
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"

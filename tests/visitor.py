@@ -61,12 +61,12 @@ def unpacked(chunk):
 class NoPool:
     """A pool that takes tasks and never does any."""
 
-    status, in_flight, wisdom = "ready", 0, None
+    status, in_flight = "ready", 0
 
     def __init__(self):
         self.tasks = []
 
-    def submit(self, *task, near=None, owner=None, rank=0, seconds=0.0):
+    def submit(self, *task, owner=None, rank=0, seconds=0.0):
         self.tasks.append(Task(task, owner, rank))
         return self.tasks[-1]
 

@@ -1,6 +1,5 @@
 """A visitor's measurement of accuracy, in a process of its own that lives no longer than it: the workers stay free."""
 
-import json
 import logging
 import threading
 from functools import partial
@@ -23,9 +22,9 @@ FINAL = ("done", "failed")
 class Job(threading.Thread):
     """One measurement: waits for its turn, then listens to its process; `tell(job, news)` is called in this thread."""
 
-    def __init__(self, scene, wisdom, tell):
+    def __init__(self, scene, tell):
         super().__init__(name="measurement", daemon=True)
-        self.scene, self.wisdom, self.tell = scene, wisdom, tell
+        self.scene, self.tell = scene, tell
         self.stopped = threading.Event()
         self.caller = None
 
@@ -38,7 +37,7 @@ class Job(threading.Thread):
             self.caller = Caller()
             if not self.stopped.is_set():
                 hear = partial(self.tell, self)
-                self.caller.call(work, self.scene, self.wisdom, limit=LONGEST, hear=hear)
+                self.caller.call(work, self.scene, limit=LONGEST, hear=hear)
         except Lost as lost:
             if lost.kind == "error":
                 log.error("a measurement failed:\n%s", lost.reason)
@@ -59,16 +58,19 @@ class Job(threading.Thread):
 
 
 class Bench:
-    """What one visitor measures; all but `_heard` runs under the lock of the visitor's document."""
+    """What one visitor measures: `hear()`, if any, is called when `told` has changed.
 
-    def __init__(self, doc, wire):
-        self.doc, self.wire, self.job, self.told = doc, wire, None, {}
+    All but `_heard` runs under the lock of the visitor's document.
+    """
 
-    def begin(self, scene, values, wisdom=None):
-        """Measure a scene, {parameter: value} as the page shows it, instead of what is being measured."""
+    def __init__(self, doc):
+        self.doc, self.job, self.told, self.hear = doc, None, {}, None
+
+    def begin(self, scene):
+        """Measure a scene instead of what is being measured."""
         self.close()
-        self.job = Job(scene, wisdom, self._heard)
-        self._tell({"state": "waiting", "progress": 0.0, "points": [], "values": values})
+        self.job = Job(scene, self._heard)
+        self._tell({"state": "waiting", "progress": 0.0, "points": [], "scene": scene})
         log.info("a measurement begins")
         self.job.start()
 
@@ -99,4 +101,5 @@ class Bench:
 
     def _tell(self, news):
         self.told = news
-        self.wire.accuracy = json.dumps(news)
+        if self.hear:
+            self.hear()

@@ -1,8 +1,8 @@
 """Workers of a dask cluster in the seats of the pool: `APP_SCHEDULER=tcp://host:8786 panel serve app`.
 
 Needs the extra `cluster`, and workers with one thread each where this project is installed in the same version. Queue,
-turns and limits of time are the pool's; here a call goes to the worker of its seat and to no other, as that has the
-plans and kernels. A call that takes too long is abandoned, and its worker restarted if a nanny is there to do it.
+turns and limits of time are the pool's; here a call goes to the worker of its seat and to no other, as that is warm. A
+call that takes too long is abandoned, and its worker restarted if a nanny is there to do it.
 """
 
 import logging

@@ -27,9 +27,6 @@ class Line:
     def __init__(self):
         self._of = tuple(OrderedDict() for _ in range(RANKS))  # {owner: deque of tasks}, by rank
 
-    def __len__(self):
-        return sum(1 for _ in self)
-
     def __iter__(self):
         return (task for owners in self._of for tasks in owners.values() for task in tasks)
 

@@ -12,11 +12,11 @@ PAUSE = 0.2  # s between two messages that bring nothing but progress
 LEAST = {"seconds": 1e-4, "error": 1e-13}  # a logarithmic axis has no zero; smaller is round-off or nothing
 
 
-def work(scene, wisdom):
+def work(scene):
     """Measure `scene`, and yield {'state', 'progress', 'points', ...} as it goes; the last is final."""
     from solver.continuation.state import NotConverged
 
-    worker.start(wisdom)
+    worker.start()
     try:
         _warm_up()
         yield from _news(scene)

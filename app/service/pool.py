@@ -38,7 +38,7 @@ class Seat:
     """Room for one worker process, with the thread that fills it; `task` is what it does."""
 
     def __init__(self):
-        self.caller, self.ready, self.task, self.wisdom, self.failures = None, False, None, None, 0
+        self.caller, self.ready, self.task, self.failures = None, False, None, 0
         self.bell, self.cord = Pipe(duplex=False)  # pulled when there is a task: the thread waits for a process as well
 
     def ring(self):
@@ -58,7 +58,6 @@ class Pool:
     def __init__(self, size=None, patience=PATIENCE, make=Caller):
         self.size, self.patience, self.make = size or default_size(), patience, make
         self.replaced = 0  # workers lost
-        self.wisdom = None  # FFTW's, measured by one worker for all
         self.why = ""  # no worker can be started
         self._seats, self._line = [], Line()
         self._lock, self._closing, self._warm = RLock(), Event(), Event()
@@ -94,14 +93,13 @@ class Pool:
                 Thread(target=self._sit, args=(seat, number), name=f"seat {number}", daemon=True).start()
         atexit.register(self.close)
 
-    def submit(self, call, *arguments, owner=None, rank=SCREEN, near=None, seconds=0.0):
-        """A Task of that owner, done by the worker that did the task `near` if that is idle: it still has the plans.
+    def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0):
+        """A Task of that owner.
 
         seconds: what it is expected to take at most. Cancel it while it waits, `abandon` it when not.
         """
         self.start()
         task = Task((call, *arguments), owner, rank, seconds + self.patience)
-        task.seat = near and near.seat
         with self._lock:
             if self._closing.is_set() or self.status == "failing":
                 task.set_exception(Lost("closed", self.why or "the server is being stopped"))
@@ -162,9 +160,8 @@ class Pool:
                 if task is None:
                     break
                 if task.set_running_or_notify_cancel():
-                    seat = task.seat if task.seat in idle else idle[0]
-                    task.seat, seat.task = seat, task
-                    seat.ring()
+                    task.seat, idle[0].task = idle[0], task
+                    idle[0].ring()
 
     def _next(self):
         """The task whose turn it is, taken from the line, or None."""
@@ -181,7 +178,7 @@ class Pool:
             pass
         while not self._closing.wait(PAUSES[min(seat.failures, len(PAUSES) - 1)]):
             try:
-                self._fill(seat, measure=number == min(1, self.size - 1))
+                self._fill(seat)
                 self._serve(seat)
             except Lost as lost:
                 self._emptied(seat, lost)
@@ -189,16 +186,12 @@ class Pool:
                 log.exception("a worker could not be started")
                 self._emptied(seat, Lost("crash", str(error)))
 
-    def _fill(self, seat, measure):
-        """Start a worker and make it ready; one also measures FFTW's plans, while the first works already."""
+    def _fill(self, seat):
+        """Start a worker and make it ready."""
         seat.caller = self.make()
         if self._closing.is_set():  # it may have come too late to be ended by `close`
             seat.caller.end()
-        seat.wisdom = self.wisdom
-        seat.caller.call(worker.start, seat.wisdom, limit=WARMING)
-        if measure and self.wisdom is None and self.size > 1:
-            seat.wisdom = seat.caller.call(worker.measure, limit=WARMING)
-            self.wisdom = seat.wisdom
+        seat.caller.call(worker.start, limit=WARMING)
         with self._lock:
             if self.status != "ready":
                 log.info("workers are warm")
@@ -220,9 +213,6 @@ class Pool:
     def _do(self, seat):
         task = seat.task
         try:
-            if seat.wisdom is not self.wisdom:  # what one worker has measured, the others learn between two tasks
-                seat.wisdom = self.wisdom
-                seat.caller.call(worker.learn, seat.wisdom, limit=task.limit)
             result = seat.caller.call(*task.call, limit=task.limit)
         except Lost as lost:
             if lost.kind != "error":

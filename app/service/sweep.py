@@ -74,8 +74,7 @@ class Results:
 
     def _submit(self, pool, call):
         asked = self._asked[call]
-        before = asked.task
-        asked.task = pool.submit(*call, *asked.kept, owner=asked.owner, rank=LATER, near=before)
+        asked.task = pool.submit(*call, *asked.kept, owner=asked.owner, rank=LATER)
         asked.task.add_done_callback(lambda task: self._made(pool, call, task))
 
     def _made(self, pool, call, task):

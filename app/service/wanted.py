@@ -12,8 +12,7 @@ class Wanted:
     def ask(self, call, take, **how):
         """Have call = (function, *arguments) made in place of the one before, then `take(result)`, None if it failed.
 
-        A call that gives a Part goes on from it. how: rank, seconds and near,
-        as of `Pool.submit`.
+        A call that gives a Part goes on from it. how: rank and seconds, as of `Pool.submit`.
         """
         self.forget()
         self._make(call, (), take, how)

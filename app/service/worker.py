@@ -8,7 +8,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-import pyfftw
 
 from app.service.following import remembered
 from app.service.packing import Frames, packed
@@ -16,13 +15,11 @@ from solver import Checkpoint, NotConverged, Scene, SceneError, advance
 from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
 from solver.continuation.state import OutOfTime
-from solver.mechanics.layer import transforms
 from solver.run.carry import carry_on
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import in_time, next_frame, owned
 
 NICENESS = 10  # the event loop must win against the physics
-LENGTHS = (512, 640, 768, 1024)  # of the transforms that the sliders' range needs (`solver.mechanics.layer.fft_size`)
 QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as width that acts
@@ -44,11 +41,10 @@ class Slice(Frames):
     heavy: bool = False  # whether an increment takes, or took, longer than QUICK
 
 
-def start(wisdom=None):
+def start():
     """Prepare a new worker: low priority, kernels loaded."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
-    learn(wisdom)
     warm_up()
 
 
@@ -64,19 +60,6 @@ def warm_up():
 
 def ready():
     """A task that does nothing."""
-
-
-def measure():
-    """Let FFTW try out its ways for the usual lengths; returns what it found, for `learn` in other workers."""
-    for length in LENGTHS:
-        transforms(length, measure=True)
-    return pyfftw.export_wisdom()
-
-
-def learn(wisdom):
-    """Use in this process what `measure` found in another."""
-    if wisdom is not None:
-        pyfftw.import_wisdom(wisdom)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,6 @@ class Computing:
         self.run, self.runs = None, FIFOCache(RUNS)  # by number, from which another may go on
         self.wanted = None  # a newer (scene, after, held, at), as of `want`, while a slice of the old one is in flight
         self.flight, self.budget, self.since = None, 0.0, 0.0  # the slice, s of work in it, when it was asked for
-        self.last = None  # the slice before: the worker that did it is the best for the next
         self.cautions = []  # of the last finished run
         self.following = Following(session, lambda scene: self._begin(scene, held=self.held))
         self.held = False  # whether a hand is on a slider
@@ -204,7 +203,7 @@ class Computing:
                 rank, limit = HEAVY, worker.SLOW
             call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history, limit)
             how = {"owner": id(self.session), "rank": rank, "seconds": worker.APPROACH * budget}
-            self.flight = self.last = self.session.pool.submit(*call, near=self.last, **how)
+            self.flight = self.session.pool.submit(*call, **how)
             self.since = time.monotonic()
             self.session.when_done(self.flight, self._take)
 

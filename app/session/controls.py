@@ -9,7 +9,7 @@ import numpy as np
 
 from app.limits import DEFAULT, INCREMENTS, MOST, NUMBERS, increments_of
 from app.session import profiles
-from solver import CHOICES, LIMITS, ProfileError, Scene, SceneError
+from solver import CHOICES, LIMITS, ProfileError, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
 from solver.surfaces import SURFACES
@@ -34,10 +34,6 @@ class Control:
     @property
     def high(self):
         return self.positions[-1]
-
-    @property
-    def default(self):
-        return getattr(Scene(), self.name)
 
 
 def _even(low, high, step):

@@ -25,7 +25,7 @@ class Following(Wanted):
         super().__init__(session)
         self.start = start  # start(scene): a run of it from its start, where nothing can be followed
         self.skeleton = self.shown = None
-        self.wanted = self.near = None
+        self.wanted = None
 
     def goes_on_from(self, skeleton):
         """A run has ended: what is pickled here of it is what a hand moves on from; None: nothing."""
@@ -59,8 +59,7 @@ class Following(Wanted):
     def _submit(self):
         (scene, at, number), self.wanted = self.wanted, None
         call = (followed, self._source(scene), scene, at)
-        self.ask(call, lambda made: self._take(made, scene, number), near=self.near, rank=SCREEN)
-        self.near = self.task
+        self.ask(call, lambda made: self._take(made, scene, number), rank=SCREEN)
 
     def _take(self, made, scene, number):
         if not isinstance(made, Followed):

@@ -11,16 +11,9 @@ from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.wanted import Wanted
+from app.session import controls
 from app.session.beside import Beside
 from app.session.computing import Computing
-from app.session.controls import (
-    STAYS,
-    address_of,
-    changed_scene,
-    scene_from_address,
-    values_of,
-    with_profile,
-)
 from app.session.film import Film
 from app.session.gallery import Gallery
 from app.session.layer import Layer
@@ -45,10 +38,10 @@ class Session:
         """pages: of a session, the pages beside the experiment."""
         self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
-        self.scene, self.preset, self.notes = scene_from_address(arguments or {})
+        self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
         self.errors = {}
         self.computing = Computing(self)
-        self.bench = Bench(doc, self.wire)
+        self.bench = Bench(doc)
         self.pages = pages(self)
         self.beside, self.share = Beside(self), Share(self)
         self.film, self.marks, self.gallery = Film(self), Marks(self), Gallery(self)
@@ -110,8 +103,6 @@ class Session:
             "share": lambda: self.share.sheet(values),
             "take": lambda: self.share.take(values),
             "page": lambda: self.pages.open(values["page"]),
-            "measure": lambda: self.bench.begin(self.scene, values_of(self.scene), self.pool.wisdom),
-            "cancel": self.bench.cancel,
         }
         (quiet | told)[order.do]()
         if order.do in told:
@@ -119,7 +110,7 @@ class Session:
 
     def refuse(self, refused):
         """Tell the visitor that something was not understood; what is on screen stays."""
-        said = f"{refused}{STAYS}"
+        said = f"{refused}{controls.STAYS}"
         if refused.where:
             self.errors = {refused.where: said}
         else:
@@ -137,7 +128,7 @@ class Session:
         held: the hand is still on the slider: what follows it comes first, with the frame at U_x = `at` nm.
         """
         self.notes = []
-        scene, self.errors = changed_scene(self.scene, entries, self.notes)
+        scene, self.errors = controls.changed_scene(self.scene, entries, self.notes)
         if scene == self.scene:
             self.publish()
         else:
@@ -169,11 +160,11 @@ class Session:
         profile, why = made or (None, "it could not be read; try again")
         if profile is not None:  # sliders may have been moved since it was sent
             try:
-                scene = with_profile(self.scene, profile)
+                scene = controls.with_profile(self.scene, profile)
             except SceneError as error:
                 profile, why = None, error
         if profile is None:
-            self.errors = {"profile": f"profile: {why}.{STAYS}"}
+            self.errors = {"profile": f"profile: {why}.{controls.STAYS}"}
             return self.publish()
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
         self.computing.want(scene)
@@ -184,7 +175,7 @@ class Session:
 
     def restore(self, entries):
         """Show the scene of an address {name: text}."""
-        scene, preset, notes = scene_from_address({name: [text.encode()] for name, text in entries.items()})
+        scene, preset, notes = controls.scene_from_address({name: [text.encode()] for name, text in entries.items()})
         self.show(scene, preset)
         self.notes += notes
 
@@ -215,7 +206,7 @@ class Session:
             return
         self.told_place = self.computing.place
         waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
-        own = {"values": values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
-        own |= {"preset": self.preset, "address": address_of(self.scene, self.preset)}
-        own |= {"scene": values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
+        own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
+        own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
+        own |= {"scene": controls.values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
         self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.computing.cautions + waits})

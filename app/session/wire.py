@@ -9,7 +9,6 @@ class Wire(DataModel):
 
     chunk = Nullable(Bytes)
     status = String(default="{}")
-    accuracy = String(default="")  # JSON, only when a measurement was asked for
     page = String(default="{}")  # JSON, about the page beside the experiment that is open
     layer = Nullable(Bytes)  # JSON header and a table for the stress inside the layer, by `session.layer`
     hand = Nullable(Bytes)  # a picture that follows the hand on a slider: what `service.following` makes, and a number

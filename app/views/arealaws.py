@@ -11,7 +11,7 @@ import numpy as np
 
 from app.limits import INCREMENTS, increments_of
 from app.service import tasks
-from app.views.pages import Swept
+from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
@@ -29,6 +29,7 @@ MARKS = (  # of a series: marker, the same as text, colour, dash; as many series
 FORCE = hv.Dimension("F", label="F̄", unit="10⁻³")
 AREA = hv.Dimension("A", label="Ā", unit="10⁻³")
 THOUSAND = 1000.0
+NONE = "–"  # in a table
 
 
 def compose():
@@ -105,24 +106,28 @@ class Series:
             return None
 
     def row(self):
-        """Of the table of series."""
-        row = {"name": self.name, "mark": MARKS[self.mark][1], "done": len(self.results), "of": len(DEPTHS)}
+        """Its law, in the table of series: slope and offset, R^2, and how far it bends beyond."""
         law, bent, deepest = self.threshold(), self.threshold(beyond=True), dict(self.found).get(BEYOND)
-        if law:
-            row |= {name: getattr(law, name) for name in ("tau_c", "tau_c_error", "F_nc", "F_nc_error", "r2")}
-        if law and bent and deepest and deepest["F_s"]:
-            row |= {"r2_beyond": bent.r2, "bend": 1.0 - deepest["F_s"] / (law.tau_c * deepest["A_s"] + law.F_nc)}
-        return row
+        done = "" if len(self.results) == len(DEPTHS) else f"{len(self.results)} of {len(DEPTHS)} runs"
+        if not law:
+            return [NONE, NONE, NONE, done or NONE]
+        bend = NONE
+        if bent and deepest and deepest["F_s"]:
+            below = 1.0 - deepest["F_s"] / (law.tau_c * deepest["A_s"] + law.F_nc)
+            bend = f"{-100.0 * below:.1f} %, {bent.r2:.3f}"
+        values = (law.tau_c, law.tau_c_error), (law.F_nc, law.F_nc_error)
+        both = [f"{THOUSAND * value:.3f} ± {THOUSAND * error:.3f}" for value, error in values]
+        return [*both, f"{law.r2:.4f}", done or bend]
 
     def rows(self):
         """Of the table of its runs."""
         for depth, result in self.found:
             law = self.quadratic(result)
-            fit = {name: getattr(law, name) for name in ("zeta", "r2", "worst", "rise")} if law else {}
-            yield {"delta_bar": depth, "L_0": result["L_0"], "A_0": result["A_0"]} | fit
+            fit = [f"{law.zeta:.4g}", f"{law.r2:.4f}", f"{law.worst:.3f}", f"{law.rise:.2f}"] if law else [NONE] * 4
+            yield [f"{depth:.2f}", f"{THOUSAND * result['L_0']:.3f}", f"{THOUSAND * result['A_0']:.1f}", *fit]
 
 
-class Page(Swept):
+class Page(Sheet):
     """See pages.py."""
 
     def __init__(self, *given):
@@ -232,15 +237,18 @@ class Page(Swept):
 
     def _publish(self):
         own, why = self._own()
-        series = [one.row() | {"shown": one is self.shown} for one in self.series.values()]
+        series = []
+        for k, one in enumerate(self.series.values()):
+            pick = {"said": one.name, "pressed": one is self.shown, "ask": {"what": "show", "series": k}}
+            series.append([MARKS[one.mark][1], pick, *one.row()])
         results = [each for one in self.series.values() for each in one.results.items()]
+        failures = [f"δ̄ = {depth:g}: {result}" for depth, result in results if not isinstance(result, dict)]
+        texts = {"of": f"of {self.shown.name}" if self.shown else "", "own": why, "failures": " ".join(failures)}
         self.publish(
             busy=self.sweep.part,
-            texts={"arealaws-of": f"of {self.shown.name}" if self.shown else "", "arealaws-own": why},
-            series=series,
-            rows=[*self.shown.rows()] if self.shown else [],
-            failures=[f"δ̄ = {depth:g}: {result}" for depth, result in results if not isinstance(result, dict)],
-            addable=own is not None and own not in self.series,
+            texts={f"arealaws-{name}": text for name, text in texts.items()},
+            tables={"arealaws-series": series, "arealaws-rows": [*self.shown.rows()] if self.shown else []},
+            hidden={"arealaws-add": own is None or own in self.series, "arealaws-failures": not failures},
         )
 
 

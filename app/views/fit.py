@@ -11,7 +11,6 @@ import numpy as np
 
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
-from app.service.wanted import Wanted
 from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 
@@ -55,9 +54,7 @@ def compose():
 class Page(Sheet):
     """See pages.py."""
 
-    def __init__(self, *given):
-        super().__init__(*given)
-        self.measured, self.wanted = None, Wanted(self.session)
+    measured = None  # Measurement
 
     def order(self, values):
         """A file, a made-up measurement, a fit, or cancel."""
@@ -75,10 +72,6 @@ class Page(Sheet):
         elif what == "cancel":
             self.close()
             self.publish(busy=None, texts={"fit-said": "Cancelled."})
-
-    def close(self):
-        """Ask for nothing any longer."""
-        self.wanted.forget()
 
     def _read(self, result):
         measured, why = result or (None, LOST)

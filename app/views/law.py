@@ -80,7 +80,7 @@ class Page(Sheet):
         self.draw("normal_law", "spring", gap=[], value=[])
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
-        self.publish(images=limits, law=_numbers(scene) | {"peak": peak}, texts={"law-numbers": _said(scene)})
+        self.publish(images=limits, law={"spacing": a, "peak": peak}, texts={"law-numbers": _said(scene)})
 
     def _fit(self, scene, largest):
         half, d_n = 0.5 * scene.spacing, scene.delta_n
@@ -91,11 +91,6 @@ class Page(Sheet):
                 view.figure.y_range.update(start=LOWEST * d_n, end=HIGHEST * d_n)
         largest = max(largest, 0.86)
         self.views["shear_law"].figure.y_range.update(start=-1.15 * largest, end=1.15 * largest)
-
-
-def _numbers(scene):
-    """What law.js needs to place a node on the law."""
-    return {name: getattr(scene, name) for name in ("spacing", "width", "delta_n", "delta_t", "phi_n", "phi_t")}
 
 
 def _said(scene):

@@ -25,7 +25,7 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.wanted, self.known = Wanted(self.session), Wanted(self.session)
+        self.known = Wanted(self.session)
 
     def scene_changed(self):
         """Another scene is on screen."""
@@ -45,7 +45,7 @@ class Page(Sheet):
 
     def close(self):
         """Ask for nothing any longer."""
-        self.wanted.forget()
+        super().close()
         self.known.forget()
 
     def _take_band(self, found):

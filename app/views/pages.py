@@ -2,8 +2,9 @@
 
 A page is an entry of PAGES and a module here with compose() -> [figure], named page_slot, and a class `Page`,
 a Sheet. What it publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part
-done or None) and images {view.label: limits}; the rest is for a script of its own, static/js/pages/NAME.js. Its section
-of the document is html/pages/NAME.html; without one it is a title above the figures.
+done or None), images {view.label: limits}, hidden {element: whether} and tables {element: rows of cells}, a cell a text
+or a button {said, pressed, ask: what it orders}; the rest is for a script of its own, static/js/pages/NAME.js. Its
+section of the document is html/pages/NAME.html; without one it is a title above the figures.
 """
 
 import json
@@ -14,6 +15,7 @@ from pathlib import Path
 from bokeh.models import Column, Range1d
 
 from app.service.sweep import Sweep
+from app.service.wanted import Wanted
 from app.views.live import punch
 from app.views.plots import composed, views
 
@@ -26,21 +28,17 @@ PAGES = {  # name: (title, where its figures go)
     "matters": ("What matters", ()),
     "regimes": ("Map", ("map",)),
     "fit": ("Fit", ("curve", "residuals")),
+    "accuracy": ("Accuracy", ("seconds", "evaluations")),
 }
 SECTIONS = Path(__file__).parents[1] / "html" / "pages"
-FIGURE = '<figure><figcaption></figcaption><div class="view">{{{{ embed(roots.{}) }}}}</div></figure>'
 
 
 def section(name):
     """The section of a page in the document, as a template."""
     if (SECTIONS / f"{name}.html").exists():
         return (SECTIONS / f"{name}.html").read_text(encoding="utf-8")
-    title, slots = PAGES[name]
-    figures = "".join(FIGURE.format(f"{name}_{slot}") for slot in slots)
-    return f"""  <section id="{name}" class="sheet" aria-labelledby="{name}-title" hidden>
-    <h2 id="{name}-title">{title}</h2><div class="figures">{figures}</div>
-  </section>
-"""
+    figures = "".join(f'{{% call plot("{name}_{slot}") %}}{{% endcall %}}' for slot in PAGES[name][1])
+    return f'{{% call sheet("{name}") %}}<div class="figures">{figures}</div>{{% endcall %}}'
 
 
 def places():
@@ -50,10 +48,14 @@ def places():
 
 
 class Sheet:
-    """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so."""
+    """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so.
+
+    Workers are asked for many calls, shared by all visitors, in its `sweep`, and for one of its own by `wanted`.
+    """
 
     def __init__(self, session, publish, views):
         self.session, self.publish, self.views = session, publish, views
+        self.sweep, self.wanted = Sweep(session, self.take), Wanted(session)
 
     def start(self):
         """The page has been opened."""
@@ -68,25 +70,18 @@ class Sheet:
     def nearer(self, scene, origin):
         """A pickled Skeleton nearer to a scene than that of the Scene `origin` (None: there is none), if it has one."""
 
+    def take(self, call, result):
+        """A call of its sweep has been made."""
+
     def close(self):
-        """Leave no work behind."""
+        """Ask for nothing any longer."""
+        self.sweep.cancel()
+        self.wanted.forget()
 
     def draw(self, slot, label, **columns):
         """Give a part of a figure other data."""
         source = self.views[slot].parts[label].data_source
         source.data = dict(source.data) | columns
-
-
-class Swept(Sheet):
-    """A Sheet with calls for the workers in its `sweep`: `take(call, result)` is called as each is made."""
-
-    def __init__(self, *given):
-        super().__init__(*given)
-        self.sweep = Sweep(self.session, self.take)
-
-    def close(self):
-        """Ask for nothing any longer."""
-        self.sweep.cancel()
 
 
 def compose_all():

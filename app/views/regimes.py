@@ -5,6 +5,7 @@ as soon as the points around it are known, and what one visitor has asked for is
 """
 
 import pickle
+from math import dist, inf
 
 import holoviews as hv
 import numpy as np
@@ -12,9 +13,8 @@ from bokeh.models import FixedTicker
 from scipy.ndimage import distance_transform_edt
 
 from app.service import tasks
-from app.service.sweep import Sweep
 from app.views.pages import Sheet
-from app.views.plots import curve, dots, rendered
+from app.views.plots import curve, dots, picture, rendered
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
 from solver.analysis.maps.grid import corners
@@ -44,14 +44,14 @@ COLUMN, ROW = hv.Dimension("i", label="x"), hv.Dimension("j", label="y")
 def compose():
     """The map over numbers of columns and rows, for its axes may be logarithmic."""
     bounds = (-0.5, -0.5, COLUMNS - 0.5, ROWS - 0.5)
-    image = hv.Image(np.zeros((2, 2), dtype=np.float32), [COLUMN, ROW], "value", bounds=bounds, label="map")
-    image.opts(default_tools=[], cmap="cividis")
-    names = hv.Labels(([], [], []), [COLUMN, ROW], "name", label="names").opts(text_color="white")
-    elements = [image, curve("outline", COLUMN, ROW, line_width=3), names]
-    elements.append(dots("own", COLUMN, ROW, marker="diamond", size=14))
     figure = rendered(
         "regimes_map",
-        elements,
+        [
+            picture("map", COLUMN, ROW, "value", bounds=bounds, cmap="cividis"),
+            curve("outline", COLUMN, ROW, line_width=3),
+            hv.Labels(([], [], []), [COLUMN, ROW], "name", label="names").opts(text_color="white"),
+            dots("own", COLUMN, ROW, marker="diamond", size=14),
+        ],
         {"outline": "--cut", "own": "--cut"},
         x=(bounds[0], bounds[2]),
         y=(bounds[1], bounds[3]),
@@ -66,7 +66,6 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.sweep = Sweep(self.session, self._take)
         self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
         self.grid, self.known = None, {}  # {(i, j): (Point, Skeleton or None)}
         self.left = []  # (level, cell, its corners) not asked for yet
@@ -101,22 +100,10 @@ class Page(Sheet):
         if not self._holds(scene):
             return None
         here = self._place_of(scene)
-        off, nearest = min(
-            ((np.hypot(i - here[0], j - here[1]), k) for (i, j), (_, k) in self.known.items() if k is not None),
-            key=lambda one: one[0],
-            default=(np.inf, None),
-        )
-        return pickle.dumps(nearest) if off < self._off(here, origin) else None
-
-    def _off(self, here, origin):
-        if origin is None or not self._holds(origin):
-            return np.inf
-        there = self._place_of(origin)
-        return np.hypot(there[0] - here[0], there[1] - here[1])
-
-    def close(self):
-        """Ask for nothing any longer."""
-        self.sweep.cancel()
+        known = [(dist(place, here), skeleton) for place, (_, skeleton) in self.known.items() if skeleton is not None]
+        off, nearest = min(known, key=lambda one: one[0], default=(inf, None))
+        held = origin is not None and self._holds(origin)
+        return pickle.dumps(nearest) if off < (dist(self._place_of(origin), here) if held else inf) else None
 
     def _base(self, scene):
         """The scene with the map's own parameters where they do not matter; raises SceneError."""
@@ -150,7 +137,7 @@ class Page(Sheet):
             self.sweep.add([(tasks.map_tile, self.grid.tile(level, cell, self.known)) for level, cell, _ in ready])
         self.asking = False
 
-    def _take(self, call, result):
+    def take(self, call, result):
         """A tile is back from the workers."""
         pairs = self.grid.lost(call[1], str(result)) if isinstance(result, Exception) else result
         self.known |= {(point.i, point.j): (point, skeleton) for point, skeleton in pairs}
@@ -178,11 +165,9 @@ class Page(Sheet):
         if points:  # what is not known yet is as the nearest point that is
             nearest = tuple(distance_transform_edt(codes < 0, return_distances=False, return_indices=True))
             image, codes = image[nearest].astype(np.float32), codes[nearest]
-        view = self.views["map"]
-        source = view.parts["map"].data_source
-        source.data = dict(source.data) | {"image": [image]}
+        self.draw("map", "map", image=[image])
         low, high = (float(f(image)) if np.isfinite(image).any() else 0.0 for f in (np.nanmin, np.nanmax))
-        view.parts["map"].glyph.color_mapper.update(low=low, high=max(high, low + 1e-9))
+        self.views["map"].parts["map"].glyph.color_mapper.update(low=low, high=max(high, low + 1e-9))
         regimes = codes if self.grid.scene.path == "shear" else np.full_like(codes, -1)
         outline = outlines(regimes)
         self.draw("map", "outline", i=outline[0], j=outline[1])

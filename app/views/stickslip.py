@@ -12,7 +12,7 @@ from bokeh.models import FixedTicker
 from app.limits import INCREMENTS, increments_of
 from app.schema import FLATS
 from app.service import tasks
-from app.views.pages import Swept
+from app.views.pages import Sheet
 from app.views.plots import curve, dots, picture, rendered
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
@@ -81,7 +81,7 @@ def _map():
     return figure
 
 
-class Page(Swept):
+class Page(Sheet):
     """See pages.py."""
 
     def __init__(self, *given):

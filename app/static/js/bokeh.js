@@ -31,7 +31,7 @@ function dataOf(source) {
   return source.data
 }
 
-// {x, y} of the points of a curve or of dots, or {image, rows, columns, x, y, dw, dh} of an image; null of anything else
+// {x, y} of the points of a curve, of dots or of texts, then with these as `said`, or {image, rows, columns, x, y, dw, dh} of an image; null of anything else
 export function drawnBy(renderer) {
   if (!renderer.data_source) return null
   const data = dataOf(renderer.data_source), { x, y } = renderer.glyph
@@ -39,7 +39,7 @@ export function drawnBy(renderer) {
     const { shape: [rows, columns] } = data.image[0]
     return { image: data.image[0], rows, columns, x: data.x[0], y: data.y[0], dw: data.dw[0], dh: data.dh[0] }
   }
-  return x?.field && y?.field ? { x: data[x.field], y: data[y.field] } : null
+  return x?.field && y?.field ? { x: data[x.field], y: data[y.field], said: data[renderer.glyph.text?.field] } : null
 }
 
 // Values (rows, columns) as an image wants them: of the kind that came from the server
@@ -102,7 +102,7 @@ export function lookOf({ glyph }) {
 // The colour of what a renderer, a band or a line draws
 export function tint(part, value) {
   const model = part.glyph ?? part
-  for (const key of ["line_color", "fill_color"]) if (key in model) set(model, { [key]: value })
+  for (const key of ["line_color", "fill_color", "text_color"]) if (key in model) set(model, { [key]: value })
 }
 
 // Lines and marks so many times as thick as they were composed

@@ -1,6 +1,5 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the curves.
 
-import { openBench } from "./accuracy.js"
 import { moved, redo, undo, writeAddress } from "./address.js"
 import { onEvent } from "./bokeh.js"
 import { onHeard, order, waiting } from "./channel.js"
@@ -205,7 +204,6 @@ export function connect(positions, usual) {
   on("slow", "click", slowMotion)
   on("compare", "click", async () => (await import("./later/compare.js")).open())
   on("help", "click", KEYS["?"])
-  on("accuracy", "click", openBench)
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
   for (const dialog of document.querySelectorAll("dialog:not(#drawer)")) dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() }) // beside it

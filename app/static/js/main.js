@@ -1,6 +1,5 @@
 // The browser's half of the app. The server's page imports this file alone and calls `start` with the models.
 
-import * as accuracy from "./accuracy.js"
 import * as address from "./address.js"
 import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
@@ -44,7 +43,6 @@ export function start({ wire, figures, slots, told, index }) {
   glossary.connect(terms)
   status.connect({ looks, positions })
   pages.connect(plain(slots))
-  accuracy.connect()
   inputs.connect(positions, usual)
   connectLens(player.show)
   connectHand(positions)
@@ -55,7 +53,6 @@ export function start({ wire, figures, slots, told, index }) {
   channel.listen("chunk", player.receive)
   channel.listen("hand", player.follow)
   channel.listen("status", status.heard)
-  channel.listen("accuracy", accuracy.measured)
   channel.listen("page", pages.told)
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {

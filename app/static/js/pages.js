@@ -2,9 +2,8 @@
 // a module, with any of connect(), opened(), told(news), frame(run, k), painted(), closed().
 
 import { ask, order } from "./channel.js"
-import { by, offerTable, readdress } from "./dom.js"
+import { by, makeButton, makeRow, minus, offerTable, readdress } from "./dom.js"
 import { adopt, drawn, figures, forget, paint, shade } from "./figures.js"
-import * as arealaws from "./pages/arealaws.js"
 import * as fit from "./pages/fit.js"
 import * as law from "./pages/law.js"
 import * as matters from "./pages/matters.js"
@@ -13,7 +12,7 @@ import * as solid from "./pages/solid.js"
 import * as stickslip from "./pages/stickslip.js"
 import { me } from "./state.js"
 
-const modules = { law, stickslip, arealaws, solid, matters, regimes, fit }
+const modules = { law, stickslip, solid, matters, regimes, fit }
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
 let slots = {} // figure: where it goes
 let sheet = { open: "", figures: [] } // what the server said last of the page that is open
@@ -66,6 +65,8 @@ export function told(text) {
   }
   sheet = news
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
+  for (const id in sheet.hidden) by(id).hidden = sheet.hidden[id]
+  for (const id in sheet.tables) by(id).replaceChildren(...sheet.tables[id].map((cells) => makeRow(cells.map(cellOf))))
   shadeImages()
   for (const part of by(sheet.open)?.querySelectorAll("progress, [data-ask=cancel]") ?? []) {
     part.hidden = (sheet.busy ?? null) === null
@@ -74,6 +75,9 @@ export function told(text) {
   call("told", sheet)
   framePage()
 }
+
+const cellOf = (cell) => (typeof cell === "string" ? minus(cell)
+  : makeButton({ "aria-pressed": cell.pressed, onclick: () => ask(cell.ask) }, cell.said))
 
 // Until the figures are on screen, the page says so
 function awaitFigures(name) {

@@ -53,7 +53,7 @@ export function openTable(view) {
 }
 
 const GRID = [9, 9] // values of an image in its table, across and down
-const UNSAID = ["zero"] // lines that only guide the eye
+const UNSAID = /^(zero$|way |mark )/ // lines that only guide the eye, and dots that are named beside them
 const SAID = { // what is drawn on a page, where its label is not what it is called
   own: "on screen", low: "ultra low friction", stick: "nodes that stick", slip: "nodes past the peak", open: "free nodes",
   law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8", onsets: "onset", exact: "exact",
@@ -66,9 +66,9 @@ const called = (label) => SAID[label]
 export function openData(name, title) {
   const { below: [across], left: [up] } = figures[name], rows = []
   for (const [label, part] of Object.entries(parts[name])) {
-    const drawn = UNSAID.includes(label) ? null : drawnBy(part)
+    const drawn = UNSAID.test(label) ? null : drawnBy(part)
     if (drawn?.image) rows.push(...grid(drawn).map((cells) => [called(label), ...cells]))
-    else for (let i = 0; i < (drawn?.x.length ?? 0); i++) rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), ""])
+    else for (let i = 0; i < (drawn?.x.length ?? 0); i++) rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), drawn.said?.[i] ?? ""])
   }
   const valued = rows.some((cells) => cells[3])
   const headings = ["what", across.axis_label, up.axis_label, ...(valued ? ["value"] : [])]
@@ -84,14 +84,6 @@ function grid({ image, rows, columns, x, y, dw, dh }) {
     }
   }
   return cells
-}
-
-// What was measured of accuracy
-export function openMeasured(points) {
-  open({
-    title: "Accuracy", headings: ["method", "tolerance (nm)", "relative error", "seconds", "force evaluations"],
-    rows: points.map((p) => [p.series, p.tolerance.toExponential(0), p.error.toExponential(1), short(p.seconds), p.evaluations]),
-  })
 }
 
 function open({ title, headings, rows }) {

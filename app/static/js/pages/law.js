@@ -3,7 +3,7 @@
 import { by } from "../dom.js"
 import { fill } from "../figures.js"
 
-let law = null // its numbers, of the scene on screen
+let law = null // {spacing, peak: where sticking ends, nm} of the scene on screen
 
 export const told = (news) => { law = news.law }
 export const closed = () => { law = null }

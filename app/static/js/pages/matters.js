@@ -6,6 +6,7 @@ import { by, digits, make, makeButton, minus, on } from "../dom.js"
 import { figures, fill } from "../figures.js"
 import { inks } from "../pen.js"
 import { leaveBehind, me } from "../state.js"
+import { inWords } from "../truth.js"
 import { forceUnit } from "../words.js"
 
 const MORE = 1.05 // times the value, that a click asks for
@@ -71,7 +72,6 @@ function drawBand(run, there) {
   }
 }
 
-const said = (name) => document.querySelector(`label[for="${name}-entry"]`)?.firstChild.textContent.trim() || name
 const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ? "0" : Math.abs(value).toFixed(2)} %`
 
 function draw() {
@@ -83,14 +83,14 @@ function draw() {
     const bar = make("i", { className: value < 0 ? "less" : "more" })
     bar.style.setProperty("--part", Math.abs(value) / most)
     return makeButton({ title: `${minus(found.values[name])}, five per cent more`, onclick: () => raise(name) },
-      make("span", {}, said(name) + (found.values[name] === 0 ? " (by 0.01)" : "")), bar, make("b", {}, signed(value)))
+      make("span", {}, inWords(name) + (found.values[name] === 0 ? " (by 0.01)" : "")), bar, make("b", {}, signed(value)))
   }))
   tellBand(rows.map(([, value]) => value))
 }
 
 // What is left of the first slip if no parameter is known exactly: independent normal deviations, linearly
 function tellBand(shares) {
-  const spread = Number(by("matters-spread").value), of = document.querySelector("#matters-of :checked").parentElement.textContent
+  const spread = percent(), of = document.querySelector("#matters-of :checked").parentElement.textContent
   const wide = WIDE * spread * Math.hypot(...shares)
   by("matters-band").textContent = shares.length && spread > 0 ? `(one standard deviation): ${of} is known to ± ${Number(wide.toPrecision(2))} %, 95 times in 100.` : ""
 }
@@ -106,13 +106,12 @@ export function frame(run, k) {
   drawBand(run, !run.normal && !run.approaching(k))
   const box = found && !run.head.flat ? frameBox(figures.punch) : null
   if (!box) return
-  const { x } = run.frame(k), { first } = run.headOf(k), { x_range, y_range } = figures.punch, { nodes } = found, ink = inks()
-  const most = Math.max(...nodes.map(Math.abs), 1e-12), pen = by("story").getContext("2d")
-  const ground = box.top + (y_range.end / (y_range.end - y_range.start)) * box.height, wide = Math.max(2, (0.7 * box.width * run.head.spacing) / (x_range.end - x_range.start))
+  const { x } = run.frame(k), { first } = run.headOf(k), { nodes } = found, ink = inks(), pen = by("story").getContext("2d")
+  const most = Math.max(...nodes.map(Math.abs), 1e-12), wide = Math.max(2, 0.7 * box.across * run.head.spacing)
   x.forEach((at, i) => {
     const share = nodes[first + i - found.first] ?? 0, high = (Math.abs(share) / most) * HIGH
     if (high < 0.5) return
     pen.fillStyle = share > 0 ? ink.shear : ink.slip
-    pen.fillRect(box.left + ((at - x_range.start) / (x_range.end - x_range.start)) * box.width - wide / 2, ground + 3, wide, high)
+    pen.fillRect(box.X(at) - wide / 2, box.Y(0) + 3, wide, high)
   })
 }

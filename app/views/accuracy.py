@@ -1,0 +1,123 @@
+"""The page "Accuracy": error against run time and force evaluations, by each method, for the scene on screen.
+
+A process of its own measures (service/bench.py), also while the page is closed, until another scene is on screen.
+"""
+
+from math import ceil, floor, log10
+
+import holoviews as hv
+from bokeh.models import FixedTicker
+
+from app.views.pages import Sheet
+from app.views.plots import curve, dots, rendered
+
+SERIES = {  # method: marker, colour; px by which a tolerance stands beside its point, and how it is aligned there
+    "fast": ("circle", "--repulsive", 9, -6, "left"),
+    "gfmd": ("square", "--adhering", 9, -6, "left"),
+    "gfmd mass-weighted": ("triangle", "--shear", 7, 16, "left"),
+    "FIRE": ("diamond", "--slip", -9, -6, "right"),
+}
+WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", "1")}
+ERROR = hv.Dimension("error", label="relative error", unit="1")
+
+
+def compose():
+    """Both figures, on logarithmic axes."""
+    return [_figure(name, hv.Dimension(name, label=label, unit=unit)) for name, (label, unit) in WORK.items()]
+
+
+def _figure(name, work):
+    elements, colours, log = [], {"astray": "--text"}, {"logx": True, "logy": True}
+    for series, (marker, colour, *_) in SERIES.items():
+        elements += [
+            curve(f"way {series}", work, ERROR, line_width=2, **log),
+            dots(f"mark {series}", work, ERROR, "said", said=[("", "@said")], marker=marker, size=9),
+            hv.Labels(([], [], []), [work, ERROR], "text", label=series),
+        ]
+        colours |= dict.fromkeys((f"way {series}", f"mark {series}", series), colour)
+    elements.append(dots("astray", work, ERROR, marker="x", size=16))
+    figure = rendered(f"accuracy_{name}", elements, colours)
+    figure.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
+    for part in figure.renderers:
+        if (series := part.name.split(".")[1]) in SERIES:
+            *_, right, down, align = SERIES[series]
+            part.glyph.update(x_offset=right, y_offset=down, text_align=align, text_font_size="12px")
+    return figure
+
+
+class Page(Sheet):
+    """See pages.py."""
+
+    def start(self):
+        """What was measured is there again."""
+        self.session.bench.hear = self._hear
+        self._hear()
+
+    def scene_changed(self):
+        """Another scene would be measured now; what was measured stays."""
+        self._tell()
+
+    def order(self, values):
+        """Measure, or cancel."""
+        if values.get("what") == "measure":
+            self.session.bench.begin(self.session.scene)
+        elif values.get("what") == "cancel":
+            self.session.bench.cancel()
+
+    def close(self):
+        """It goes on being measured."""
+        self.session.bench.hear = None
+        super().close()
+
+    def _hear(self):
+        self._draw(self.session.bench.told.get("points", ()))
+        self._tell()
+
+    def _tell(self):
+        told, now = self.session.bench.told, _said(self.session.scene)
+        state, why, before = told.get("state"), told.get("why", ""), _said(told.get("scene", self.session.scene))
+        busy = told["progress"] if state in ("waiting", "measuring") else None
+        text = {
+            None: "takes 10 s to 2 minutes",
+            "waiting": "getting ready, or waiting for another visitor's measurement",
+            "measuring": f"{busy or 0.0:.0%}",
+        }.get(state, f"{state}: {why}" if why else state)
+        text += f", with {before}" if busy is None and before != now else ""
+        texts = {"scene": now, "state": text, "sentence": told.get("sentence", "")}
+        texts |= {"others": " ".join(told.get("others", ()))}
+        self.publish(busy=busy, texts={f"accuracy-{name}": text for name, text in texts.items()})
+
+    def _draw(self, points):
+        for work in WORK:
+            for series in SERIES:
+                of = [point for point in points if point["series"] == series]
+                place = {name: [point[name] for point in of] for name in (work, "error")}
+                self.draw(work, f"way {series}", **place)
+                self.draw(work, f"mark {series}", **place, said=[_point(point) for point in of])
+                self.draw(work, series, **place, text=[_power(point["tolerance"]) for point in of])
+            astray = [point for point in points if point["astray"]]
+            self.draw(work, "astray", **{name: [point[name] for point in astray] for name in (work, "error")})
+            figure = self.views[work].figure
+            for axis, name, least in ((figure.x_range, work, 2), (figure.y_range, "error", 3)):
+                low, high = _decades([point[name] for point in points], least)
+                axis.update(start=low, end=high)
+
+
+def _decades(values, least):
+    """Powers of ten that hold the values, at least `least` apart."""
+    low, high = log10(min(values, default=1.0)) - 0.2, log10(max(values, default=1.0)) + 0.2
+    return 10.0 ** min(floor(low), ceil(high) - least), 10.0 ** ceil(high)
+
+
+def _said(scene):
+    return f"δ/δ₀ = {scene.delta_bar:g}, φₜ/φₙ = {scene.phi_ratio:g}, E = {scene.E:g} GPa".replace("-", "−")
+
+
+def _point(p):
+    work = f"{p['seconds']:.2g} s, {p['evaluations']} evaluations"
+    return f"{p['series']}, tolerance {_power(p['tolerance'])} nm: error {_power(p['error'])}, {work}"
+
+
+def _power(value):
+    """A value in one digit, as 1e−5."""
+    return f"{value:.0e}".replace("e-0", "e-").replace("-", "−")
