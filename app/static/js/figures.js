@@ -20,6 +20,7 @@ const TO_SCALE = 0.02 // a difference that nobody sees
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const THICK = 2.5 // times, for a projector
 const LONG = 11 // times the size of the text: as high as a view must be for a long title of its axis
+const SHORT = 6 // the same for one of a few letters
 const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
 
 export function adopt(name, figure) {
@@ -101,7 +102,7 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 // What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame];
 // whether a run is among these
 export const overlays = { curves: () => [], drawn: () => {}, punches: () => [], has: () => false }
-let curvesDrawn = { label: "F, L (N/m)" } // {ghost, label, approach} as they were drawn
+let curvesDrawn = { label: "F, L (N/m)", text: "N/m" } // {ghost, label, text, approach} as they were drawn
 const NOTHING = { along: [], value: [] }
 const APART = "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. "
   + "Press the punch farther down."
@@ -118,10 +119,11 @@ export function drawCurves(run, ghost, approach) {
     if (!same) curve(view, `ghost_${line}`, ghost, name)
     curve(view, line, run, name)
   }
-  if (label !== curvesDrawn.label) nameForces(unit)
   document.querySelector(".page").dataset.ghost = ghost !== null
   nameGhost(run, ghost)
-  curvesDrawn = { ghost, label, approach }
+  const renamed = label !== curvesDrawn.label
+  curvesDrawn = { ghost, label, text: unit.text, approach }
+  if (renamed) nameForces(unit)
   const along = run.normal || approach, [start, end] = run.extent(approach)
   const room = start < end ? 0 : 1 // nm, where nothing is walked
   set(figures.forces.x_range, { start: start - room, end: end + room })
@@ -174,10 +176,15 @@ function retell(view, change) {
 
 // The unit of forces, on the axis and beside the mouse
 const labelOf = ({ symbols, text, over = "" }) => `${symbols.F}, ${symbols.L} (${text}${over})`
-function nameForces(unit) {
-  const { symbols, text } = unit
-  set(figures.forces.left[0], { axis_label: labelOf(unit) })
+function nameForces({ symbols, text }) {
+  labelForces()
   retell("forces", (where, [symbol]) => [where, [symbols[symbol[0]], `@value{0.000} ${text}`]])
+}
+
+// In full where there is room: symbols stand in the legend as well
+function labelForces() {
+  const room = figures.forces.inner_height > SHORT * parseFloat(colour("--plot-text"))
+  set(figures.forces.left[0], { axis_label: room ? curvesDrawn.label : curvesDrawn.text })
 }
 
 // Curves are drawn along U_x, or along delta
@@ -331,6 +338,7 @@ export function paint() {
   }
   const room = figures.map.inner_height > LONG * size // for a title in full
   set(figures.map.left[0], { axis_label: room ? "x, undeformed (nm)" : "x (nm)" })
+  labelForces()
   shareAxis()
 }
 
