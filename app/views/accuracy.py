@@ -17,8 +17,8 @@ SERIES = {  # method: marker, colour; px by which a tolerance stands beside its 
     "gfmd mass-weighted": ("triangle", "--shear", 7, 16, "left"),
     "FIRE": ("diamond", "--slip", -9, -6, "right"),
 }
-WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", "1")}
-ERROR = hv.Dimension("error", label="relative error", unit="1")
+WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", None)}
+ERROR = hv.Dimension("error", label="relative error")
 
 
 def compose():
