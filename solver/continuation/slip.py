@@ -34,6 +34,8 @@ class Limits:
     crawl_longest: float = 256.0
     # units of residual and swing below which Anderson steps look for the rest, 0.3 times as much each time they fail;
     landing: float = 0.03  # from 0.1 on they reach other rests than the motion
+    # changes of a node at the edge of the window, after which it stays as it is, lest it swing on
+    come_and_go: int = 10
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
     # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
@@ -42,7 +44,10 @@ class Limits:
     raised: float = 1e-2
     raised_least: float = 1e-4  # units
     raised_most: float = 1e-3  # units; by more, surfaces slide on and on
-    budget: int = 60_000  # steps of one motion; the longest of the slider box takes 8,000. The load rises by 6 units
+    farthest: float = 5.0  # units by which the load may be raised
+    # steps of one motion: 8,000 are the most in the slider box, but with 60,000 a twentieth of the atlas gives up, very
+    # soft layers that let go
+    budget: int = 250_000
     diverged: float = 1e9  # units of displacement; or stiffness of the interaction over the closed one
 
 
@@ -129,6 +134,7 @@ class _Passage:
     def _of(self, problem):
         """Room for what is known of each unknown."""
         self.problem, self.ahead, self._r = problem, np.zeros(problem.size), np.empty(problem.size)
+        self._changes = np.zeros(self.active.size, int)
 
     def step(self):
         """Some steps of the motion, adapted to the interaction here, and about where the state will be then."""
@@ -159,8 +165,11 @@ class _Passage:
         if not np.abs(self.v).max() < LIMITS.diverged * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
-        before, self.active = self.active, self.problem.active(self.v, self.load)
-        if (self.active != before).any():
+        now = self.problem.active(self.v, self.load)
+        changed = now != self.active
+        if changed.any():
+            self._changes += changed
+            self.active = np.where(self._changes > LIMITS.come_and_go, self.active, now)
             self._grow()
         self.worst = self.problem.residual(self.v, self.active, self.load, self._r)
         self.starting = self._near_end(self.v)
@@ -231,7 +240,7 @@ class _Passage:
 
     def check(self):
         """Raises Restless or NotConverged where going on makes no sense."""
-        if self.steps > LIMITS.budget and self.load > self.end.load:
+        if self.load > self.end.load + LIMITS.farthest * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self.worst:.2g} nm")
         if self.steps > LIMITS.budget:
             raise NotConverged(f"still moving, residual {self.worst:.2g} nm, after {LIMITS.budget} steps")
