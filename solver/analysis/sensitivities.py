@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..following.branch import Branch
+from ..continuation.interpolation import lagrange
+from ..following.branch import STENCIL, Branch
 from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
 from ..run.frame import SlipEvent
@@ -20,9 +21,10 @@ from ..scene import Scene
 from .fold import sharpened
 from .outputs import explicit, gradients, over_own, values
 from .partial import Change, continuous
-from .tangent import Solves, Tangent, across, along
+from .tangent import ACCURACY, Solves, Tangent, across, along
 
 Floats = NDArray[np.float64]
+ALONG = 1e-7  # accuracy of solves at states of a branch, which are told to 1e-5
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,18 @@ def _moved_on(skeleton, fold, turns):
     return SlipSensitivity(moved, by, fold.nodes)
 
 
+def _ahead(every, n, fold):
+    """[x (3, size)] of the next of n even states, extrapolated from `every` (duals, x) before it, or []."""
+    known = [x for _, x in every[-STENCIL:]]
+    if not known:
+        return []
+    i = len(every)
+    # towards a fold x grows as one over what is left of t
+    left = [n - 1 - j if fold else 1 for j in range(i - len(known), i + 1)]
+    weights = lagrange(range(i - len(known), i), i)
+    return [sum(weight * part / left[-1] * x for weight, part, x in zip(weights, left, known, strict=False))]
+
+
 class _Known:
     """What the states of a Skeleton share: the Contact, the Changes, and under a held load that of p_0."""
 
@@ -144,19 +158,23 @@ class _Known:
             self.pressure_by = np.array([np.sum(dual * dT) + x @ rest_R for (dT,), (rest_R,) in parts])
             self.pressure_nodes = (dual * rest.T).sum(axis=0)
 
-    def settled(self, v, active, load, held):
+    def settled(self, v, active, load, held, accuracy=ACCURACY):
         """(Tangent, Solves) at the state next to v, by a step of Newton's."""
         tangent = Tangent(self.contact, v, active, held)
-        solves = Solves(tangent)
+        solves = Solves(tangent, accuracy=accuracy)
         residual = tangent.residual(load, self.height, self.pressure)
         if np.abs(residual).max() <= self.scene.tolerance:
             return tangent, solves
         tangent = Tangent(self.contact, v + solves(residual), active, held)
-        return tangent, Solves(tangent)
+        return tangent, Solves(tangent, accuracy=accuracy)
 
-    def duals(self, tangent, solves, gradients):
-        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T."""
-        x = np.array([solves(tangent.flat(across(tangent.J, one)), transposed=True) for one in gradients])
+    def duals(self, tangent, solves, gradients, guess=(None, None, None)):
+        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T.
+
+        guess: of x (k, size).
+        """
+        sides = [tangent.flat(across(tangent.J, one)) for one in gradients]
+        x = np.array([solves(b, True, begun) for b, begun in zip(sides, guess, strict=False)])
         return np.array([one + tangent.dual(part) for one, part in zip(gradients, x, strict=True)]), x
 
     def parts(self, tangents, held):
@@ -181,9 +199,9 @@ class _Known:
         share = (found[0] - branch.start) / (branch.end - branch.start)
         tangents, every = [], []
         for i in range(n - (fold is not None)):
-            tangent, solves = self.settled(branch.v[i], branch.active[i], found[0, i], self.held)
+            tangent, solves = self.settled(branch.v[i], branch.active[i], found[0, i], self.held, ALONG)
             found[1:, i] = values(self.scene, tangent.T)
-            duals, x = self.duals(tangent, solves, gradients(self.scene, tangent.T))
+            duals, x = self.duals(tangent, solves, gradients(self.scene, tangent.T), *_ahead(every, n, fold))
             slope[:, i] = x @ tangent.direction
             tangents.append(tangent)
             every.append((duals, x))

@@ -101,22 +101,24 @@ class Solves:
 
     By iterations, whose products are kept; where these do not lead there, by LAPACK, up to MOST nodes. Raises
     NotFollowed beyond. near: Solves of a state close by, whose factors, if it has any, make the iterations short.
+    accuracy: residual over right side.
     """
 
-    def __init__(self, tangent, column=None, row=None, near=None):
-        self.tangent, self.column, self.row = tangent, column, row
+    def __init__(self, tangent, column=None, row=None, near=None, accuracy=ACCURACY):
+        self.tangent, self.column, self.row, self.accuracy = tangent, column, row, accuracy
         self.size, self._lu = tangent.size + (column is not None), None
         self._near = near and (near._lu or near._near)
         self._by_iterations = {}
 
     def __call__(self, b, transposed=False, guess=None):
         """x (size,) for b (size,); guess: where iterations begin, as from zero none leads to a b that is all border."""
-        product = self._transposed if transposed else self._product
+        product, wanted = self._transposed if transposed else self._product, self.accuracy * np.linalg.norm(b)
         if self._lu is None:
-            x = self._iterated(product, b, transposed) if guess is None else guess
-            if guess is not None:
-                x = x + self._iterated(product, b - product(x), transposed)
-            if np.linalg.norm(product(x) - b) <= 10.0 * ACCURACY * np.linalg.norm(b):
+            x = np.zeros_like(b) if guess is None else guess
+            r = b if guess is None else b - product(x)
+            if (size := np.linalg.norm(r)) > wanted:
+                x = x + self._iterated(product, r, transposed, wanted / size)
+            if np.linalg.norm(product(x) - b) <= 10.0 * wanted:
                 return x
             if self.tangent.m > MOST:
                 raise NotFollowed(f"a linear solve with {self.tangent.m} nodes does not converge")
@@ -124,13 +126,13 @@ class Solves:
         x = lu_solve(self._lu, b, trans=int(transposed), check_finite=False)
         return x + lu_solve(self._lu, b - product(x), trans=int(transposed), check_finite=False)
 
-    def _iterated(self, product, b, transposed):
+    def _iterated(self, product, b, transposed, accuracy):
         def smooth(r):
             return lu_solve(self._near, r, trans=int(transposed), check_finite=False)
 
         if transposed not in self._by_iterations:
             self._by_iterations[transposed] = Inverse(self.size).of_tangent(product, smooth if self._near else None)
-        return self._by_iterations[transposed].solve(b, ACCURACY)
+        return self._by_iterations[transposed].solve(b, accuracy)
 
     def _product(self, x):
         if self.column is None:
