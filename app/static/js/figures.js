@@ -20,7 +20,7 @@ const TO_SCALE = 0.02 // a difference that nobody sees
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const THICK = 2.5 // times, for a projector
 const LONG = 11 // times the size of the text: as high as a view must be for a long title of its axis
-const SHORT = 6 // the same for one of a few letters
+const SHORT = 5 // the same for one of a few letters
 const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
 
 export function adopt(name, figure) {
