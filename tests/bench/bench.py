@@ -193,8 +193,6 @@ def main():
     parser.add_argument("--json", metavar="FILE")
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
-    for length in (512, 640, 768, 1024):
-        transforms(length, measure=True)
     for method in ("fast", "gfmd"):
         list(load_path(Scene(nodes=128, width=312.5, radius=20.0, u_x_max=16.0, tolerance=1e-6), method))
     head = f"{'':18}{'':4}{'known states reused':>28}{'everything solved':>28}{'error of F':>19}{'gfmd takes x':>15}"
