@@ -101,11 +101,12 @@ function drawEdges(view) {
   const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
   const start = run.sheared >= 0 && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
-  if (!start || y + 0.8 * size() + row > bottom) return
-  const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b], low = y + 0.8 * size() + row
+  if (!start) return
+  const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b]
+  const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too
   const told = peeled.map((sites) => Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go by" : "gained"} ${Math.abs(sites).toFixed(1)} sites`)
-  if (told[0]) write(view, told[0], Math.min(left, X(0) - 20), low, { align: "right" })
-  if (told[1]) write(view, told[1], Math.max(right, X(0) + 20), low, { align: "left" })
+  if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right" })
+  if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left" })
 }
 
 function bracket({ pen, ink }, [left, right], y) {
