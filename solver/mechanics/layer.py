@@ -124,7 +124,7 @@ def transforms(length):
     """(before, after, spectrum, forward, backward): real rows (2, length), their spectrum, and two calls.
 
     forward() fills spectrum from before; backward() fills after, times length, and destroys spectrum. By FFTW's
-    estimate: plans that it has measured save 3 % of a run at most.
+    estimate: what plans that it has measured save of a run is about its noise.
     """
     with _planning:
         before, after = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))
