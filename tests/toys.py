@@ -82,11 +82,11 @@ class Disturbed:
     """The Linearised of a Toy: the unknowns, of unit mass."""
 
     def __init__(self, problem, v):
-        self.problem, self.v, self.size = problem, v, problem.size
+        self.problem, self.size = problem, problem.size
         self._matrix = problem.J(v) - problem.k * np.eye(problem.size)
 
-    def product(self, x):
-        self.problem.evaluations += 1
+    def product(self, x, layered=None):
+        self.problem.evaluations += layered is None
         return self._matrix @ x
 
     def tangent(self, w):
@@ -96,9 +96,6 @@ class Disturbed:
     def inverse(self, solve, f):
         x = solve(-f / self.problem.k)
         return x, self.problem.k * x
-
-    def interaction(self, x):
-        return self.problem.J(self.v) @ x
 
     def seen(self, x):
         return x.copy()

@@ -69,7 +69,7 @@ class Space:
         k = self.rows
         if not orthonormalise(self._v, k, x.copy(), self._k, layered.copy()):
             return
-        self._w[k] = self._here.interaction(self._v[k]) - self._k[k]
+        self._w[k] = self._here.product(self._v[k], self._k[k])
         self.rows += 1
         self._matrix[: k + 1, k] = self.vectors @ self._w[k]
         self._matrix[k, :k] = self._w[:k] @ self._v[k]

@@ -18,8 +18,8 @@ class Linearised(Protocol):
     size: int  # N
     noise: np.ndarray  # (N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.most`
 
-    def product(self, x):
-        """(J - K) x, (N,), a new array."""
+    def product(self, x, layered=None):
+        """(J - K) x, (N,), a new array; layered: K x, where that is known."""
 
     def tangent(self, w):
         """dR/dv w, (size of the problem,), a new array."""
@@ -27,9 +27,6 @@ class Linearised(Protocol):
     def inverse(self, solve: Callable, f):
         """(x, K x), (N,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w. K x is exact even if
         `solve` is not. For N > `rest.LIMITS.most`."""
-
-    def interaction(self, x):
-        """J x, (N,), a new array. For N > `rest.LIMITS.most`."""
 
     def seen(self, x):
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""

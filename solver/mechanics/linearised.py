@@ -33,11 +33,13 @@ class Linearised:
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
         return self.contact.product(self.J, w.reshape(2, -1))[0].reshape(-1) - w
 
-    def product(self, x):
-        """(J - K) x, (size,), a new array; counts as a force evaluation."""
+    def product(self, x, layered=None):
+        """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""
         surface, field = self.surface, x.reshape(2, -1)
-        self.contact.evaluated()
-        out = -surface.through(field, surface.operators[0])
+        if layered is None:
+            self.contact.evaluated()
+            layered = surface.through(field, surface.operators[0])
+        out = -layered.reshape(2, -1)
         add_product(self.J, field[:, surface.patch], out[:, surface.patch])
         return out.reshape(-1)
 
@@ -69,13 +71,6 @@ class Linearised:
 
     def _raised(self, w, x, force):
         """Add the displacement of the top to that of the surface against it, x (2, n), which bears `force` (2, n)."""
-
-    def interaction(self, x):
-        """J x, (size,), a new array."""
-        out = np.zeros_like(x)
-        part = self.surface.patch
-        add_product(self.J, x.reshape(2, -1)[:, part], out.reshape(2, -1)[:, part])
-        return out
 
     def safe_damping(self, known=(0.0, None)):
         """(damping over critical above which no wave can flutter, J_xz - J_zx (m,) that it is for), by `flutter`.
