@@ -48,9 +48,8 @@ class Change:
 
     @staticmethod
     def of(scene: Scene, name: str) -> "Change":
-        """That of one of the `continuous` parameters."""
+        """That of one of the `continuous` parameters; of no effect is the tolerance: at its highest, none is refused."""
         value, known = getattr(scene, name), LIMITS[name]
-        scene = scene.changed(tolerance=LIMITS["tolerance"].high)  # of no effect here; never below what is attainable
         size = abs(value) or min(1.0, known.high)
         for low, high in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
             try:

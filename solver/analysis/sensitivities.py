@@ -17,7 +17,7 @@ from ..following.branch import STENCIL, Branch
 from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
 from ..run.frame import SlipEvent
-from ..scene import Scene
+from ..scene import LIMITS, Scene
 from .fold import sharpened
 from .outputs import explicit, gradients, over_own, values
 from .partial import Change, continuous
@@ -144,7 +144,8 @@ class _Known:
         scene = self.scene
         self.held, self.height = scene.hold == "load", -scene.delta
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)
-        self.changes = [Change.of(scene, name) for name in (continuous(scene) if names is None else names)]
+        loose = scene.changed(tolerance=LIMITS["tolerance"].high)
+        self.changes = [Change.of(loose, name) for name in (continuous(scene) if names is None else names)]
         self.pressure, self.pressure_by = 0.0, np.zeros(len(self.changes))
         self.pressure_nodes = np.zeros(skeleton.nodes)  # by the strength of each node of the patch
         if self.held:

@@ -117,8 +117,9 @@ class Solves:
             x = np.zeros_like(b) if guess is None else guess
             r = b if guess is None else b - product(x)
             if (size := np.linalg.norm(r)) > wanted:
-                x = x + self._iterated(product, r, transposed, wanted / size)
-            if np.linalg.norm(product(x) - b) <= 10.0 * wanted:
+                more, r = self._iterated(product, r, transposed, wanted / size)
+                x = x + more
+            if np.linalg.norm(r) <= 10.0 * wanted:
                 return x
             if self.tangent.m > MOST:
                 raise NotFollowed(f"a linear solve with {self.tangent.m} nodes does not converge")
@@ -132,7 +133,7 @@ class Solves:
 
         if transposed not in self._by_iterations:
             self._by_iterations[transposed] = Inverse(self.size).of_tangent(product, smooth if self._near else None)
-        return self._by_iterations[transposed].solve(b, accuracy)
+        return self._by_iterations[transposed].reduced(b, accuracy)
 
     def _product(self, x):
         if self.column is None:

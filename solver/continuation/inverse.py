@@ -24,6 +24,10 @@ class Inverse:
 
     def solve(self, b, accuracy=ACCURACY):
         """w (size,) with A w = b, to |A w - b| <= accuracy |b| or as near as MOST products lead."""
+        return self.reduced(b, accuracy)[0]
+
+    def reduced(self, b, accuracy=ACCURACY):
+        """The same w, and b - A w."""
         w, r = np.zeros(self.size), b.copy()
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
@@ -33,7 +37,7 @@ class Inverse:
                 break
             self.rows += 1
             _share(self._z, self._q, self.rows - 1, self.rows, w, r)
-        return w
+        return w, r
 
 
 class Space:
