@@ -2,7 +2,7 @@
 // browser's history, so that Back undoes.
 
 import { order } from "./channel.js"
-import { by, on, readdress } from "./dom.js"
+import { by, lastSearch, on, readdress } from "./dom.js"
 import { leaveBehind, me, onFrame } from "./state.js"
 
 const VERSION = "1" // of what the names in an address mean
@@ -46,14 +46,12 @@ export function writeAddress() {
   const { address } = me.status, text = JSON.stringify(address)
   if (text === written) return
   const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.moves === hand.written
-  const url = new URL(location.href)
-  for (const name of sceneNames()) url.searchParams.delete(name)
-  for (const name in address) url.searchParams.set(name, address[name])
-  if (written === null || sameMove) history.replaceState({ entry }, "", url)
-  else {
-    top = ++entry
-    history.pushState({ entry }, "", url)
-  }
+  const push = written !== null && !sameMove
+  if (push) top = ++entry
+  readdress((now) => {
+    for (const name of sceneNames()) now.delete(name)
+    for (const name in address) now.set(name, address[name])
+  }, { entry }, push)
   written = text
   hand.written = hand.moves
   tellHistory()
@@ -76,16 +74,15 @@ export function restore(scene, k = null) {
   order("restore", scene)
 }
 
-let seen = [] // what an address says beside the scene, as it is now: going back changes the scene alone
-const VIEWED = ["page", "theme", "embed", "tour", "view", "pin"]
+const VIEWED = ["page", "theme", "embed", "tour", "view", "pin", "force"] // beside the scene: going back leaves them as they are
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
   entry = event.state.entry
-  const k = asked()
+  const k = asked(), seen = [...new URLSearchParams(lastSearch())]
   readdress((now) => {
     for (const name of VIEWED) now.delete(name)
-    for (const [name, text] of seen) now.append(name, text)
+    for (const [name, text] of seen) if (VIEWED.includes(name)) now.append(name, text)
   })
   written = null
   restore(sceneOf(location.search), k)
@@ -95,7 +92,6 @@ function popped(event) {
 // With every frame that is drawn: the increment at rest goes into the address
 function drawn(run, k) {
   const url = new URLSearchParams(location.search)
-  seen = [...url].filter(([name]) => VIEWED.includes(name))
   clearTimeout(resting)
   if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
   if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || run.followed || me.status.state === "refining") return

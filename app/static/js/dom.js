@@ -29,11 +29,14 @@ export function say(id, text) {
 // Write what an element says, if it says another thing
 export const tell = (element, text) => { if (element.textContent !== text) element.textContent = text }
 
-// Change the parameters of the address in the browser's bar
-export function readdress(change) {
+// Change the parameters of the address in the browser's bar; push: as another entry of its history
+let written = location.search
+export const lastSearch = () => written // what it said before the browser went back
+export function readdress(change, state = history.state, push = false) {
   const address = new URL(location.href)
   change(address.searchParams)
-  if (address.href !== location.href) history.replaceState(history.state, "", address)
+  if (push || address.href !== location.href || state !== history.state) history[push ? "pushState" : "replaceState"](state, "", address)
+  written = address.search
 }
 
 // An element with properties, attributes where they have a hyphen, and `data` of its own; and what it holds
