@@ -77,7 +77,8 @@ class Tabs:
         self.contexts, self.problems, self.asked = [], [], []
 
     def open(self, query="", **options):
-        context = self.browser.new_context(viewport=DESKTOP, **options)
+        # a run that plays on and on takes a core of its own where no graphics card draws: only for who asks, see PLAYING
+        context = self.browser.new_context(**{"viewport": DESKTOP, "reduced_motion": "reduce"} | options)
         self.contexts.append(context)
         context.set_default_timeout(PATIENCE)
         # as for one who was in the laboratory last, where all tools are in sight; ?view=hero shows the first screen

@@ -13,6 +13,7 @@ from playwright.sync_api import TimeoutError as TookTooLong
 
 ROOT = Path(__file__).parent.parent
 PATIENCE = 150_000  # ms; a limit against hanging, not a claim about speed
+PLAYING = {"reduced_motion": "no-preference"}  # options of a tab in which runs play on and on
 SETTLE = 30_000  # ms for what is laid out anew; after that a fault is one
 TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
 FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"

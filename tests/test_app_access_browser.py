@@ -4,7 +4,7 @@ import re
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from served import PATIENCE, finished, laid_out
+from served import PATIENCE, PLAYING, finished, laid_out
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 # in a sentence a word is as low as its line (WCAG 2.5.8)
@@ -24,7 +24,6 @@ def found_by_axe(page):
 def test_axe_finds_nothing_on_the_page_and_in_its_drawer(visit):
     page = visit("?theme=light&E=7000")  # with a note
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     assert not found_by_axe(page)
     page.get_by_role("button", name="Parameters").click()
     page.fill("#nodes-entry", "3")
@@ -38,7 +37,6 @@ def test_axe_finds_nothing_on_the_page_and_in_its_drawer(visit):
 def test_axe_finds_nothing_in_any_sheet_or_view(visit, theme):
     page = visit(f"?theme={theme}")
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     for button, sheet in (
         ("#take", "#share"),
         ("#compare", "#numbers"),
@@ -80,7 +78,7 @@ def test_what_is_touched_is_large_enough(look):
 
 
 def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit):
-    page = visit()
+    page = visit(**PLAYING)
     finished(page)
     page.evaluate(
         """() => {
@@ -104,7 +102,6 @@ def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit
 def test_a_menu_keeps_the_focus_and_space_plays_after_a_choice(visit):
     page = visit()
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     page.focus("#speed")
     page.keyboard.press("ArrowDown")
     assert page.evaluate("document.activeElement.id") == "speed" and page.evaluate("punch.speed") == 8
@@ -150,7 +147,6 @@ WHOLE = {  # page: what is there when it has drawn everything
 def test_every_plot_of_a_page_has_its_numbers_as_a_table(visit, name):
     page = visit(f"?page={name}" + (QUICK if name == "arealaws" else ""))
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     page.wait_for_function(f"() => {WHOLE[name]}", timeout=PATIENCE)
     figures = page.locator(f"#{name} .figures figure")
     assert figures.count() == page.locator(f"#{name} .as-table").count() > 0
@@ -189,7 +185,6 @@ def to(page, stop, most=140):  # two rounds of the page, and what takes the focu
 def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
     page = visit()  # where the tab key begins cannot be set back
     finished(page)
-    page.locator("body").press("Space")
     stops = []
     for _ in range(70):
         page.keyboard.press("Tab")
@@ -211,7 +206,7 @@ def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
 
 @pytest.mark.thorough
 def test_everything_is_done_with_the_keyboard_alone(visit):
-    page = visit()
+    page = visit(**PLAYING)
     finished(page)
     press = page.keyboard.press
     press("Space")

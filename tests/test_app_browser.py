@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE, PLAYING, finished
 
 pytestmark = pytest.mark.browser
 
@@ -69,7 +69,7 @@ def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
 
 
 def test_play_pause_step_and_reset(visit):
-    page = visit()
+    page = visit(**PLAYING)
     finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 3")  # it plays by itself
     page.get_by_role("button", name="Pause").click()
@@ -118,7 +118,7 @@ def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(lo
 
 @pytest.mark.thorough
 def test_the_speed_chosen_is_that_of_the_top(visit):
-    page = visit()
+    page = visit(**PLAYING)
     finished(page)
     page.select_option("#speed", "20")
     assert page.evaluate("punch.speed") == 20
@@ -145,6 +145,7 @@ def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
 
 def test_hovering_and_clicking_a_curve_moves_every_view(look):
     page = look()
+    page.keyboard.press("Home")
     at = page.evaluate("punch.drawn")
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
     page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])

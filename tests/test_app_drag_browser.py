@@ -50,8 +50,6 @@ def grab(page, name):
 def paused(visit, query):
     page = visit(query)
     finished(page)
-    page.locator("body").press("Space")
-    page.wait_for_function("!punch.playing")
     page.evaluate("document.getElementById('scrub').value = 300")
     page.locator("#scrub").dispatch_event("input")
     return page

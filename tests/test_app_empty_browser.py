@@ -57,7 +57,6 @@ def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
 def test_increments_in_which_the_surface_never_rests_are_hatched_and_named(visit):
     page = visit("?du_x=0.5")
     finished(page)
-    page.locator("body").press("Space")
     assert page.locator("#unrested").is_hidden()
     page.evaluate(
         """() => { // as if the surface had not come to rest in the three increments before its last slip

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import PATIENCE, finished, values_are
+from served import PATIENCE, PLAYING, finished, values_are
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 
@@ -92,7 +92,7 @@ def test_an_increment_beyond_the_run_or_that_is_none_does_no_harm(visit):
     page = visit("?k=99999")
     finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1 && !punch.playing")
-    page = visit("?k=-3")
+    page = visit("?k=-3", **PLAYING)
     finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 1")  # it plays
 

@@ -44,7 +44,6 @@ def test_unloading_is_drawn_along_the_indentation(visit):
 def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
     page = visit()
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     page.evaluate("document.getElementById('scrub').value = 300")
     page.locator("#scrub").dispatch_event("input")
     before = page.evaluate("punch.run.curves.F_bar.slice(0, 301)")
@@ -98,7 +97,6 @@ def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increm
     page = visit()
     finished(page)
     page.evaluate(WORDS)
-    page.get_by_role("button", name="Pause").click()
     slips = page.evaluate("punch.run.curves.slip.flatMap((slip, k) => (slip && k >= punch.run.sheared ? [k] : []))")
     looked = slips[1]  # where it rests, the page says its forces aloud
     before, said = told(page, looked)

@@ -1,7 +1,7 @@
 """Pages, presets and the drawer in a real Chromium: drawn, without error, fetching nothing from elsewhere."""
 
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE, PLAYING, finished
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
@@ -73,8 +73,7 @@ def test_the_page_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
-    page.get_by_role("button", name="Pause").click()
-    page.wait_for_function("() => document.getElementById('status').textContent.includes('paused')")
+    page.wait_for_function("() => document.getElementById('law-stick').textContent")
     numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
     assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
 
@@ -109,7 +108,7 @@ def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
 
 
 def test_the_picture_inside_the_solid_follows_playback(visit):
-    page = visit("?page=solid")
+    page = visit("?page=solid", **PLAYING)
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
     data = f"{MODEL.format('solid_field.field')}.data_source.data.image[0]"
@@ -162,7 +161,6 @@ def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
 def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_while_paused(visit):
     page = visit("?page=solid&theme=light")
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
     assert "dark field" in page.inner_text("#solid figcaption")
     page.select_option("#solid-quantity", "normal")

@@ -1,7 +1,7 @@
 """Pinned runs: kept in the browser, overlaid, in numbers, in a link; in a real Chromium."""
 
 import pytest
-from served import FAULTS, MODEL, PATIENCE, finished, laid_out, values_are
+from served import FAULTS, MODEL, PATIENCE, PLAYING, finished, laid_out, values_are
 
 from solver import Scene, load_path, summarize
 from solver.analysis.friction_laws import friction_force
@@ -121,7 +121,7 @@ TWIN = """() => {
 
 
 def test_two_runs_are_side_by_side_at_the_same_place_and_to_the_same_scale(visit):
-    page = visit("?theme=dark")
+    page = visit("?theme=dark", **PLAYING)
     finished(page)
     page.get_by_role("button", name="Pin", exact=True).press("Enter")
     page.locator(".chip").wait_for()

@@ -28,7 +28,6 @@ def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
 def test_the_address_opens_it_with_nothing_small_and_no_words_of_the_solver(visit):
     page = visit("?view=projector&delta_bar=0.2")
     finished(page)
-    page.locator("body").press("Space")
     page.keyboard.press("End")
     said = page.inner_text(".page")
     assert not any(word in said for word in ("increments", "residual", "evaluations"))

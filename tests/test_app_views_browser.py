@@ -94,7 +94,6 @@ def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
 def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
     page = visit("?theme=dark")
     finished(page)
-    page.get_by_role("button", name="Pause").click()
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
     page.locator(".bk-Tooltip >> nth=0").wait_for(state="visible")
