@@ -77,7 +77,7 @@ class Tabs:
         self.contexts, self.problems, self.asked = [], [], []
 
     def open(self, query="", **options):
-        # a run that plays on and on takes a core of its own where no graphics card draws: only for who asks, see PLAYING
+        # a run that plays on takes a core of its own where no graphics card draws: only for who asks, see PLAYING
         context = self.browser.new_context(**{"viewport": DESKTOP, "reduced_motion": "reduce"} | options)
         self.contexts.append(context)
         context.set_default_timeout(PATIENCE)
