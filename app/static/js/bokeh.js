@@ -6,7 +6,14 @@ let index = null // of the views of all models
 
 export const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 export const useIndex = (given) => { index = given }
-export const viewOf = (model) => index.find_one(model)
+const known = new WeakMap() // model: its view, as Bokeh looks through all of them each time
+export function viewOf(model) {
+  const view = known.get(model)
+  if (view?.el?.isConnected) return view
+  const found = index.find_one(model)
+  known.set(model, found)
+  return found
+}
 export const isDrawn = (model) => Boolean(viewOf(model)?.has_finished())
 
 // Change properties in this browser only
@@ -84,8 +91,16 @@ export async function paintedTogether(figures, change) {
     for (let i = 0; i < CHAIN; i++) await null
   } finally {
     for (const view of views) view.unpause(true)
-    for (const view of views) view.repaint()
+    for (const view of views) paintChanged(view)
   }
+}
+
+// Bokeh notes what has changed; unless that is everything, axes and their room are as they were, and need not be measured
+const ALL = "_invalidate_all", SOME = "_invalidated_painters"
+function paintChanged(view) {
+  if (!view.is_displayed && view.has_finished()) return // it is painted once it is
+  if (view[ALL] !== false) view.repaint()
+  else if (view[SOME].size) view.paint()
 }
 
 const DASHES = { solid: [], dashed: [6], dotted: [2, 4], dotdash: [2, 4, 6, 4], dashdot: [6, 4, 2, 4] }

@@ -1,8 +1,8 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
-import { fill as fillRenderer, image as imageFor, isDrawn, namedParts, paintedTogether, set, stretch, thicken, tint } from "./bokeh.js"
+import { fill as fillRenderer, frameBox, image as imageFor, isDrawn, namedParts, paintedTogether, set, stretch, thicken, tint } from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
-import { by, digits, minus, say, tell } from "./dom.js"
+import { by, digits, make, minus, say, tell } from "./dom.js"
 import { drawSketches, put, wipe } from "./sketch.js"
 import { me } from "./state.js"
 import { explain } from "./terms.js"
@@ -73,6 +73,7 @@ export const fillImage = (view, label, values, shape, place) => (
 export async function painted(change) {
   if (sketching && hidden) change()
   else await paintedTogether(Object.values(figures), () => { if (sketching) hide(); change() })
+  placeBars()
   drawSketches(figures, parts)
   for (const view of fresh) wipe(view)
   fresh.clear()
@@ -253,7 +254,26 @@ export function drawFrame(run, k) {
     fill("traction", "T_n", { x, T: T_n })
     fill("traction", "T_t", { x, T: T_t })
   }
-  for (const view of ["forces", "area", "map"]) set(parts[view].cursor, { location: run.curves[run.part(run.approaching(k)).abscissa][k] })
+  here = run.curves[run.part(run.approaching(k)).abscissa][k]
+  for (const view of CURVES) set(parts[view].cursor, me.playing ? { visible: false } : { visible: true, location: here })
+}
+
+// The increment on screen, in the curves: a line of Bokeh's at rest; one of the page while a run is played, as moving that
+// paints nothing anew
+const CURVES = ["forces", "area", "map"], bars = {}
+let here = 0
+function placeBars() {
+  for (const view of CURVES) {
+    const box = me.playing && figureShown(view) && frameBox(figures[view]), bar = (bars[view] ??= barOver(view))
+    bar.hidden = !box
+    if (box) bar.style.cssText = `top:${box.top}px; height:${box.height}px; transform:translateX(${box.X(here)}px)`
+  }
+}
+
+function barOver(view) {
+  const bar = make("i", { className: "cursor" })
+  document.querySelector(`.view[data-view="${view}"]`).append(bar)
+  return bar
 }
 
 // What is not in sight is not drawn

@@ -14,7 +14,7 @@ import { drawFringes } from "./fringes.js"
 import { checkTruth } from "./truth.js"
 import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
-const PICTURE = 30 // ms between two pictures while playing: smooth, and leaves time to an old laptop
+const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
 
 export function receive(buffer) {
   const chunk = unpack(buffer)
@@ -121,7 +121,6 @@ function showFrame() {
     if (me.stage !== run.stageOfMap(k)) me.mapped = false
   }
   framePage()
-  me.drawnAt = performance.now()
   frameDrawn(run, k)
   if (me.preview === null) by("scrub").value = k
   tellStretch()
@@ -174,7 +173,15 @@ function advance(passed, time) {
   me.clock += passed
   me.at += (passed * me.speed) / step
   if (me.at > last + me.speed / step && ["finished", "skipped"].includes(me.status.state)) me.at = me.run.sheared // after a second at the end
-  if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && time - me.drawnAt > PICTURE && time > me.quiet) show()
+  if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && performance.now() > next && time > me.quiet) showNext()
+}
+
+let next = 0 // ms, when another picture may be drawn
+async function showNext() {
+  const begun = performance.now()
+  await painted(showFrame)
+  const done = performance.now()
+  next = done + REST * (done - begun)
 }
 
 export function play(on) {

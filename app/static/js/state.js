@@ -15,7 +15,7 @@ export const me = Object.seal({ // what is not declared here cannot be set
   fresh: false, mapped: true, begun: 0, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
   filmed: null, // takes the frames of a motion through a slip
   beside: null, // takes the frames of runs that are not on screen
-  drawnAt: 0, freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
+  freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
 })
 
 // The increment played at, of the run on screen; -1 before there is any
