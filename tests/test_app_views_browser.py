@@ -106,7 +106,7 @@ def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
     page = visit("?preset=unload")
     page.set_viewport_size({"width": 800, "height": 4000})  # narrow and high: more than a hundredfold
     finished(page)
-    page.wait_for_function("() => /×[1-9][0-9]0$/.test(document.getElementById('punch-stretch').textContent)")
+    page.wait_for_function(f"() => /×[1-9][0-9]0$/.test({MODEL.format('punch')}.left[0].axis_label)")
     tiny = page.evaluate("punch.run.curves.F_bar.findIndex((F) => F < 0 && F > -4e-7)")
     assert tiny >= 0
     paused_at(page, tiny)

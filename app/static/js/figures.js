@@ -21,7 +21,6 @@ const SITES = 5 // of a flat surface on either side of the middle: it is all ali
 const THICK = 2.5 // times, for a projector
 const LONG = 11 // times the size of the text: as high as a view must be for a long title of its axis
 const SHORT = 5 // the same for one of a few letters
-const STRETCHED = ["punch", "solid_field"] // whose vertical exaggeration is told
 
 export function adopt(name, figure) {
   figures[name] = figure
@@ -331,12 +330,12 @@ export function fitFrames(run) {
 
 // The vertical exaggerations as they are on this screen now
 export function tellStretch() {
-  for (const view of STRETCHED) {
+  const [punch, solid] = ["punch", "solid_field"].map((view) => {
     const times = stretch(figures[view])
-    if (times === null) continue
-    const text = Math.abs(times - 1) < TO_SCALE ? "to scale" : `vertical ×${Number(times.toPrecision(2))}`
-    tell(by(`${view}-stretch`), text)
-  }
+    return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
+  })
+  if (punch) for (const view of punches()) set(figures[view].left[0], { axis_label: `height (nm), ${punch}` })
+  if (solid) tell(by("solid_field-stretch"), solid === "to scale" ? solid : `vertical ${solid}`)
 }
 
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names

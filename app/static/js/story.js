@@ -68,7 +68,8 @@ function drawForces(view) {
   const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest))
   const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
   const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row, right = box.left + box.width - 12
-  const moves = { approach: `pushed down ${fixed(delta, 1)} nm`, reload: `pushed down ${fixed(delta, 1)} nm`, unload: `lifted to ${fixed(delta, 1)} nm`,
+  const to = `to δ = ${fixed(delta, 1)} nm`, down = `pushed down ${to}`
+  const moves = { approach: down, reload: down, unload: `lifted ${to}`,
     back: `pulled back: ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `pulled ${fixed(U_x, 1)} nm`
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
@@ -104,7 +105,10 @@ function drawEdges(view) {
   if (!start) return
   const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b]
   const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too
-  const told = peeled.map((sites) => Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go by" : "gained"} ${Math.abs(sites).toFixed(1)} sites`)
+  const told = peeled.map((sites) => {
+    const nm = Math.abs(sites) * run.head.spacing
+    return Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go" : "gained"} ${fixed(nm, nm < 10 ? 1 : 0)} nm`
+  })
   if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right" })
   if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left" })
 }
@@ -134,7 +138,7 @@ function lastSlip(run, k) {
 function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   const moved = run.moved(slip.at), shift = run.headOf(k).first - run.headOf(slip.at).first
   pen.lineCap = "round"
-  pen.globalAlpha = 0.6 * (1 - slip.age)
+  pen.globalAlpha = 0.4 * (1 - slip.age) // nodes are seen through it
   let stretch = []
   for (let i = 0; i <= frame.x.length; i++) {
     if (i in frame.x && moved[i + shift]) stretch.push([X(frame.x[i]), Y(frame.gap[i])])
@@ -154,7 +158,7 @@ export function slipSaid(run, at, brief = false) {
   return `slip: ${part}${far}${run.head.flat ? "" : area}`
 }
 
-const HOLD = 700 // ms for which a sentence stays, unless a slip happens
+const HOLD = 400 // ms for which a sentence stays, unless a slip happens
 let sentence = { key: "", at: 0 }, compared = [] // what is on screen since when; the runs last compared
 
 // The live sentence beside the hero: what happens now, and what the last change has done
