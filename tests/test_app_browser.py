@@ -68,12 +68,24 @@ def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
     assert page.evaluate("punch.status.run") <= 25  # a coarse and an exact one for each move at most
 
 
+CURSOR = """async () => {
+    const [{ frameBox }, { figures, parts }] = await Promise.all(["bokeh", "figures"].map((name) => (
+        import(new URL(`./app/static/js/${name}.js`, document.baseURI)))))
+    const bar = document.querySelector(".view[data-view=forces] .cursor"), { left, width } = bar.getBoundingClientRect()
+    const wanted = punch.run.curves.U_x[punch.drawn], { visible, location } = parts.forces.cursor
+    const off = left + width / 2 - bar.parentElement.getBoundingClientRect().left - frameBox(figures.forces).X(wanted)
+    return bar.hidden ? visible && location === wanted : !visible && Math.abs(off) < 1
+}"""
+
+
 def test_play_pause_step_and_reset(visit):
     page = visit(**PLAYING)
     finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 3")  # it plays by itself
+    assert page.evaluate(CURSOR)
     page.get_by_role("button", name="Pause").click()
     page.wait_for_function("document.getElementById('status').textContent.includes('paused')")
+    assert page.evaluate(CURSOR)
     at = page.evaluate("Math.floor(punch.at)")
     page.get_by_role("button", name="Step forward").click()
     assert page.evaluate("punch.drawn") == at + 1
