@@ -48,7 +48,7 @@ class Change:
 
     @staticmethod
     def of(scene: Scene, name: str) -> "Change":
-        """That of one of the `continuous` parameters; of no effect is the tolerance: at its highest, none is refused."""
+        """That of one of the `continuous` parameters; the tolerance, of no effect here, at its highest."""
         value, known = getattr(scene, name), LIMITS[name]
         size = abs(value) or min(1.0, known.high)
         for low, high in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
