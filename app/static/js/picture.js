@@ -32,7 +32,7 @@ export class Picture extends Run {
       this.curves[name] = this.curves[bar].map((value) => value * by)
     }
     for (const name of SPANS) this[name] = before[name] // what the views extend over stays while a hand moves
-    this.strongest *= before.head.force / chunk.head.force
+    for (const k of this.curves.F.keys()) this.weigh(k) // but for arrows, which would leave the view
   }
 
   map() {
