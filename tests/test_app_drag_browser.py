@@ -84,6 +84,18 @@ def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_o
     assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
 
 
+def test_the_longest_arrow_stays_that_of_the_largest_force_while_the_stiffness_is_dragged(visit):
+    page = paused(visit, "?E=71.5&delta_bar=0.1")
+    before = page.evaluate("punch.run.strongest")
+    page.evaluate("punch.rests = 1e6")
+    point = grab(page, "E")
+    page.mouse.move(*point(40))
+    page.wait_for_function("punch.run.followed && punch.run.scene.E > 100")
+    F, L, strongest = page.evaluate("[...['F', 'L'].map((name) => punch.run.curves[name]), punch.run.strongest]")
+    assert strongest == pytest.approx(max(before, *map(abs, F + L)))
+    page.mouse.up()
+
+
 def test_a_hand_that_rests_but_holds_on_gets_the_exact_run_and_one_drag_has_one_ghost(visit):
     page = paused(visit, "?E=71.6&delta_bar=0.1")
     point = grab(page, "delta_bar")
