@@ -56,13 +56,14 @@ def sharpened(contact, fold, held, height, pressure):
     # J symmetric, psi would be J phi
     b = tangent.flat(along(tangent.J, c[: 2 * tangent.m].reshape(2, -1)))
     b /= np.linalg.norm(b)
-    last, solves = np.append(np.zeros(v.size), 1.0), None
+    right, left = np.append(c, 0.0), np.append(b, 0.0)
+    last, solves, by_load = np.append(np.zeros(v.size), 1.0), None, None
     for _ in range(STEPS):
         solves = Solves(tangent, b, c, near=solves)
-        right, left = solves(last, guess=np.append(c, 0.0)), solves(last, transposed=True, guess=np.append(b, 0.0))
+        right, left = solves(last, guess=right), solves(last, transposed=True, guess=left)
         phi, psi, g = right[:-1], left[:-1], right[-1]
         by_residual = solves(np.append(tangent.residual(load, height, pressure), 0.0))
-        by_load = solves(np.append(tangent.direction, 0.0))
+        by_load = solves(np.append(tangent.direction, 0.0), guess=by_load)
         slopes = _slopes(tangent, phi, psi)
         # dv = by_residual + dU by_load + part phi, such that the border carries nothing and g comes to nought
         rows = [[by_load[-1], g], [slopes @ by_load[:-1], slopes @ phi]]

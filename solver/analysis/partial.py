@@ -66,35 +66,47 @@ class Change:
         """The derivative of quantity(Scene), a number or an array."""
         return (quantity(self.high) - quantity(self.low)) / self.span
 
-    def law(self, kernel, rows, first, tangents):
-        """The derivative of the law (`cohesive_law.traction` or `.tangent`) at nodes of k Tangents, (k, rows, m)."""
-        m = tangents[0].m
+    def law(self, kernel, rows, at):
+        """The derivative of the law (`cohesive_law.traction` or `.tangent`) at nodes of k `States`, (k, rows, m)."""
         if self.profiles is None:
-            return np.zeros((len(tangents), rows, m))
-        x, z = np.array([tangent.u for tangent in tangents]).swapaxes(0, 1)
-        low, high = self.profiles[:, None, first : first + m] + z
-        change = kernel(self.high, x, high) - kernel(self.low, x, low)
-        active = np.array([tangent.active for tangent in tangents])
-        return np.where(active, change / self.span, 0.0).swapaxes(0, 1)
+            return np.zeros((len(at.x), rows, at.x.shape[1]))
+        low, high = self.profiles[:, None, at.first : at.first + at.x.shape[1]] + at.z
+        change = kernel(self.high, at.x, high) - kernel(self.low, at.x, low)
+        return np.where(at.active, change / self.span, 0.0).swapaxes(0, 1)
 
-    def complied(self, T, first, uniform):
-        """dC T on the patch, (k, 2, m) nm, of T (k, 2, m) GPa there; 0.0 where C does not change."""
+    def complied(self, pulled):
+        """dC T on the patch, (k, 2, m) nm per unit, of Pulled tractions T; 0.0 where C does not change."""
         if self.compliance is None:
             return 0.0
-        if uniform:
-            return self.compliance[:2, :1] * T
-        n, nodes = self.low.nodes, slice(first, first + T.shape[-1])
-        whole = np.zeros((*T.shape[:2], n))
-        whole[..., nodes] = T
-        spectra = np.fft.rfft(whole)
+        spectra = pulled.spectra.copy()
         for spectrum in spectra:
             multiply(spectrum, self.compliance)
-        return np.fft.irfft(spectra, n)[..., nodes]
+        return np.fft.irfft(spectra, self.low.nodes)[..., pulled.nodes]
 
-    def traction(self, first, tangents):
-        """dT (k, 2, m), GPa per unit, at fixed displacements of k Tangents."""
-        return self.law(cohesive_law.traction, 2, first, tangents)
+    def traction(self, at):
+        """dT (k, 2, m), GPa per unit, at fixed displacements of k `States`."""
+        return self.law(cohesive_law.traction, 2, at)
 
-    def stiffness(self, first, tangents):
-        """dJ (k, 4, m), GPa/nm per unit, at fixed displacements of k Tangents."""
-        return self.law(cohesive_law.tangent, 4, first, tangents)
+    def stiffness(self, at):
+        """dJ (k, 4, m), GPa/nm per unit, at fixed displacements of k `States`."""
+        return self.law(cohesive_law.tangent, 4, at)
+
+
+class States:
+    """x, z (k, m) nm, active (k, m) and tractions T (k, 2, m) GPa of k Tangents on the patch from node `first` on."""
+
+    def __init__(self, tangents, first):
+        self.first = first
+        self.x, self.z = np.array([tangent.u for tangent in tangents]).swapaxes(0, 1)
+        self.active = np.array([tangent.active for tangent in tangents])
+        self.T = np.array([tangent.T for tangent in tangents])
+
+
+class Pulled:
+    """Tractions T (k, 2, m) GPa on the patch from node `first` of a Contact on; their spectra over the cell."""
+
+    def __init__(self, T, first, contact):
+        self.nodes = slice(first, first + T.shape[-1])
+        whole = np.zeros((*T.shape[:2], contact.scene.nodes))
+        whole[..., slice(None) if contact.uniform else self.nodes] = T
+        self.spectra = np.fft.rfft(whole)

@@ -20,10 +20,11 @@ from ..run.frame import SlipEvent
 from ..scene import LIMITS, Scene
 from .fold import sharpened
 from .outputs import explicit, gradients, over_own, values
-from .partial import Change, continuous
+from .partial import Change, Pulled, States, continuous
 from .tangent import ACCURACY, Solves, Tangent, across, along
 
 Floats = NDArray[np.float64]
+CORRECTED = 1e-4  # of residuals, by the step that sharpens a state: what is left of 1e-5 nm moves derivatives by 1e-9
 ALONG = 1e-7  # accuracy of solves at states of a branch, which are told to 1e-5
 
 
@@ -162,11 +163,10 @@ class _Known:
     def settled(self, v, active, load, held, accuracy=ACCURACY):
         """(Tangent, Solves) at the state next to v, by a step of Newton's."""
         tangent = Tangent(self.contact, v, active, held)
-        solves = Solves(tangent, accuracy=accuracy)
         residual = tangent.residual(load, self.height, self.pressure)
-        if np.abs(residual).max() <= self.scene.tolerance:
-            return tangent, solves
-        tangent = Tangent(self.contact, v + solves(residual), active, held)
+        if np.abs(residual).max() > self.scene.tolerance:
+            step = Solves(tangent, accuracy=CORRECTED)(residual)
+            tangent = Tangent(self.contact, v + step, active, held)
         return tangent, Solves(tangent, accuracy=accuracy)
 
     def duals(self, tangent, solves, gradients, guess=(None, None, None)):
@@ -180,15 +180,16 @@ class _Known:
 
     def parts(self, tangents, held):
         """[(dT (k, 2, m), what R changes by beside C dT (k, size))] of every Change, at k Tangents."""
-        out, T = [], np.array([tangent.T for tangent in tangents])
+        out, at = [], States(tangents, self.first)
+        pulled = Pulled(at.T, self.first, self.contact)
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
-            rest = np.zeros_like(T) + change.complied(T, self.first, self.contact.uniform)
+            rest = np.zeros_like(at.T) + change.complied(pulled)
             if not held:
                 rest[:, 1] -= change.by(lambda scene: scene.delta)
-            rest = rest.reshape(len(T), -1)
+            rest = rest.reshape(len(tangents), -1)
             if held:
-                rest = np.append(rest, np.full((len(T), 1), -tangents[0].scale * dp), axis=1)
-            out.append((change.traction(self.first, tangents), rest))
+                rest = np.append(rest, np.full((len(tangents), 1), -tangents[0].scale * dp), axis=1)
+            out.append((change.traction(at), rest))
         return out
 
     def branch(self, branch, start, fold):
@@ -231,13 +232,12 @@ class _Known:
         duals = pull + np.array([tangent.dual(one) for one in x])
         bent, left = along(tangent.J, phi[: 2 * m].reshape(2, m)), tangent.dual(psi)
         speed = psi @ tangent.direction
-        by = {}
+        by, state, bending = {}, States([tangent], self.first), Pulled(bent[None], self.first, self.contact)
         for change, ((dT,), (rest,)) in zip(self.changes, self.parts([tangent], self.held), strict=True):
             load = -(np.sum(left * dT) + psi @ rest) / speed
-            (dJ,) = change.stiffness(self.first, [tangent])
+            (dJ,) = change.stiffness(state)
             turned = np.sum(left * along(dJ, phi[: 2 * m].reshape(2, m)))
-            complied = change.complied(bent[None], self.first, self.contact.uniform)
-            turned += np.sum(psi[: 2 * m].reshape(1, 2, m) * complied)
+            turned += np.sum(psi[: 2 * m].reshape(1, 2, m) * change.complied(bending))
             moved = (duals * dT).sum(axis=(1, 2)) + x @ rest + (x @ tangent.direction) * load - back * turned
             by[change.name] = np.array([load, *(moved + explicit(scene, found, change))])
         nodes = self._nodes(at, left, bent, speed, duals, x, back)

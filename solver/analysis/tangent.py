@@ -31,7 +31,7 @@ class Tangent:
         self.scale = float(contact.modes.compliance[1, 0])
         self.direction = np.zeros(self.size)
         self.direction[:m] = 1.0
-        self._turned = np.ascontiguousarray(self.J[[0, 2, 1, 3]])  # J^T
+        self._turned = -self.J[[0, 2, 1, 3]]  # -J^T
 
     def residual(self, load, height, pressure):
         """R (size,), nm, with the top at U_x = load and, unless a load is held, U_z = height; pressure: p_0, GPa."""
@@ -46,9 +46,8 @@ class Tangent:
     def product(self, x):
         """A x, (size,)."""
         w = x[: 2 * self.m].reshape(2, -1)
-        rise = np.zeros_like(w)
-        add_product(self.J, w, rise)
-        out = w - self.contact.comply(rise)
+        complied, rise = self.contact.product(self.J, w)
+        out = w - complied
         if not self.held:
             return out.ravel()
         out[1] -= x[-1]
@@ -56,17 +55,20 @@ class Tangent:
 
     def dual(self, x):
         """<x, R> differentiated by the tractions, (2, m), at fixed C, of x (size,)."""
-        out = self.comply(x[: 2 * self.m].reshape(2, -1))
+        return self._dual(x).copy()
+
+    def _dual(self, x):
+        """The same, a buffer."""
+        out = self.contact.comply(x[: 2 * self.m].reshape(2, -1))
         if self.held:
             out[1] += self.scale * x[-1] / self.count
         return out
 
     def transposed(self, x):
         """A^T x, (size,)."""
-        out = np.zeros((2, self.m))
-        add_product(self._turned, self.dual(x), out)
-        np.subtract(x[: 2 * self.m].reshape(2, -1), out, out=out)
-        return np.append(out.ravel(), -x[self.m : 2 * self.m].sum()) if self.held else out.ravel()
+        out = x[: 2 * self.m].copy()
+        add_product(self._turned, self._dual(x), out.reshape(2, -1))
+        return np.append(out, -x[self.m : 2 * self.m].sum()) if self.held else out
 
     def matrix(self):
         """A, dense (size, size)."""
