@@ -1,6 +1,7 @@
 """The commands that compute many scenes, on this machine or on a cluster: `stability`, and of flats `map`."""
 
 import csv
+import math
 import os
 
 from . import __version__
@@ -29,6 +30,7 @@ def add_stability(commands):
     parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
     parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
     parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="those numbers only, without closed forms")
+    parser.add_argument("--limit", type=float, metavar="SECONDS", help="for one scene, 1 or more; 120 unless told")
     add_scheduler(parser)
     parser.add_argument("--json", metavar="FILE", help="write every number")
     parser.add_argument("--html", metavar="FILE", help="write the report as a page that opens offline")
@@ -39,8 +41,11 @@ def stability(arguments):
     """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
     from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
     from .verification.atlas import cases
-    from .verification.robustness import atlas
+    from .verification.robustness import LIMIT, atlas
 
+    limit = LIMIT if arguments.limit is None else arguments.limit
+    if not 1.0 <= limit < math.inf:
+        raise InputError(f"--limit {limit:g}: allowed: 1 or more seconds")
     asked = cases(arguments.quick)
     if strange := set(arguments.scenes or ()) - {case.number for case in asked}:
         raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
@@ -48,7 +53,7 @@ def stability(arguments):
         check_writable(option, getattr(arguments, option))
     with progress(100, "%") as bar:
         asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
-        results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n))
+        results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n), limit)
     forms = closed_forms.closed_forms() if arguments.scenes is None else []
     report = results, forms, conditioning.conditioning()
     print(atlas_report.text(*report))

@@ -207,7 +207,9 @@ def test_bad_settings_give_one_line_and_exit_code_two(call, setting, named):
     assert all(word in err for word in named)
 
 
-@pytest.mark.parametrize("arguments", [("run", "--method", "magic"), ("run", "--st"), ("walk",), ()])
+@pytest.mark.parametrize(
+    "arguments", [("run", "--method", "magic"), ("run", "--st"), ("walk",), (), ("stability", "--limit", "0.5")]
+)
 def test_bad_arguments_give_one_line_and_exit_code_two(call, arguments):
     code, out, err = call(*arguments)
     assert (code, out, err.count("\n")) == (2, "", 1)

@@ -171,10 +171,10 @@ def _unstable(scene, frames, found):
     return wrong
 
 
-def atlas(asked, workers=None, progress=lambda part: None):
-    """The outcome of every Case asked for, in order, from processes of their own; workers: as of `outcomes`."""
+def atlas(asked, workers=None, progress=lambda part: None, limit=LIMIT):
+    """The outcome of every Case asked for, in order, from processes of their own; workers, limit: as of `outcomes`."""
     results = [None] * len(asked)
-    for done, (k, found) in enumerate(outcomes(judge, asked, workers or os.cpu_count() or 1, LIMIT), start=1):
+    for done, (k, found) in enumerate(outcomes(judge, asked, workers or os.cpu_count() or 1, limit), start=1):
         if isinstance(found, Lost):
             case = asked[k]
             found = {"number": case.number, "kind": case.kind, "probed": list(case.probed), "set": case.line} | {
