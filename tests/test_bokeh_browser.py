@@ -77,6 +77,27 @@ def test_changes_of_a_paused_view_are_painted_at_once_when_it_goes_on(still):
     assert painted == [True, True]  # all that was to be painted was painted: CHAIN is long enough
 
 
+def test_data_alone_paint_their_figure_and_axes_are_measured_only_where_a_range_has_changed(still):
+    called = still.evaluate(
+        """async () => {
+            const called = [], { forces, area } = figures
+            for (const figure of [forces, area]) for (const how of ["paint", "repaint"]) {
+                const view = bokeh.viewOf(figure), was = view[how]
+                view[how] = (...given) => { called.push(`${figure.name} ${how}`); return was.apply(view, given) }
+            }
+            const said = async (change) => {
+                called.length = 0
+                await bokeh.paintedTogether([forces, area], change)
+                return called.join()
+            }
+            const data = await said(() => bokeh.fill(parts.forces.F, { U_x: [0, 40], value: [1, 0] }))
+            const range = await said(() => bokeh.set(forces.y_range, { end: 2 * forces.y_range.end + 1 }))
+            return [data, range, await said(() => {})]
+        }"""
+    )
+    assert called[0] == "forces paint" and called[1].startswith("forces repaint") and called[2] == ""
+
+
 def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(still):
     sent = still.evaluate(
         f"""async () => {{
