@@ -43,6 +43,12 @@ def test_slips_are_not_taken_for_noise():
     assert noise_of(100.0 * (np.arange(4000) % 10) / 10.0 + noise) == pytest.approx(1.0, rel=0.06)
 
 
+def test_a_wave_is_not_taken_for_noise():
+    """As smooth sliding makes it, 24 points a period and an amplitude 100 times the noise."""
+    noise = np.random.default_rng(2).normal(size=4000)
+    assert noise_of(100.0 * np.sin(2.0 * np.pi * np.arange(4000) / 24.0) + noise) == pytest.approx(1.0, rel=0.15)
+
+
 def test_slips_that_repeat_themselves_have_one_place(skeleton):
     """At a known distance of each other, they all lie off by as much; with a free scale each lies where it lies."""
     data = measured(skeleton, load=True)
@@ -58,6 +64,14 @@ def test_what_made_the_curve_is_found_from_elsewhere(skeleton):
     for name in ("delta_bar", "E"):  # four standard errors: by chance once in 16,000
         assert abs(found.values[name] - getattr(SMALL, name)) < 4.0 * found.errors[name]
         assert 0.0 < found.errors[name] < 0.1 * getattr(SMALL, name)
+
+
+def test_slips_are_found_from_where_it_slides_smoothly():
+    weak = SMALL.changed(phi_ratio=0.1)
+    from_start = weak.changed(phi_ratio=0.02)
+    assert not skeleton_of(from_start).slips
+    found = fit(from_start, measured(skeleton_of(weak), load=True), ("phi_ratio", "delta_bar"))
+    assert found.reached and found.values["phi_ratio"] == pytest.approx(0.1, abs=4.0 * found.errors["phi_ratio"])
 
 
 def test_the_scale_of_the_force_is_found(skeleton):

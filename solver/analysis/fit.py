@@ -131,5 +131,5 @@ def _warnings(free, x, errors, correlations, size, bounds):
         for j in range(i):
             if abs(correlations[i, j]) > APART:
                 pair = f"{free[j]} and {name} cannot be told apart: correlation {correlations[i, j]:.3f}"
-                said.append(f"{pair}; fix one of them")
+                said.append(f"{pair}; fix one of them, their errors mean little")
     return said

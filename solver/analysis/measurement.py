@@ -18,7 +18,7 @@ JUMP = 5.0  # times the noise of a difference, beyond which a drop of F counts a
 STEEP = 8.0  # the same times the median step of the curve
 FLOOR = 2e-4  # of the largest value: noise below what a curve between the states of a run is right to
 NORMAL = 0.6745  # median of |x| of a normal distribution of unit deviation
-CALM = 4.0  # deviations of a second difference, beyond which it is a slip's: of noise, one in 16,000 is
+CALM = 4.0  # deviations of a third difference, beyond which it is a slip's: of noise, one in 16,000 is
 
 
 class MeasurementError(ValueError):
@@ -39,6 +39,11 @@ class Measurement:
     slips: tuple[int, ...]
     unit: float | None = None
 
+    @property
+    def seen(self) -> float:
+        """The least drop of F_bar that counts as a slip."""
+        return _seen(self.values["F_bar"], self.noise["F_bar"])
+
     @staticmethod
     def of(U_x, values, noise=None, unit=None) -> "Measurement":
         """From arrays; noise is estimated where it is not given: {name: standard deviation}."""
@@ -47,17 +52,19 @@ class Measurement:
 
 
 def noise_of(y):
-    """Standard deviation of the noise of a smooth curve with jumps, from its second differences without the jumps."""
-    second = np.abs(np.diff(y, 2))
-    calm = second[second <= CALM * float(np.median(second)) / NORMAL]
-    return max((float(np.mean(calm**2)) / 6.0) ** 0.5, FLOOR * float(np.abs(y).max()), 1e-300)
+    """Standard deviation of the noise of a smooth curve with jumps, from its third differences without the jumps."""
+    third = np.abs(np.diff(y, 3))
+    calm = third[third <= CALM * float(np.median(third)) / NORMAL]
+    return max((float(np.mean(calm**2)) / 20.0) ** 0.5, FLOOR * float(np.abs(y).max()), 1e-300)
 
 
 def slips_of(F, noise):
     """Indices after which F has dropped at once: by far more than noise, and than its usual steps."""
-    step = np.diff(F)
-    usual = float(np.median(np.abs(step)))
-    return tuple(int(i) + 1 for i in np.flatnonzero(step < -max(JUMP * 2.0**0.5 * noise, STEEP * usual)))
+    return tuple(int(i) + 1 for i in np.flatnonzero(np.diff(F) < -_seen(F, noise)))
+
+
+def _seen(F, noise):
+    return max(JUMP * 2.0**0.5 * noise, STEEP * float(np.median(np.abs(np.diff(F)))))
 
 
 def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Measurement:

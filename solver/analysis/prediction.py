@@ -1,5 +1,7 @@
 """A curve and its slips as the states of a run tell them, with derivatives, at measured places on measured branches."""
 
+from functools import cached_property
+
 import numpy as np
 
 from ..following.branch import even_weights, place
@@ -9,13 +11,16 @@ BESIDE = 1e-5  # of t, over which dF/dt is told
 
 
 class Predicted:
-    """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0.
+    """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0 at slips seen.
 
-    A branch that ends before U_x goes on with its last value: what is predicted is continuous in the parameters.
+    A slip is seen where F_bar drops by more than `seen`. What was measured between two of them lies on the branch that
+    the run is on at that U_x, but between these slips; a branch that ends before U_x goes on with its last value: what
+    is predicted is continuous in the parameters. In a run without slips to be seen only U_x counts. reach: the largest
+    U_x, nm.
     """
 
-    def __init__(self, found):
-        self.found, self.skeleton = found, found.skeleton
+    def __init__(self, found, seen=0.0, reach=0.0):
+        self.found, self.skeleton, self.seen, self.reach = found, found.skeleton, seen, reach
 
     def branch_of(self, number):
         """(index of the BranchSensitivity, periods it has moved on by) of the branch number `number` of the run."""
@@ -24,12 +29,42 @@ class Predicted:
             return min(number, count - 1), 0
         return home + (number - home) % (count - home), (number - home) // (count - home)
 
+    def drop(self, number):
+        """What F_bar drops by at the end of the branch number `number`; 0 where it ends in no slip."""
+        (index, turns), (after, later) = self.branch_of(number), self.branch_of(number + 1)
+        one = self.found.branches[index]
+        if one.branch.fold is None or (index, turns) == (after, later):
+            return 0.0
+        return one.values[1, -1] - self.found.branches[after].values[1, 0]
+
+    def end(self, number):
+        """Where the branch number `number` ends, nm."""
+        index, turns = self.branch_of(number)
+        return self.found.branches[index].values[0, -1] + turns * (self.skeleton.period or 0.0)
+
+    @cached_property
+    def between(self):
+        """[numbers of branches] up to the first slip seen, from there to the next, ..., to twice the reach."""
+        lists, number = [[]], 0
+        while True:
+            lists[-1].append(number)
+            if self.end(number) > 2.0 * self.reach or self.branch_of(number) == self.branch_of(number + 1):
+                return lists
+            if self.drop(number) > self.seen:
+                lists.append([])
+            number += 1
+
     def curve(self, U_x, branch, names):
         """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm."""
         values, slopes = np.empty((3, U_x.size)), np.empty((3, U_x.size))
-        by = np.empty((len(names), 3, U_x.size))
-        for number in np.unique(branch):
-            mine, (index, turns) = branch == number, self.branch_of(int(number))
+        by, number_of = np.empty((len(names), 3, U_x.size)), np.empty(U_x.size, int)
+        branch = np.minimum(branch, len(self.between) - 1)
+        for k in np.unique(branch):
+            numbers = np.array(self.between[k])
+            ends = [self.end(number) for number in numbers[:-1]]
+            number_of[branch == k] = numbers[np.searchsorted(ends, U_x[branch == k])]
+        for number in np.unique(number_of):
+            mine, (index, turns) = number_of == number, self.branch_of(int(number))
             one = self.found.branches[index]
             if one.branch.periodic:
                 turns = np.floor(U_x[mine] / self.skeleton.period)
@@ -42,16 +77,14 @@ class Predicted:
         return values, slopes, by
 
     def slips(self, count, names):
-        """(U_x (n,), derivatives (names, n), branch (n,), moved (n,)) of the first slips, at most `count`.
+        """(U_x (n,), derivatives (names, n), branch (n,), moved (n,)) of the first slips seen, at most `count`.
 
         A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
         """
         loads, by, branches, moved_on = [], [], [], []
-        for number in range(count):
-            index, turns = self.branch_of(number)
+        for numbers in self.between[:-1][:count]:
+            index, turns = self.branch_of(numbers[-1])
             one = self.found.branches[index]
-            if one.branch.fold is None or (turns == 0 and number > index):
-                break
             sites = turns * self.skeleton.sites
             loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)
             moved = {"width": sites / self.skeleton.scene.nodes}

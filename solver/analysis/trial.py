@@ -94,9 +94,10 @@ class Model:
         return scene.width * scene.E / self.measured.unit if self.measured.unit else 1.0
 
     def _told(self, x):
-        predicted = Predicted(sensitivities(self.run(x), self.physical))
+        found = sensitivities(self.run(x), self.physical)
         axes = AXES | {name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES}
         scale, U_x = axes["scale_U"], (self.measured.U_x - axes["offset_U"]) / axes["scale_U"]
+        predicted = Predicted(found, self.measured.seen / axes["scale_F"] / self._unit(), float(U_x[-1]))
         curve, slopes, by = predicted.curve(U_x[self.kept], self.branch[self.kept], self.physical)
         loads, loads_by, branches, moved = predicted.slips(self.ends.shape[1], self.physical)
         residuals, rows = [], []
@@ -114,6 +115,10 @@ class Model:
             noise = self.measured.noise[name]
             residuals.append((gain * curve[k] + off - self.measured.values[name][self.kept]) / noise)
             rows.append(_columns(own, self.free, curve[k].size) / noise)
+        if len(predicted.between) == 1:  # not yet, or not quite: its points say how far off it is
+            residuals.append(np.zeros(self.ends.shape[1]))
+            rows.append(np.zeros((self.ends.shape[1], len(self.free))))
+            return np.concatenate(residuals), np.vstack(rows)
         if loads.size < self.ends.shape[1]:
             raise NotFollowed(f"it slips {loads.size} times, what was measured {self.ends.shape[1]} times")
         own = dict(zip(self.physical, scale * loads_by, strict=True)) | {
