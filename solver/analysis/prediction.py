@@ -7,13 +7,14 @@ import numpy as np
 from ..following.branch import even_weights, place
 
 END = 1e-3  # of t from 0 and 1: nearer, dF/dU is 0/0, or infinite; F changes by its square there
+PART = 0.9  # of the largest drop: where all are as small as that, they may still grow to what was measured
 BESIDE = 1e-5  # of t, over which dF/dt is told
 
 
 class Predicted:
     """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0 at slips seen.
 
-    A slip is seen where F_bar drops by more than `seen`. What was measured between two of them lies on the branch that
+    A slip is seen where F_bar drops by more than `seen`, or by some part of the largest drop of a run on the way. What was measured between two of them lies on the branch that
     the run is on at that U_x, but between these slips; a branch that ends before U_x goes on with its last value: what
     is predicted is continuous in the parameters. In a run without slips to be seen only U_x counts. reach: the largest
     U_x, nm.
@@ -45,12 +46,13 @@ class Predicted:
     @cached_property
     def between(self):
         """[numbers of branches] up to the first slip seen, from there to the next, ..., to twice the reach."""
-        lists, number = [[]], 0
+        largest = max(self.drop(number) for number in range(len(self.found.branches) + 1))
+        seen, lists, number = min(self.seen, PART * largest), [[]], 0
         while True:
             lists[-1].append(number)
             if self.end(number) > 2.0 * self.reach or self.branch_of(number) == self.branch_of(number + 1):
                 return lists
-            if self.drop(number) > self.seen:
+            if self.drop(number) > seen:
                 lists.append([])
             number += 1
 

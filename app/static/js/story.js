@@ -159,13 +159,13 @@ export function slipSaid(run, at, brief = false) {
 }
 
 const HOLD = 400 // ms for which a sentence stays, unless a slip happens
-let sentence = { key: "", at: 0 }, compared = [] // what is on screen since when; the runs last compared
+let sentence = { key: "", at: 0, run: null }, compared = [] // what is on screen since when; the runs last compared
 
 // The live sentence beside the hero: what happens now, and what the last change has done
 export function tellNow(run, k) {
   const said = nowSaid(run, k), time = performance.now(), urgent = said.key.startsWith("slip") || !me.playing
-  if (said.key !== sentence.key && (urgent || time - sentence.at > HOLD)) {
-    sentence = { key: said.key, at: time }
+  if ((said.key !== sentence.key || run !== sentence.run) && (urgent || time - sentence.at > HOLD)) {
+    sentence = { key: said.key, at: time, run }
     by("sentence").textContent = said.text
   }
   const wanted = [run, me.ghost, run.whole, run.scene] // its scene may be told after its frames
