@@ -1,8 +1,11 @@
 """A curve and its slips as the states of a run tell them, with derivatives, at measured places on measured branches."""
 
+from itertools import islice
+
 import numpy as np
 
 from ..following.branch import even_weights, place
+from .sensitivities import passed
 
 END = 1e-3  # of t from 0 and 1: nearer, dF/dU is 0/0, or infinite; F changes by its square there
 BESIDE = 1e-5  # of t, over which dF/dt is told
@@ -17,19 +20,13 @@ class Predicted:
     def __init__(self, found):
         self.found, self.skeleton = found, found.skeleton
 
-    def branch_of(self, number):
-        """(index of the BranchSensitivity, periods it has moved on by) of the branch number `number` of the run."""
-        home, count = self.skeleton.home, len(self.found.branches)
-        if number < count or not self.skeleton.sites:
-            return min(number, count - 1), 0
-        return home + (number - home) % (count - home), (number - home) // (count - home)
-
     def curve(self, U_x, branch, names):
         """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm."""
         values, slopes = np.empty((3, U_x.size)), np.empty((3, U_x.size))
         by = np.empty((len(names), 3, U_x.size))
+        order = list(islice(passed(self.skeleton), branch.max(initial=0) + 1))
         for number in np.unique(branch):
-            mine, (index, turns) = branch == number, self.branch_of(int(number))
+            mine, (index, turns) = branch == number, order[min(number, len(order) - 1)]
             one = self.found.branches[index]
             if one.branch.periodic:
                 turns = np.floor(U_x[mine] / self.skeleton.period)
@@ -47,10 +44,9 @@ class Predicted:
         A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
         """
         loads, by, branches, moved_on = [], [], [], []
-        for number in range(count):
-            index, turns = self.branch_of(number)
+        for index, turns in islice(passed(self.skeleton), count):
             one = self.found.branches[index]
-            if one.branch.fold is None or (turns == 0 and number > index):
+            if one.branch.fold is None:
                 break
             sites = turns * self.skeleton.sites
             loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)
