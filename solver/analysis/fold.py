@@ -56,9 +56,9 @@ def sharpened(contact, fold, held, height, pressure):
     # J symmetric, psi would be J phi
     b = tangent.flat(along(tangent.J, c[: 2 * tangent.m].reshape(2, -1)))
     b /= np.linalg.norm(b)
-    last, solves = np.append(np.zeros(v.size), 1.0), None
+    last = np.append(np.zeros(v.size), 1.0)
     for _ in range(STEPS):
-        solves = Solves(tangent, b, c, near=solves)
+        solves = Solves(tangent, b, c)
         right, left = solves(last, guess=np.append(c, 0.0)), solves(last, transposed=True, guess=np.append(b, 0.0))
         phi, psi, g = right[:-1], left[:-1], right[-1]
         by_residual = solves(np.append(tangent.residual(load, height, pressure), 0.0))

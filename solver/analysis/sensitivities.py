@@ -13,8 +13,7 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from ..continuation.interpolation import lagrange
-from ..following.branch import STENCIL, Branch
+from ..following.branch import Branch
 from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
 from ..run.frame import SlipEvent
@@ -120,18 +119,6 @@ def _slips(skeleton, folds):
     return tuple(found)
 
 
-def _ahead(every, n, fold):
-    """[x (3, size)] of the next of n even states, extrapolated from `every` (duals, x) before it, or []."""
-    known = [x for _, x in every[-STENCIL:]]
-    if not known:
-        return []
-    i = len(every)
-    # towards a fold x grows as one over what is left of t
-    left = [n - 1 - j if fold else 1 for j in range(i - len(known), i + 1)]
-    weights = lagrange(range(i - len(known), i), i)
-    return [sum(weight * part / left[-1] * x for weight, part, x in zip(weights, left, known, strict=False))]
-
-
 class _Known:
     """What the states of a Skeleton share: the Contact, the Changes, and under a held load that of p_0."""
 
@@ -165,13 +152,9 @@ class _Known:
         tangent = Tangent(self.contact, v + solves(residual), active, held)
         return tangent, Solves(tangent, accuracy=accuracy)
 
-    def duals(self, tangent, solves, gradients, guess=(None, None, None)):
-        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T.
-
-        guess: of x (k, size).
-        """
-        sides = [tangent.flat(across(tangent.J, one)) for one in gradients]
-        x = np.array([solves(b, True, begun) for b, begun in zip(sides, guess, strict=False)])
+    def duals(self, tangent, solves, gradients):
+        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T."""
+        x = np.array([solves(tangent.flat(across(tangent.J, one)), True) for one in gradients])
         return np.array([one + tangent.dual(part) for one, part in zip(gradients, x, strict=True)]), x
 
     def parts(self, tangents, held):
@@ -198,10 +181,9 @@ class _Known:
         for i in range(n - (fold is not None)):
             tangent, solves = self.settled(branch.v[i], branch.active[i], found[0, i], self.held, ALONG)
             found[1:, i] = values(self.scene, tangent.T)
-            duals, x = self.duals(tangent, solves, gradients(self.scene, tangent.T), *_ahead(every, n, fold))
-            slope[:, i] = x @ tangent.direction
+            every.append(self.duals(tangent, solves, gradients(self.scene, tangent.T)))
+            slope[:, i] = every[-1][1] @ tangent.direction
             tangents.append(tangent)
-            every.append((duals, x))
         inner, (duals, x) = slice(len(tangents)), map(np.array, zip(*every, strict=True))
         for change, (dT, rest) in zip(self.changes, self.parts(tangents, self.held), strict=True):
             ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
