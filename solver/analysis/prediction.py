@@ -1,4 +1,8 @@
-"""A curve and its slips as the states of a run tell them, with derivatives, at measured places on measured branches."""
+"""A curve and its slips as the states of a run tell them, with derivatives, at measured places on measured branches.
+
+`found` are the Sensitivities of the run. A branch that ends before a place goes on with its last value: what is
+predicted is continuous in the parameters.
+"""
 
 from itertools import islice
 
@@ -11,50 +15,44 @@ END = 1e-3  # of t from 0 and 1: nearer, dF/dU is 0/0, or infinite; F changes by
 BESIDE = 1e-5  # of t, over which dF/dt is told
 
 
-class Predicted:
-    """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0.
+def curve(found, U_x, branch, names):
+    """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm.
 
-    A branch that ends before U_x goes on with its last value: what is predicted is continuous in the parameters.
+    branch (k,): number, from 0, of the branch of the run on which each was measured.
     """
+    skeleton, values, slopes = found.skeleton, np.empty((3, U_x.size)), np.empty((3, U_x.size))
+    by = np.empty((len(names), 3, U_x.size))
+    order = list(islice(passed(skeleton), branch.max(initial=0) + 1))
+    for number in np.unique(branch):
+        mine, (index, turns) = branch == number, order[min(number, len(order) - 1)]
+        one = found.branches[index]
+        if one.branch.periodic:
+            turns = np.floor(U_x[mine] / skeleton.period)
+        loads = U_x[mine] - turns * (skeleton.period or 0.0)
+        read = _to_a_fold if one.branch.fold else _without_end
+        values[:, mine], slopes[:, mine], by[:, :, mine] = read(one, loads, names)
+        if "width" in names:  # the period moves what was moved on
+            by[names.index("width")][:, mine] -= slopes[:, mine] * turns * skeleton.sites / skeleton.scene.nodes
+    return values, slopes, by
 
-    def __init__(self, found):
-        self.found, self.skeleton = found, found.skeleton
 
-    def curve(self, U_x, branch, names):
-        """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm."""
-        values, slopes = np.empty((3, U_x.size)), np.empty((3, U_x.size))
-        by = np.empty((len(names), 3, U_x.size))
-        order = list(islice(passed(self.skeleton), branch.max(initial=0) + 1))
-        for number in np.unique(branch):
-            mine, (index, turns) = branch == number, order[min(number, len(order) - 1)]
-            one = self.found.branches[index]
-            if one.branch.periodic:
-                turns = np.floor(U_x[mine] / self.skeleton.period)
-            loads = U_x[mine] - turns * (self.skeleton.period or 0.0)
-            read = _to_a_fold if one.branch.fold else _without_end
-            values[:, mine], slopes[:, mine], by[:, :, mine] = read(one, loads, names)
-            if "width" in names:  # the period moves what was moved on
-                k = names.index("width")
-                by[k][:, mine] -= slopes[:, mine] * turns * self.skeleton.sites / self.skeleton.scene.nodes
-        return values, slopes, by
+def slips(found, count, names):
+    """(U_x (n,), derivatives (names, n), branch (n,), moved (n,)) of the first slips, at most `count`.
 
-    def slips(self, count, names):
-        """(U_x (n,), derivatives (names, n), branch (n,), moved (n,)) of the first slips, at most `count`.
-
-        A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
-        """
-        loads, by, branches, moved_on = [], [], [], []
-        for index, turns in islice(passed(self.skeleton), count):
-            one = self.found.branches[index]
-            if one.branch.fold is None:
-                break
-            sites = turns * self.skeleton.sites
-            loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)
-            moved = {"width": sites / self.skeleton.scene.nodes}
-            by.append([one.by[name][0, -1] + moved.get(name, 0.0) for name in names])
-            branches.append(index)
-            moved_on.append(sites * self.skeleton.scene.spacing)
-        return np.array(loads), np.array(by).reshape(len(loads), len(names)).T, np.array(branches), np.array(moved_on)
+    A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
+    """
+    skeleton, loads, by, branches, moved_on = found.skeleton, [], [], [], []
+    for index, turns in islice(passed(skeleton), count):
+        one = found.branches[index]
+        if one.branch.fold is None:
+            break
+        sites = turns * skeleton.sites
+        loads.append(one.values[0, -1] + sites * skeleton.scene.spacing)
+        moved = {"width": sites / skeleton.scene.nodes}
+        by.append([one.by[name][0, -1] + moved.get(name, 0.0) for name in names])
+        branches.append(index)
+        moved_on.append(sites * skeleton.scene.spacing)
+    return np.array(loads), np.array(by).reshape(len(loads), len(names)).T, np.array(branches), np.array(moved_on)
 
 
 def _without_end(one, loads, names):

@@ -8,7 +8,7 @@ from ..following.follow import follow
 from ..following.reading import skeleton_of
 from ..scene import LIMITS, SceneError
 from .outputs import NAMES
-from .prediction import Predicted
+from .prediction import curve, slips
 from .sensitivities import sensitivities
 
 AXES = {"scale_U": 1.0, "offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # measured = scale * computed + offset
@@ -94,11 +94,11 @@ class Model:
         return scene.width * scene.E / self.measured.unit if self.measured.unit else 1.0
 
     def _told(self, x):
-        predicted = Predicted(sensitivities(self.run(x), self.physical))
+        found = sensitivities(self.run(x), self.physical)
         axes = AXES | {name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES}
         scale, U_x = axes["scale_U"], (self.measured.U_x - axes["offset_U"]) / axes["scale_U"]
-        curve, slopes, by = predicted.curve(U_x[self.kept], self.branch[self.kept], self.physical)
-        loads, loads_by, branches, moved = predicted.slips(self.ends.shape[1], self.physical)
+        values, slopes, by = curve(found, U_x[self.kept], self.branch[self.kept], self.physical)
+        loads, loads_by, branches, moved = slips(found, self.ends.shape[1], self.physical)
         residuals, rows = [], []
         for k, name in enumerate(NAMES):
             if name not in self.measured.values:
@@ -107,13 +107,13 @@ class Model:
             off = axes["offset_F"] if name == "F_bar" else 0.0
             own = dict(zip(self.physical, gain * by[:, k], strict=True))
             for wide in {"E", "width"} & set(own) if self.measured.unit and name != "A_bar" else ():
-                own[wide] = own[wide] + gain * curve[k] / getattr(self.skeleton.scene, wide)
+                own[wide] = own[wide] + gain * values[k] / getattr(self.skeleton.scene, wide)
             own |= {"scale_U": -gain * slopes[k] * U_x[self.kept] / scale, "offset_U": -gain * slopes[k] / scale}
             if name == "F_bar":
-                own |= {"scale_F": gain / axes["scale_F"] * curve[k], "offset_F": np.ones(curve[k].size)}
+                own |= {"scale_F": gain / axes["scale_F"] * values[k], "offset_F": np.ones(values[k].size)}
             noise = self.measured.noise[name]
-            residuals.append((gain * curve[k] + off - self.measured.values[name][self.kept]) / noise)
-            rows.append(_columns(own, self.free, curve[k].size) / noise)
+            residuals.append((gain * values[k] + off - self.measured.values[name][self.kept]) / noise)
+            rows.append(_columns(own, self.free, values[k].size) / noise)
         if loads.size < self.ends.shape[1]:
             raise NotFollowed(f"it slips {loads.size} times, what was measured {self.ends.shape[1]} times")
         own = dict(zip(self.physical, scale * loads_by, strict=True)) | {
