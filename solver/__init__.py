@@ -15,7 +15,7 @@ continuation/   branches of equilibria, their ends, the motion between them; kno
 run/            load steps, increments, frames
 following/      a run followed to other parameters, as a branch is to the next load
 cautions        when a result depends on a choice
-cli, bulk, mapping, derivatives, command, files    the command line and what it writes
+cli, mapping, derivatives, reports, command, files    the command line and what it writes
 isolated, cluster                           calls with a deadline in processes of their own, or on a cluster
 threads                                     one thread of linear algebra while something is computed
 analysis/  verification/  work_precision/    not needed to run anything: stress inside, derivatives and fits, proofs,

@@ -9,8 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from . import METHODS, NotConverged, Scene, SceneError, __version__, load_path, summarize
-from .bulk import add_stability
+from . import METHODS, NotConverged, NotFollowed, Scene, SceneError, __version__, load_path, summarize
 from .cautions import cautions
 from .cluster import ClusterError
 from .command import (
@@ -18,17 +17,19 @@ from .command import (
     INTERRUPTED,
     NOT_CONVERGED,
     InputError,
+    add_command,
+    add_file,
     check_writable,
-    parameter_table,
     progress,
     scene_of,
     settings,
-    writing,
+    write,
 )
 from .derivatives import add_fit, add_sensitivities, add_spread
 from .files import write_csv, write_json, write_npz
 from .mapping import add_map
 from .presets import PresetError, preset, presets
+from .reports import add_accuracy, add_stability
 from .run.load_steps import load_steps_of
 from .run.shortcuts import account
 from .threads import one_thread
@@ -58,74 +59,32 @@ def main(argv=None):
         for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread):
             add(commands)
         arguments = parser.parse_args(argv)
+        check_writable(arguments)
         with one_thread():
             return arguments.command(arguments)
     except (ClusterError, InputError, PresetError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
-    except (NotConverged, KeyboardInterrupt) as error:
-        print(str(error) or "Interrupted; run again to finish", file=sys.stderr)
-        return NOT_CONVERGED if isinstance(error, NotConverged) else INTERRUPTED
+    except NotConverged as error:
+        print(error, file=sys.stderr)
+        return NOT_CONVERGED
+    except NotFollowed as error:
+        print(f"{error}; derivatives are had of runs that are followed: change a parameter", file=sys.stderr)
+        return NOT_CONVERGED
+    except KeyboardInterrupt:
+        print("Interrupted; run again to finish", file=sys.stderr)
+        return INTERRUPTED
 
 
 def add_run(commands):
     """Adds `run` to the subcommands."""
-    parser = commands.add_parser(
-        "run",
-        help="compute one experiment",
-        description="Computes one experiment along its path, approach and then shear, and prints a summary.",
-        epilog=parameter_table() + "\n\n" + preset_table(),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    text = "Computes one experiment along its path, approach and then shear, and prints a summary."
+    parser = add_command(commands, "run", run, "compute one experiment", text, "\n\n" + preset_table())
     parser.add_argument("--preset", metavar="NAME", help="start from a named experiment, listed below")
-    parser.add_argument(
-        "--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="parameters, listed below"
-    )
     parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
-    parser.add_argument("--csv", metavar="FILE", help="write the curves, a row per increment after the approach")
-    parser.add_argument("--npz", metavar="FILE", help="write the curves and the fields of these increments")
-    parser.add_argument("--json", metavar="FILE", help="write scene, version, method and summary")
-    parser.set_defaults(command=run)
-
-
-def add_accuracy(commands):
-    """Adds `accuracy` to the subcommands."""
-    parser = commands.add_parser(
-        "accuracy",
-        help="error against run time",
-        description="Error against run time of one experiment, by every method, swept over tolerance, steps, windows.",
-        epilog=parameter_table(),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="as in run")
-    parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
-    parser.add_argument("--slips", type=int, metavar="N", help="end beyond slip N in shear, default 2 (quick 1)")
-    parser.add_argument("--json", metavar="FILE", help="write every number")
-    parser.add_argument("--html", metavar="FILE", help="write the diagram as a page that opens offline")
-    parser.set_defaults(command=accuracy)
-
-
-def accuracy(arguments):
-    """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
-    from .work_precision import page, verdict  # what `run` does not need
-    from .work_precision.measure import measure
-
-    scene = scene_of(settings(arguments.set))
-    if arguments.slips is not None and arguments.slips < 1:
-        raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
-    for option in ("json", "html"):
-        check_writable(option, getattr(arguments, option))
-    with progress(100, "%") as bar:
-        for done, so_far in measure(scene, arguments.quick, arguments.slips):
-            bar.update(int(100 * done) - bar.n)
-            report = so_far
-    print(verdict.text(report))
-    with writing():
-        if arguments.json is not None:
-            write_json(arguments.json, {"version": __version__} | verdict.data(report))
-        if arguments.html is not None:
-            page.write_page(arguments.html, report)
-    return 0
+    add_file(parser, "csv", "the curves, a row per increment after the approach")
+    add_file(parser, "npz", "the curves and the fields of these increments")
+    add_file(parser, "json", "scene, version, method and summary")
 
 
 def preset_table():
@@ -138,8 +97,6 @@ def run(arguments):
     """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
     named = {} if arguments.preset is None else preset(arguments.preset).differences
     scene = scene_of({name: str(value) for name, value in named.items()} | settings(arguments.set))
-    for option in ("csv", "npz", "json"):
-        check_writable(option, getattr(arguments, option))
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
@@ -155,21 +112,17 @@ def run(arguments):
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames)))
-    with writing():
-        if arguments.csv is not None:
-            write_csv(arguments.csv, after)
-        if arguments.npz is not None:
-            write_npz(arguments.npz, scene, after)
-        if arguments.json is not None:
-            write_json(arguments.json, report)
+    write(arguments.csv, write_csv, after)
+    write(arguments.npz, write_npz, scene, after)
+    write(arguments.json, write_json, report)
     if failure is not None:
         print(failure, file=sys.stderr)
     return code
 
 
 def report_of(scene, frames, method, seconds, failure):
-    """What --json writes: scene, version, method and summary."""
-    report = {"version": __version__, "method": method, "scene": asdict(scene)}
+    """What --json writes beside the version: scene, method and summary."""
+    report = {"method": method, "scene": asdict(scene)}
     left_out = account(frames) if method == "fast" else {}
     return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
 

@@ -1,7 +1,7 @@
 """What the commands share: what is given to them, what they show while they work, and how they end."""
 
+import argparse
 import os
-from contextlib import contextmanager
 from pathlib import Path
 
 from .profile import ProfileError, read_profile
@@ -9,10 +9,37 @@ from .scene import CHOICES, PARAMETERS, Scene
 from .text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
+FILES = ("csv", "npz", "json", "html")  # options that name a file to be written
 
 
 class InputError(ValueError):
     """Bad input on the command line; the message is one line that names it and says what is allowed."""
+
+
+def add_command(commands, name, run, said, text, epilog=""):
+    """Adds the subcommand run(arguments) -> exit code, of a scene that --set gives, and returns its parser."""
+    parser = commands.add_parser(
+        name,
+        help=said,
+        description=text,
+        epilog=parameter_table() + epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    setting = {"nargs": "+", "action": "extend", "default": [], "metavar": "NAME=VALUE"}
+    parser.add_argument("--set", **setting, help="parameters, listed below")
+    parser.set_defaults(command=run)
+    return parser
+
+
+def add_file(parser, option, what, **how):
+    """Adds --option FILE, one of FILES."""
+    parser.add_argument(f"--{option}", metavar="FILE", help=f"write {what}", **how)
+
+
+def add_scheduler(parser):
+    """Adds --scheduler."""
+    said = "compute on a dask cluster, tcp://host:8786, whose workers have this version and one thread each"
+    parser.add_argument("--scheduler", metavar="ADDRESS", help=said)
 
 
 def parameter_table():
@@ -55,28 +82,31 @@ def settings(pairs):
     return texts
 
 
-def check_writable(option, file):
-    """Raises InputError where the file of --option cannot be written; leaves what is there as it is."""
-    if file is None:
-        return
-    new = not os.path.lexists(file)
-    try:
-        with open(file, "ab"):
-            pass
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"--{option} {file!r}: {reason}; allowed: a writable file in an existing directory") from None
-    if new:
-        os.remove(file)
+def check_writable(arguments):
+    """Raises InputError where one of the FILES cannot be written; leaves what is there as it is."""
+    for option in FILES:
+        file = getattr(arguments, option, None)
+        if file is None:
+            continue
+        new = not os.path.lexists(file)
+        try:
+            with open(file, "ab"):
+                pass
+        except (OSError, ValueError) as error:  # ValueError: a null character in the name
+            reason = getattr(error, "strerror", None) or error
+            allowed = "allowed: a writable file in an existing directory"
+            raise InputError(f"--{option} {file!r}: {reason}; {allowed}") from None
+        if new:
+            os.remove(file)
 
 
-@contextmanager
-def writing():
-    """Raises InputError where what is done within cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+def write(file, writer, *given):
+    """Has writer(file, *given) write a file, if one is named; raises InputError where it cannot."""
+    if file is not None:
+        try:
+            writer(file, *given)
+        except OSError as error:
+            raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
 
 
 def progress(total, unit):

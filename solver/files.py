@@ -6,20 +6,29 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
+from . import __version__
 from .run.summary import changing
 
 COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
 
 
+def write_rows(file, heading, rows):
+    """A table."""
+    with open(file, "w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(heading)
+        writer.writerows(rows)
+
+
 def write_csv(file, frames):
     """A row per frame, numbers in full precision; at its end the parameters that change along the run, if any."""
     names = changing(frames)
-    with open(file, "w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow((*COLUMNS, "stage", *names))
-        for frame in frames:
-            numbers = (number(getattr(frame, name)) for name in COLUMNS)
-            writer.writerow([*numbers, frame.stage, *(getattr(frame.scene, name) for name in names)])
+
+    def row(frame):
+        numbers = (number(getattr(frame, name)) for name in COLUMNS)
+        return [*numbers, frame.stage, *(getattr(frame.scene, name) for name in names)]
+
+    write_rows(file, (*COLUMNS, "stage", *names), map(row, frames))
 
 
 def number(value):
@@ -47,9 +56,9 @@ def write_npz(file, scene, frames):
 
 
 def write_json(file, report):
-    """Strict JSON: what is not a number becomes null, infinity the text that `--set` takes for it."""
+    """Strict JSON with the version: what is no number becomes null, infinity the text that `--set` takes for it."""
     with open(file, "w", encoding="utf-8") as out:
-        json.dump(plain(report), out, indent=2, allow_nan=False)
+        json.dump(plain({"version": __version__} | report), out, indent=2, allow_nan=False)
         out.write("\n")
 
 

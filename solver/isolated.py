@@ -3,14 +3,13 @@
 import os
 import signal
 import sys
-from collections import deque
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from inspect import isgenerator
 from math import inf
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
-from queue import SimpleQueue
-from threading import Event, RLock, Thread
+from threading import Event, RLock, Thread, local
 from time import monotonic
 from traceback import format_exc
 
@@ -44,11 +43,6 @@ class Caller:
         self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with theirs, _bare_main():  # their end is closed here, so that the pipe ends with the process
             self.process.start()
-
-    @property
-    def sentinel(self):
-        """Something to wait for, ready when the process has ended."""
-        return self.process.sentinel
 
     def alive(self):
         """Whether the process still is."""
@@ -122,65 +116,35 @@ def crew(workers):
 
         yield lambda call, items, limit: cluster.outcomes(call, items, workers, limit)
         return
-    callers, idle = [], deque()
-    try:
-        yield lambda call, items, limit: _outcomes(call, items, workers, limit, callers, idle)
-    finally:
-        for caller in list(callers):
-            caller.end()
+    callers, own, over = [], local(), Event()
 
+    def outcome(call, item, limit):
+        """In a thread with a process of its own, a new one after each that was lost."""
+        try:
+            if getattr(own, "caller", None) is None:
+                own.caller = Caller()
+                callers.append(own.caller)
+                if over.is_set():  # it has come too late to be ended with the others
+                    own.caller.end()
+            return own.caller.call(call, item, limit=limit)
+        except Lost as lost:
+            if lost.kind != "error":
+                own.caller = None
+            return lost
 
-def _outcomes(call, items, workers, limit, callers, idle):
-    """The same by processes of which `callers` lists all, and `idle` those that wait for a call."""
-    waiting, found, over = deque(enumerate(items)), SimpleQueue(), Event()
-    count = len(waiting)
-    threads = [
-        Thread(target=_work_off, args=(call, waiting, found, callers, idle, over, limit), daemon=True)
-        for _ in range(min(workers, count))
-    ]
-    try:
-        for thread in threads:
-            thread.start()
-        for _ in range(count):
-            yield found.get()
-    except BaseException:  # nobody wants the rest
-        over.set()
-        for caller in list(callers):
-            caller.end()
-        idle.clear()
-        raise
-    finally:
-        for thread in threads:
-            thread.join()
+    def outcomes_of(call, items, limit):
+        made = {threads.submit(outcome, call, item, limit): index for index, item in enumerate(items)}
+        for future in as_completed(made):
+            yield made[future], future.result()
 
-
-def _work_off(call, waiting, found, callers, idle, over, limit):
-    """Make calls in a process, and in a new one after each that was lost."""
-    caller = None
-    while waiting and not over.is_set():
-        with suppress(IndexError):
-            index, item = waiting.popleft()
-            try:
-                if caller is None:
-                    caller = _idle_or_new(callers, idle)
-                    if over.is_set():
-                        break
-                outcome = caller.call(call, item, limit=limit)
-            except Lost as lost:
-                outcome = lost
-                if lost.kind != "error":
-                    callers.remove(caller)
-                    caller = None
-            found.put((index, outcome))
-    if caller is not None:
-        idle.append(caller)
-
-
-def _idle_or_new(callers, idle):
-    with suppress(IndexError):
-        return idle.popleft()
-    callers.append(Caller())
-    return callers[-1]
+    with ThreadPoolExecutor(workers) as threads:
+        try:
+            yield outcomes_of
+        finally:  # nobody wants the rest
+            over.set()
+            threads.shutdown(wait=False, cancel_futures=True)
+            for caller in list(callers):
+                caller.end()
 
 
 def _serve(pipe):

@@ -1,24 +1,26 @@
-"""The command `map`: a map of first slips over two parameters, or of the friction of flats (`bulk.flats`)."""
+"""The command `map`: a map of first slips over two parameters, or of the friction of flats."""
 
-import argparse
 import csv
 import os
 import sys
-from pathlib import Path
 
-from .bulk import add_scheduler, flats
+from .analysis import regimes
+from .analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, worked_off
+from .analysis.maps.point import QUANTITIES
 from .command import (
     INTERRUPTED,
     NOT_CONVERGED,
     InputError,
-    check_writable,
-    parameter_table,
+    add_command,
+    add_file,
+    add_scheduler,
     progress,
     scene_of,
     settings,
-    writing,
+    write,
 )
-from .isolated import Lost, crew
+from .files import write_rows
+from .isolated import Lost, crew, outcomes
 
 LIMIT = 600.0  # s for a tile of five points
 
@@ -30,17 +32,11 @@ def add_map(commands):
         " Without: friction of flats over stiffness E and strength phi_t (Figs. 4, 5), from runs and in closed form."
     )
     epilog = (
-        "columns of the first: i, j, the two parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites, reattached,"
-        " L_min,\nbranches, followed, evaluations, reason; see solver/analysis/maps/point.py\n"
+        "\n\ncolumns of the first: i, j, the two parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites,"
+        " reattached, L_min,\nbranches, followed, evaluations, reason; see solver/analysis/maps/point.py\n"
         "columns of flats: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max), reason"
-        "\n\n"
     )
-    raw = argparse.RawDescriptionHelpFormatter
-    add = commands.add_parser
-    parser = add(
-        "map", help="maps over two parameters", description=text, epilog=epilog + parameter_table(), formatter_class=raw
-    )
-    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help="as in run")
+    parser = add_command(commands, "map", mapped, "maps over two parameters", text, epilog)
     form = "NAME=LOW:HIGH:COUNT[:log]"
     parser.add_argument("--x", metavar=form, help="a continuous parameter and its values")
     parser.add_argument("--y", metavar=form, help="another one")
@@ -48,45 +44,65 @@ def add_map(commands):
     parser.add_argument("--resume", action="store_true", help="go on with the points of the same map in --csv")
     parser.add_argument("--points", type=int, default=12, metavar="N", help="of flats: N x N, 2 .. 100, default 12")
     add_scheduler(parser)
-    parser.add_argument("--csv", metavar="FILE", required=True, help="write a row per point")
-    parser.set_defaults(command=mapped)
+    add_file(parser, "csv", "a row per point", required=True)
 
 
 def mapped(arguments):
     """Computes a map and writes it; 1 if a point has no result but a reason."""
     if arguments.x is None and arguments.y is None:
         return flats(arguments)
-    from .analysis.maps import COLUMNS, Axis, Map  # what `run` does not need
-    from .analysis.maps.point import QUANTITIES
-
     for option in ("x", "y"):
         if getattr(arguments, option) is None:
             raise InputError(f"--{option}: missing; give --x and --y, or none of them for a map of flats")
     if arguments.of not in (None, "regime", *QUANTITIES):
         raise InputError(f"--of {arguments.of}: allowed: regime, {', '.join(QUANTITIES)}; choose one of them")
     grid = Map(scene_of(settings(arguments.set)), Axis.of(arguments.x), Axis.of(arguments.y))
-    points = _known(arguments, grid, COLUMNS) if arguments.resume else []
-    check_writable("csv", arguments.csv)
+    points = _known(arguments, grid) if arguments.resume else []
     code = 0
     try:
         with progress(grid.size, " points") as bar:
             bar.update(len(points))
-            for point in explored(grid, arguments.scheduler or os.cpu_count() or 1, points):
+            for point in explored(grid, _workers(arguments), points):
                 points.append(point)
                 bar.update()
     except KeyboardInterrupt:
         print("Interrupted; --resume goes on from here" if arguments.of is None else "Interrupted", file=sys.stderr)
         code = INTERRUPTED
-    _write(arguments, grid, points, COLUMNS)
+    if arguments.of is None:
+        heading = [*COLUMNS[:2], grid.x.name, grid.y.name, *COLUMNS[2:]]
+        write(arguments.csv, write_rows, heading, [_row(grid, point) for point in points])
+    else:
+        write(arguments.csv, write_rows, *_table(grid, points, arguments.of))
     without = sum(bool(point.reason) for point in points)
     print(_described(points))
     return code or (NOT_CONVERGED if without else 0)
 
 
+def flats(arguments):
+    """Computes the map of regimes of flats and writes it; 1 if a point has no result but a reason."""
+    if not 2 <= arguments.points <= 100:
+        raise InputError(f"--points {arguments.points}: allowed: 2 .. 100")
+    asked = regimes.points(scene_of(settings(arguments.set)), arguments.points)
+    rows = [None] * len(asked)
+    with progress(len(asked), " points") as bar:
+        for k, found in outcomes(regimes.regime, asked, _workers(arguments), regimes.LIMIT):
+            _, E, phi_t = asked[k]
+            rows[k] = {"E": E, "phi_t": phi_t, "reason": found.reason} if isinstance(found, Lost) else found
+            bar.update()
+    columns = regimes.COLUMNS
+    write(arguments.csv, write_rows, columns, ([row.get(name, "") for name in columns] for row in rows))
+    slip, without = (sum(bool(row.get(name)) for row in rows) for name in ("slips", "reason"))
+    print(f"{len(rows)} points: {slip} stick and slip, {without} without a result")
+    return NOT_CONVERGED if without else 0
+
+
+def _workers(arguments):
+    """As of `isolated.outcomes`."""
+    return arguments.scheduler or os.cpu_count() or 1
+
+
 def explored(grid, workers, points=()):
     """Yield the Points of a Map but those that are given, coarse to fine; workers: as of `isolated.outcomes`."""
-    from .analysis.maps import worked_off
-
     known = {(point.i, point.j): (point, None) for point in points}
     with crew(workers) as outcomes_of:
         for level in range(grid.levels):
@@ -98,18 +114,14 @@ def explored(grid, workers, points=()):
                     yield point
 
 
-def _known(arguments, grid, columns):
+def _known(arguments, grid):
     """The Points of a file, of this map as far as it tells; those without a result are left out."""
-    from .analysis.maps import Point
-
     try:
         with open(arguments.csv, newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         points = [Point.from_row(row) for row in rows]
-        same = all(
-            _parameters(grid, point).items() <= {k: _number(v) for k, v in row.items()}.items()
-            for point, row in zip(points, rows, strict=True)
-        )
+        places = [[float(row[axis.name]) for axis in (grid.x, grid.y)] for row in rows]
+        same = places == [_parameters(grid, point) for point in points]
     except FileNotFoundError:
         return []
     except (OSError, ValueError, KeyError, TypeError, IndexError):
@@ -119,43 +131,26 @@ def _known(arguments, grid, columns):
     return [point for point in points if not point.reason]
 
 
-def _number(text):
-    try:
-        return float(text)
-    except (TypeError, ValueError):
-        return None
-
-
 def _parameters(grid, point):
-    return {grid.x.name: float(grid.x.values[point.i]), grid.y.name: float(grid.y.values[point.j])}
+    """[value of x, value of y]"""
+    return [float(grid.x.values[point.i]), float(grid.y.values[point.j])]
 
 
-def _write(arguments, grid, points, columns):
-    """The file: a row per point, or a table of one column."""
-    with writing(), Path(arguments.csv).open("w", newline="", encoding="utf-8") as file:
-        if arguments.of is not None:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([f"{grid.y.name} \\ {grid.x.name}", *map(float, grid.x.values)])
-            table = _table(grid, points, arguments.of)
-            writer.writerows([float(y), *row] for y, row in zip(grid.y.values, table, strict=True))
-            return
-        writer = csv.DictWriter(file, [*columns[:2], grid.x.name, grid.y.name, *columns[2:]], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(point.as_row() | _parameters(grid, point) for point in points)
+def _row(grid, point):
+    """All columns of a point, the two parameters behind their places."""
+    i, j, *rest = point.as_row().values()
+    return [i, j, *_parameters(grid, point), *rest]
 
 
 def _table(grid, points, of):
-    """Rows of a column, "" where there is none."""
-    table = [[""] * grid.x.count for _ in range(grid.y.count)]
-    for point in points:
-        table[point.j][point.i] = point.as_row()[of]
-    return table
+    """(heading, rows) of a column as a table of y by x, "" where there is none."""
+    found = {(point.i, point.j): point.as_row()[of] for point in points}
+    rows = ([float(y), *(found.get((i, j), "") for i in range(grid.x.count))] for j, y in enumerate(grid.y.values))
+    return [f"{grid.y.name} \\ {grid.x.name}", *map(float, grid.x.values)], rows
 
 
 def _described(points):
     """The map in a line for people."""
-    from .analysis.maps import REGIMES
-
     counts = {regime: sum(point.regime == regime for point in points) for regime in REGIMES}
     followed, spent = sum(point.followed for point in points), sum(point.evaluations for point in points)
     said = ", ".join(f"{regime} {count}" for regime, count in counts.items() if count)

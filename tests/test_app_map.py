@@ -85,3 +85,11 @@ def test_an_outline_lies_between_regimes_and_not_beside_what_is_unknown():
     i, j = (np.array(each) for each in outlines(codes))
     assert np.nanmin(i) == np.nanmax(i) == 1.5  # one line, upright
     assert np.nanmin(j) == -0.5 and np.nanmax(j) == 0.5
+
+
+def test_axes_that_change_places_make_another_map(session):
+    order(session, "page", page="regimes")
+    order(session, "ask", what="axes", x="phi_ratio", y="delta_bar")
+    page = session.pages.page
+    assert (page.grid.x.name, page.grid.y.name) == ("phi_ratio", "delta_bar")
+    assert page.views["map"].figure.xaxis.axis_label.startswith("friction")

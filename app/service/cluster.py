@@ -8,7 +8,6 @@ call that takes too long is abandoned, and its worker restarted if a nanny is th
 import logging
 from contextlib import suppress
 from math import inf
-from multiprocessing import Pipe
 from queue import Empty, SimpleQueue
 from threading import RLock, Thread
 from time import sleep
@@ -97,7 +96,6 @@ class Remote:
 
     def __init__(self, cluster, client, worker):
         self.cluster, self.client, self.worker = cluster, client, worker
-        self.sentinel, self._cord = Pipe(duplex=False)
         self._gone, self._news = False, SimpleQueue()
 
     def alive(self):
@@ -107,7 +105,6 @@ class Remote:
     def lose(self):
         """It has left the cluster, or the cluster is gone."""
         self._gone = True
-        self._cord.close()  # the sentinel is ready
         self._news.put(None)
 
     def call(self, function, *arguments, limit=inf):

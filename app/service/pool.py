@@ -8,11 +8,12 @@ methods of `solver.isolated.Caller` that are used here: with APP_SCHEDULER a wor
 import atexit
 import logging
 import os
+from dataclasses import dataclass
 from math import inf
-from multiprocessing import Pipe, set_forkserver_preload
-from multiprocessing.connection import wait
-from threading import Event, RLock, Thread
+from multiprocessing import set_forkserver_preload
+from threading import Condition, Event, Thread
 from time import monotonic
+from typing import Any
 
 from app.service import metrics, worker
 from app.service.line import EXACT, HEAVY, LATER, PATIENCE, SCREEN, Line, Task
@@ -21,6 +22,7 @@ from solver.isolated import Caller, Lost
 log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
 __all__ = ["EXACT", "HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
+LOOK = 0.5  # s between two looks whether the process of an idle worker still is
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
 HOPE = 60.0  # s since a worker was last ready, before which they are not told
@@ -34,19 +36,14 @@ def default_size():
     return int(os.environ.get("APP_WORKERS", max(2, cores)))
 
 
+@dataclass(eq=False)
 class Seat:
-    """Room for one worker process, with the thread that fills it; `task` is what it does."""
+    """Room for one worker process, with a thread that fills it; `task` is what it does."""
 
-    def __init__(self):
-        self.caller, self.ready, self.task, self.failures = None, False, None, 0
-        self.bell, self.cord = Pipe(duplex=False)  # pulled when there is a task: the thread waits for a process as well
-
-    def ring(self):
-        self.cord.send_bytes(b"!")
-
-    def silence(self):
-        while self.bell.poll():
-            self.bell.recv_bytes()
+    caller: Any = None
+    ready: bool = False
+    task: Task | None = None
+    failures: int = 0  # starts in a row
 
 
 class Pool:
@@ -60,7 +57,8 @@ class Pool:
         self.replaced = 0  # workers lost
         self.why = ""  # no worker can be started
         self._seats, self._line = [], Line()
-        self._lock, self._closing, self._warm = RLock(), Event(), Event()
+        self._lock = Condition()  # notified when seats have been given tasks, and of the end
+        self._closing, self._warm = Event(), Event()
         self._answered = -inf  # when a worker last gave an answer, s, monotonic
         self._fit = -inf  # when a worker was last known to be fit, s, monotonic
 
@@ -105,7 +103,7 @@ class Pool:
                 task.set_exception(Lost("closed", self.why or "the server is being stopped"))
             else:
                 self._line.add(task)
-        self._dispatch()
+                self._dispatch()
         return task
 
     def abandon(self, task):
@@ -143,39 +141,31 @@ class Pool:
             seats, self._seats = self._seats, []
             waiting, self._line = self._line, Line()
             callers = [seat.caller for seat in seats if seat.caller]
+            self._lock.notify_all()
         for task in waiting:
             task.cancel()
         for caller in callers:
             caller.end()
-        for seat in seats:
-            seat.ring()
-
-    # who does what
 
     def _dispatch(self):
-        """Give waiting tasks to idle workers."""
-        with self._lock:
-            while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
-                task = self._next()
-                if task is None:
-                    break
-                if task.set_running_or_notify_cancel():
-                    task.seat, idle[0].task = idle[0], task
-                    idle[0].ring()
-
-    def _next(self):
-        """The task whose turn it is, taken from the line, or None."""
-        rank = self._line.rank
-        free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
-        hoped = sum(seat.failures < STARTS for seat in self._seats)
-        return self._line.take() if rank is not None and (rank <= EXACT or free > (hoped > 1)) else None
+        """Give idle workers the tasks whose turn it is."""
+        while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
+            rank = self._line.rank
+            free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
+            hoped = sum(seat.failures < STARTS for seat in self._seats)
+            if rank is None or (rank > EXACT and free <= (hoped > 1)):
+                break
+            task = self._line.take()
+            if task.set_running_or_notify_cancel():
+                task.seat, idle[0].task = idle[0], task
+                self._lock.notify_all()
 
     # a seat, in its thread
 
     def _sit(self, seat, number):
         """Keep a worker in the seat until the pool is closed."""
-        while number and not self._warm.wait():
-            pass
+        if number:
+            self._warm.wait()
         while not self._closing.wait(PAUSES[min(seat.failures, len(PAUSES) - 1)]):
             try:
                 self._fill(seat)
@@ -202,12 +192,14 @@ class Pool:
     def _serve(self, seat):
         """Do tasks until the worker is lost."""
         while True:
-            self._dispatch()
-            if seat.bell not in wait([seat.bell, seat.caller.sentinel]):
-                raise Lost("crash", "the process ended while it was idle")
-            seat.bell.recv_bytes()
-            if self._closing.is_set():
-                raise Lost("closed", "the server is being stopped")
+            with self._lock:
+                self._dispatch()
+                while seat.task is None:
+                    self._lock.wait(LOOK)
+                    if self._closing.is_set():
+                        raise Lost("closed", "the server is being stopped")
+                    if not seat.caller.alive():
+                        raise Lost("crash", "the process ended while it was idle")
             self._do(seat)
 
     def _do(self, seat):
@@ -237,7 +229,6 @@ class Pool:
         with self._lock:
             task, seat.task = seat.task, None
             warm, seat.ready, seat.caller = seat.ready, False, None
-            seat.silence()
             if self._closing.is_set():
                 lost = Lost("closed", "the server is being stopped")
             else:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.service import worker
+from app.service import packing, worker
 from app.service.packing import Frames
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.fit import fit
@@ -26,6 +26,8 @@ from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
 from solver.following.branch import NotFollowed
 from solver.following.reading import skeleton_of
+from solver.run.film import through
+from solver.run.frame import STAGES, Frame
 from solver.run.load_steps import lifts
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
@@ -207,6 +209,31 @@ def layer_table(scene, depth, rows, modes):
         transfer(q[:n], z[r : r + 1], height, 1.0, scene.nu)[:, :, 0].reshape(10, n).T for r, n in enumerate(counts)
     ]
     return counts.tolist(), np.concatenate(parts).astype("<f4").tobytes()
+
+
+def slow_motion(scene, before, after):
+    """Packed blocks of the motion between two frames, each (packed block, row); or why there is none."""
+    goal = _frame(scene, *after)
+    name, sign = STAGES[goal.stage]
+    load = sign * getattr(goal, name)
+    try:
+        film, _ = through(scene, _frame(scene, *before), goal.stage, load, limit=worker.SLOW)
+    except (NotConverged, ValueError) as error:
+        return str(error)
+    if not film:
+        return "no branch ends here"
+    return packing.packed(scene, [(replace(frame, index=goal.index), 0.0) for frame in film], True)
+
+
+def _frame(scene, block, row):
+    """The Frame of a row of a packed block, in the digits that it has there."""
+    head, columns, fields = packing.unpack(block)
+    u_x, gap, *T = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap", "T_x", "T_z"))
+    profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
+    known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
+    place = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
+    u = np.array([u_x, gap - profile])
+    return Frame(scene, **place, **known, first=head["first"], u=u, T=np.array(T), evaluations=0)
 
 
 def measured(text):

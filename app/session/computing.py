@@ -7,7 +7,7 @@ from concurrent.futures import CancelledError
 from cachetools import FIFOCache
 
 from app.limits import coarse, increments_of
-from app.service import metrics, packing, worker
+from app.service import metrics, worker
 from app.service.pool import EXACT, HEAVY, SCREEN
 from app.session.following import Following
 from app.session.run import Run
@@ -272,8 +272,7 @@ class Computing:
         self._ended(known)
 
     def _send(self, blocks):
-        for block in blocks:
-            self.session.wire.chunk = packing.numbered(self.run.number, block)
+        self.session.wire.send(self.run.number, blocks)
 
     def _lost(self, lost):
         """A worker was lost with a slice: it is pure, so it is computed again, unless that would be of no use."""

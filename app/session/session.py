@@ -12,12 +12,8 @@ from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.wanted import Wanted
 from app.session import controls
-from app.session.beside import Beside
+from app.session.aside import Film, Gallery, Layer, Marks, Pinned
 from app.session.computing import Computing
-from app.session.film import Film
-from app.session.gallery import Gallery
-from app.session.layer import Layer
-from app.session.marks import Marks
 from app.session.share import Share
 from app.session.wire import Wire
 from solver import SceneError
@@ -43,9 +39,8 @@ class Session:
         self.computing = Computing(self)
         self.bench = Bench(doc)
         self.pages = pages(self)
-        self.beside, self.share = Beside(self), Share(self)
-        self.film, self.marks, self.gallery = Film(self), Marks(self), Gallery(self)
-        self.layer = Layer(self)
+        self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
+        self.pinned, self.marks, self.gallery = Pinned(self), Marks(self), Gallery(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
         self.reading = Wanted(self)  # a profile
@@ -62,7 +57,7 @@ class Session:
                 part.close()
             for wanted in (self.reading, self.share, self.film, self.layer):
                 wanted.forget()
-            for sweep in (self.beside, self.marks, self.gallery):
+            for sweep in (self.pinned, self.marks, self.gallery):
                 sweep.cancel()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -98,7 +93,7 @@ class Session:
             **{name: getattr(computing, name) for name in ("pause", "go", "one", "skip", "rest")},
         }
         told = {
-            "beside": lambda: self.beside.want(values),
+            "beside": lambda: self.pinned.want(values),
             "film": lambda: self.film.want(values),
             "share": lambda: self.share.sheet(values),
             "take": lambda: self.share.take(values),

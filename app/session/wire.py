@@ -3,6 +3,8 @@
 from bokeh.core.properties import Bytes, Nullable, String
 from bokeh.model import DataModel
 
+from app.service import packing
+
 
 class Wire(DataModel):
     """What passes between server and browser: packed frames and status to the browser, orders (JSON) from it."""
@@ -10,8 +12,13 @@ class Wire(DataModel):
     chunk = Nullable(Bytes)
     status = String(default="{}")
     page = String(default="{}")  # JSON, about the page beside the experiment that is open
-    layer = Nullable(Bytes)  # JSON header and a table for the stress inside the layer, by `session.layer`
+    layer = Nullable(Bytes)  # JSON header and a table for the stress inside the layer, by `session.aside`
     hand = Nullable(Bytes)  # a picture that follows the hand on a slider: what `service.following` makes, and a number
     thumbnail = String(default="")  # JSON, the small picture of a preset, when the gallery was opened
     taken = Nullable(Bytes)  # JSON header and a file, when something is taken away
     order = String(default="")
+
+    def send(self, run, blocks):
+        """Packed blocks, as those of the visitor's run of that number."""
+        for block in blocks:
+            self.chunk = packing.numbered(run, block)

@@ -74,12 +74,12 @@ class Page(Sheet):
     def scene_changed(self):
         """Another map only where something else than its axes has changed."""
         try:
-            scene = self._base(self.session.scene)
+            grid = self._around(self.session.scene)
         except SceneError as error:
             self.sweep.cancel()
             return self.publish(texts={"regimes-said": f"Not drawn: {error}"}, busy=None)
-        if self.grid is None or scene != self.grid.scene:
-            self._begin(scene)
+        if grid != self.grid:
+            self._begin(grid)
         self._draw()
 
     def order(self, values):
@@ -87,13 +87,12 @@ class Page(Sheet):
         what, names = values.get("what"), (values.get("x"), values.get("y"))
         if what == "cancel":
             self.sweep.cancel()
-        elif what == "axes" and set(names) <= AXES.keys() and names[0] != names[1]:
+            return self._draw()
+        if what == "axes" and set(names) <= AXES.keys() and names[0] != names[1]:
             self.names = names
-            return self.scene_changed()
         elif what == "of" and values.get("of") in QUANTITIES:
             self.of = values["of"]
-            return self.scene_changed()
-        self._draw()
+        self.scene_changed()
 
     def nearer(self, scene, origin):
         """See Sheet: a hand on the map goes on from what the map is made of, also after a leap."""
@@ -105,10 +104,12 @@ class Page(Sheet):
         held = origin is not None and self._holds(origin)
         return pickle.dumps(nearest) if off < (dist(self._place_of(origin), here) if held else inf) else None
 
-    def _base(self, scene):
-        """The scene with the map's own parameters where they do not matter; raises SceneError."""
+    def _around(self, scene):
+        """The Map that a scene is on: the parameters of its axes are anything; raises SceneError."""
         path = "unload" if self.of == "L_min" else "shear"  # a map of its own, whose points are all runs
-        return scene.changed(path=path, **{name: AXES[name][1] for name in self.names})
+        base = scene.changed(path=path, **{name: AXES[name][1] for name in self.names})
+        counts = zip(self.names, (COLUMNS, ROWS), strict=True)
+        return Map(base, *(Axis(name, *AXES[name][1:3], count, AXES[name][3]) for name, count in counts))
 
     def _holds(self, scene):
         """Whether a scene is one of the map's."""
@@ -119,13 +120,10 @@ class Page(Sheet):
         """(i, j) of a scene."""
         return [_place(axis, getattr(scene, axis.name)) for axis in (self.grid.x, self.grid.y)]
 
-    def _begin(self, scene):
+    def _begin(self, grid):
         self.sweep.cancel()
-        counts = zip(self.names, (COLUMNS, ROWS), strict=True)
-        self.grid = Map(scene, *(Axis(name, *AXES[name][1:3], count, AXES[name][3]) for name, count in counts))
-        self.known = {}
-        levels = range(self.grid.levels)
-        self.left = [(level, cell, corners(cell)) for level in levels for cell in self.grid.cells(level)]
+        self.grid, self.known = grid, {}
+        self.left = [(level, cell, corners(cell)) for level in range(grid.levels) for cell in grid.cells(level)]
         self._name_axes()
         self._ask()
 

@@ -97,17 +97,7 @@ def threshold_law(A_s, F_s):
         raise ValueError(f"{A.size} points in contact at the onset: at least 3, of different area; press deeper")
     if not np.ptp(F) > 0.0:
         raise ValueError(f"all forces F_s = {F[0]:g}: a line needs onsets at forces that differ; vary delta_bar")
-    from_mean, forces = A - A.mean(), F - F.mean()
-    spread = float(from_mean @ from_mean)
-    tau_c = float(from_mean @ forces) / spread
-    F_nc = float(F.mean() - tau_c * A.mean())
-    squares = float(np.sum((F - F_nc - tau_c * A) ** 2))
-    variance = squares / (A.size - 2)
-    return ThresholdLaw(
-        tau_c=tau_c,
-        tau_c_error=sqrt(variance / spread),
-        F_nc=F_nc,
-        F_nc_error=sqrt(variance * (1.0 / A.size + A.mean() ** 2 / spread)),
-        r2=1.0 - squares / float(forces @ forces),
-        points=A.size,
-    )
+    (tau_c, F_nc), covariance = np.polyfit(A, F, 1, cov=True)
+    errors = np.sqrt(np.diag(covariance))
+    r2 = np.corrcoef(A, F)[0, 1] ** 2
+    return ThresholdLaw(float(tau_c), float(errors[0]), float(F_nc), float(errors[1]), float(r2), A.size)

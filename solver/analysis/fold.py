@@ -57,9 +57,9 @@ def sharpened(contact, fold, held, height, pressure):
     b = tangent.flat(along(tangent.J, c[: 2 * tangent.m].reshape(2, -1)))
     b /= np.linalg.norm(b)
     right, left = np.append(c, 0.0), np.append(b, 0.0)
-    last, solves, by_load = np.append(np.zeros(v.size), 1.0), None, None
+    last, by_load = np.append(np.zeros(v.size), 1.0), None
     for _ in range(STEPS):
-        solves = Solves(tangent, b, c, near=solves)
+        solves = Solves(tangent, b, c)
         right, left = solves(last, guess=right), solves(last, transposed=True, guess=left)
         phi, psi, g = right[:-1], left[:-1], right[-1]
         by_residual = solves(np.append(tangent.residual(load, height, pressure), 0.0))

@@ -5,6 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from ..following.branch import even_weights, place
+from .sensitivities import passed
 
 END = 1e-3  # of t from 0 and 1: nearer, dF/dU is 0/0, or infinite; F changes by its square there
 PART = 0.9  # of the largest drop: where all are as small as that, they may still grow to what was measured
@@ -14,68 +15,59 @@ BESIDE = 1e-5  # of t, over which dF/dt is told
 class Predicted:
     """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0 at slips seen.
 
-    A slip is seen where F_bar drops by more than `seen`, or by some part of the largest drop of a run on the way. What was measured between two of them lies on the branch that
-    the run is on at that U_x, but between these slips; a branch that ends before U_x goes on with its last value: what
-    is predicted is continuous in the parameters. In a run without slips to be seen only U_x counts. reach: the largest
-    U_x, nm.
+    A slip is seen where F_bar drops by more than `seen`, or by about as much as at its largest drop. What was measured
+    between two of them lies on the branch that the run is on at that U_x, but between these slips; a branch that ends
+    before U_x goes on with its last value: what is predicted is continuous in the parameters. In a run without slips
+    to be seen only U_x counts. reach: the largest U_x, nm.
     """
 
-    def __init__(self, found, seen=0.0, reach=0.0):
+    def __init__(self, found, seen, reach):
         self.found, self.skeleton, self.seen, self.reach = found, found.skeleton, seen, reach
 
-    def branch_of(self, number):
-        """(index of the BranchSensitivity, periods it has moved on by) of the branch number `number` of the run."""
-        home, count = self.skeleton.home, len(self.found.branches)
-        if number < count or not self.skeleton.sites:
-            return min(number, count - 1), 0
-        return home + (number - home) % (count - home), (number - home) // (count - home)
-
-    def drop(self, number):
-        """What F_bar drops by at the end of the branch number `number`; 0 where it ends in no slip."""
-        (index, turns), (after, later) = self.branch_of(number), self.branch_of(number + 1)
-        one = self.found.branches[index]
-        if one.branch.fold is None or (index, turns) == (after, later):
+    def _drop(self, index):
+        """What F_bar drops by where a branch ends; 0 where it ends in no slip."""
+        branches, one = self.found.branches, self.found.branches[index]
+        last = index + 1 == len(branches)
+        if one.branch.fold is None or (last and not self.skeleton.sites):
             return 0.0
-        return one.values[1, -1] - self.found.branches[after].values[1, 0]
+        return one.values[1, -1] - branches[self.skeleton.home if last else index + 1].values[1, 0]
 
-    def end(self, number):
-        """Where the branch number `number` ends, nm."""
-        index, turns = self.branch_of(number)
+    def _end(self, index, turns):
+        """Where a branch ends that has moved on by so many periods, nm."""
         return self.found.branches[index].values[0, -1] + turns * (self.skeleton.period or 0.0)
 
     @cached_property
     def between(self):
-        """[numbers of branches] up to the first slip seen, from there to the next, ..., to twice the reach."""
-        largest = max(self.drop(number) for number in range(len(self.found.branches) + 1))
-        seen, lists, number = min(self.seen, PART * largest), [[]], 0
-        while True:
-            lists[-1].append(number)
-            if self.end(number) > 2.0 * self.reach or self.branch_of(number) == self.branch_of(number + 1):
-                return lists
-            if self.drop(number) > seen:
+        """[(index, turns)] of branches, as `passed`: up to the first slip seen, to the next ..., to twice reach."""
+        drops, lists = [self._drop(index) for index in range(len(self.found.branches))], [[]]
+        seen = min(self.seen, PART * max(drops))
+        for index, turns in passed(self.skeleton):
+            lists[-1].append((index, turns))
+            if self._end(index, turns) > 2.0 * self.reach:
+                break
+            if drops[index] > seen:
                 lists.append([])
-            number += 1
+        return lists
 
     def curve(self, U_x, branch, names):
         """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm."""
         values, slopes = np.empty((3, U_x.size)), np.empty((3, U_x.size))
-        by, number_of = np.empty((len(names), 3, U_x.size)), np.empty(U_x.size, int)
+        by = np.empty((len(names), 3, U_x.size))
         branch = np.minimum(branch, len(self.between) - 1)
-        for k in np.unique(branch):
-            numbers = np.array(self.between[k])
-            ends = [self.end(number) for number in numbers[:-1]]
-            number_of[branch == k] = numbers[np.searchsorted(ends, U_x[branch == k])]
-        for number in np.unique(number_of):
-            mine, (index, turns) = number_of == number, self.branch_of(int(number))
-            one = self.found.branches[index]
-            if one.branch.periodic:
-                turns = np.floor(U_x[mine] / self.skeleton.period)
-            loads = U_x[mine] - turns * (self.skeleton.period or 0.0)
-            read = _to_a_fold if one.branch.fold else _without_end
-            values[:, mine], slopes[:, mine], by[:, :, mine] = read(one, loads, names)
-            if "width" in names:  # the period moves what was moved on
-                k = names.index("width")
-                by[k][:, mine] -= slopes[:, mine] * turns * self.skeleton.sites / self.skeleton.scene.nodes
+        for k, some in enumerate(self.between):
+            ends = [self._end(*one) for one in some[:-1]]
+            here = np.where(branch == k, np.searchsorted(ends, U_x), -1)
+            for j in np.unique(here[here >= 0]):
+                mine, (index, turns) = here == j, some[j]
+                one = self.found.branches[index]
+                if one.branch.periodic:
+                    turns = np.floor(U_x[mine] / self.skeleton.period)
+                loads = U_x[mine] - turns * (self.skeleton.period or 0.0)
+                read = _to_a_fold if one.branch.fold else _without_end
+                values[:, mine], slopes[:, mine], by[:, :, mine] = read(one, loads, names)
+                if "width" in names:  # the period moves what was moved on
+                    moved = turns * self.skeleton.sites / self.skeleton.scene.nodes
+                    by[names.index("width")][:, mine] -= slopes[:, mine] * moved
         return values, slopes, by
 
     def slips(self, count, names):
@@ -84,8 +76,7 @@ class Predicted:
         A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
         """
         loads, by, branches, moved_on = [], [], [], []
-        for numbers in self.between[:-1][:count]:
-            index, turns = self.branch_of(numbers[-1])
+        for *_, (index, turns) in self.between[:-1][:count]:
             one = self.found.branches[index]
             sites = turns * self.skeleton.sites
             loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)

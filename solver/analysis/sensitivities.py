@@ -6,8 +6,9 @@ A^T lambda = F_v, A = -R_v. At a fold dU/dp = -<psi, R_p>/<psi, R_U>, and the st
 that the fold stays one.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,33 +97,28 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
             along.append(known.branch(branch, start, fold))
         start = fold and {name: d[0] for name, d in fold.by.items()}
         folds.append(fold)
-    return Sensitivities(skeleton, _repeated(skeleton, folds), tuple(along))
+    return Sensitivities(skeleton, _slips(skeleton, folds), tuple(along))
 
 
-def _repeated(skeleton, folds):
+def passed(skeleton: Skeleton) -> Iterator[tuple[int, int]]:
+    """Yield (index of a branch, periods that it has moved on by), as the run passes them; endless where it repeats."""
+    yield from ((index, 0) for index in range(len(skeleton.branches)))
+    for turns in count(1) if skeleton.sites else ():
+        yield from ((index, turns) for index in range(skeleton.home, len(skeleton.branches)))
+
+
+def _slips(skeleton, folds):
     """The SlipSensitivities up to u_x_max: what repeats itself changes with the period, sites width/nodes."""
     scene, found = skeleton.scene, []
-    for k, fold in enumerate(folds):
-        if fold is None:
-            continue
-        turns = 0
-        while fold.event.load + turns * (skeleton.period or 0.0) <= scene.u_x_max:
-            found.append(_moved_on(skeleton, fold, turns))
-            turns += 1
-            if not skeleton.sites or k < skeleton.home:
-                break
-    return tuple(sorted(found, key=lambda slip: slip.event.load))
-
-
-def _moved_on(skeleton, fold, turns):
-    if not turns:
-        return fold
-    event, by, sites = fold.event, dict(fold.by), turns * skeleton.sites
-    load = event.load + sites * skeleton.scene.spacing
-    if "width" in by:
-        by["width"] = by["width"] + [sites / skeleton.scene.nodes, 0.0, 0.0, 0.0]
-    moved = SlipEvent(load, event.F_bar, event.L_bar, event.A_bar, event.stage, event.kind, event.located)
-    return SlipSensitivity(moved, by, fold.nodes)
+    for index, turns in passed(skeleton):
+        fold, sites = folds[index], turns * skeleton.sites
+        if fold is None or fold.event.load + sites * scene.spacing > scene.u_x_max:
+            break
+        by, event = dict(fold.by), replace(fold.event, load=fold.event.load + sites * scene.spacing)
+        if "width" in by:
+            by["width"] = by["width"] + [sites / scene.nodes, 0.0, 0.0, 0.0]
+        found.append(SlipSensitivity(event, by, fold.nodes))
+    return tuple(found)
 
 
 def _ahead(every, n, fold):
@@ -203,10 +199,9 @@ class _Known:
         for i in range(n - (fold is not None)):
             tangent, solves = self.settled(branch.v[i], branch.active[i], found[0, i], self.held, ALONG)
             found[1:, i] = values(self.scene, tangent.T)
-            duals, x = self.duals(tangent, solves, gradients(self.scene, tangent.T), *_ahead(every, n, fold))
-            slope[:, i] = x @ tangent.direction
+            every.append(self.duals(tangent, solves, gradients(self.scene, tangent.T), *_ahead(every, n, fold)))
+            slope[:, i] = every[-1][1] @ tangent.direction
             tangents.append(tangent)
-            every.append((duals, x))
         inner, (duals, x) = slice(len(tangents)), map(np.array, zip(*every, strict=True))
         for change, (dT, rest) in zip(self.changes, self.parts(tangents, self.held), strict=True):
             ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0

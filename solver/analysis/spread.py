@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +12,7 @@ from ..following.skeleton import Skeleton
 from ..scene import Scene, SceneError
 from .outputs import over_own
 from .partial import continuous
-from .prediction import Predicted
-from .sensitivities import Sensitivities, sensitivities
+from .sensitivities import Sensitivities, passed, sensitivities
 
 WIDE = 1.96  # standard deviations on both sides of the mean: 95 % of a normal distribution
 ENDS = (2.5, 97.5)  # per cent, of the draws, for the same
@@ -81,9 +79,8 @@ class Spread:
         From where the branch before ends; between two states on a straight line.
         """
         skeleton, end = self.sensitivities.skeleton, -np.inf
-        for number in count():
-            index, turns = Predicted(self.sensitivities).branch_of(number)
-            if end > skeleton.scene.u_x_max or (number > index and not turns):
+        for index, turns in passed(skeleton):
+            if end > skeleton.scene.u_x_max:
                 return
             rows = np.vstack([self.sensitivities.branches[index].values, self.band[index][1:]])
             rows[0] += turns * (skeleton.period or 0.0)

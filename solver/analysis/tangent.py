@@ -102,14 +102,12 @@ class Solves:
     """x with M x = b, or M^T x = b; M is a Tangent's A, bordered by a column and a row (size,) if these are given.
 
     By iterations, whose products are kept; where these do not lead there, by LAPACK, up to MOST nodes. Raises
-    NotFollowed beyond. near: Solves of a state close by, whose factors, if it has any, make the iterations short.
-    accuracy: residual over right side.
+    NotFollowed beyond. accuracy: residual over right side.
     """
 
-    def __init__(self, tangent, column=None, row=None, near=None, accuracy=ACCURACY):
+    def __init__(self, tangent, column=None, row=None, accuracy=ACCURACY):
         self.tangent, self.column, self.row, self.accuracy = tangent, column, row, accuracy
         self.size, self._lu = tangent.size + (column is not None), None
-        self._near = near and (near._lu or near._near)
         self._by_iterations = {}
 
     def __call__(self, b, transposed=False, guess=None):
@@ -130,11 +128,8 @@ class Solves:
         return x + lu_solve(self._lu, b - product(x), trans=int(transposed), check_finite=False)
 
     def _iterated(self, product, b, transposed, accuracy):
-        def smooth(r):
-            return lu_solve(self._near, r, trans=int(transposed), check_finite=False)
-
         if transposed not in self._by_iterations:
-            self._by_iterations[transposed] = Inverse(self.size).of_tangent(product, smooth if self._near else None)
+            self._by_iterations[transposed] = Inverse(self.size).of_tangent(product, None)
         return self._by_iterations[transposed].reduced(b, accuracy)
 
     def _product(self, x):

@@ -98,7 +98,7 @@ class Model:
         axes = AXES | {name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES}
         scale, U_x = axes["scale_U"], (self.measured.U_x - axes["offset_U"]) / axes["scale_U"]
         predicted = Predicted(found, self.measured.seen / axes["scale_F"] / self._unit(), float(U_x[-1]))
-        curve, slopes, by = predicted.curve(U_x[self.kept], self.branch[self.kept], self.physical)
+        values, slopes, by = predicted.curve(U_x[self.kept], self.branch[self.kept], self.physical)
         loads, loads_by, branches, moved = predicted.slips(self.ends.shape[1], self.physical)
         residuals, rows = [], []
         for k, name in enumerate(NAMES):
@@ -108,13 +108,13 @@ class Model:
             off = axes["offset_F"] if name == "F_bar" else 0.0
             own = dict(zip(self.physical, gain * by[:, k], strict=True))
             for wide in {"E", "width"} & set(own) if self.measured.unit and name != "A_bar" else ():
-                own[wide] = own[wide] + gain * curve[k] / getattr(self.skeleton.scene, wide)
+                own[wide] = own[wide] + gain * values[k] / getattr(self.skeleton.scene, wide)
             own |= {"scale_U": -gain * slopes[k] * U_x[self.kept] / scale, "offset_U": -gain * slopes[k] / scale}
             if name == "F_bar":
-                own |= {"scale_F": gain / axes["scale_F"] * curve[k], "offset_F": np.ones(curve[k].size)}
+                own |= {"scale_F": gain / axes["scale_F"] * values[k], "offset_F": np.ones(values[k].size)}
             noise = self.measured.noise[name]
-            residuals.append((gain * curve[k] + off - self.measured.values[name][self.kept]) / noise)
-            rows.append(_columns(own, self.free, curve[k].size) / noise)
+            residuals.append((gain * values[k] + off - self.measured.values[name][self.kept]) / noise)
+            rows.append(_columns(own, self.free, values[k].size) / noise)
         if len(predicted.between) == 1:  # not yet, or not quite: its points say how far off it is
             residuals.append(np.zeros(self.ends.shape[1]))
             rows.append(np.zeros((self.ends.shape[1], len(self.free))))

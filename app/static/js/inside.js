@@ -3,7 +3,7 @@
 
 import { listen, opened, order } from "./channel.js"
 
-const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/layer.py
+const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/aside.py
 const KEPT = 3 // of each
 const LOST = 2000 // ms after which a table that did not come is asked for again
 const FACTORS = 10 // of a mode: of u_x, u_z, sigma_xx, sigma_zz, sigma_xz, each even and odd (tasks.layer_table)

@@ -2,8 +2,8 @@
 
 import { opened } from "./channel.js"
 
-export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/beside.py
-export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/film.py
+export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/aside.py
+export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/aside.py
 const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const ALL = 0.95 // of the nodes that feel anything have slipped: it all has
 const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]

@@ -1,0 +1,138 @@
+"""What is computed for a visitor beside the run on screen; every method runs under the lock of the document.
+
+For oneself a film and the table of a layer; shared with all visitors pinned runs, marks and small pictures of presets.
+"""
+
+import json
+from functools import cache
+
+from app.limits import coarse
+from app.service import marks, packing, tasks, worker
+from app.service.packing import Frames
+from app.service.pool import LATER
+from app.service.sweep import Sweep
+from app.service.wanted import Wanted
+from app.session.controls import scene_from_address
+from solver.presets import presets
+
+PINNED, FILM = 1_000_000, 2_000_000  # numbers of such runs lie above, as BESIDE and FILM in run.js
+MOST_PINNED = 4
+FILM_NAME = "Slow motion"  # the browser knows by it what its notes begin with
+LONGEST_FILM = 20 * worker.SLOW  # s: an increment is made again, and every state on its way packed
+GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table of its layer depends on
+ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # of it, that a browser may ask for; nm
+
+
+class Film(Wanted):
+    """The motion through a slip of the run on screen."""
+
+    def want(self, values):
+        """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
+        self.forget()
+        session, run, k = self.session, self.session.computing.run, values["frame"]
+        session.notes = [note for note in session.notes if not note.startswith(FILM_NAME)]
+        if run is None or run.number != values["run"]:
+            return
+        places = [run.place(frame, session.shelf) for frame in (k - 1, k)]
+        if None in places:
+            why = "the increment before this slip belongs to a run that is no longer at hand"
+            session.notes = [f"{FILM_NAME}: {why}."]
+            return
+        call = (tasks.slow_motion, run.scene, *places)
+        self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=LONGEST_FILM)
+
+    def _made(self, made, k):
+        if made is None or isinstance(made, str):
+            self.session.notes = [f"{FILM_NAME}: {made or 'it could not be computed'}."]
+            return self.session.publish()
+        self.session.wire.send(FILM + k, made)
+
+
+class Layer(Wanted):
+    """How tractions make up the stress inside the layer: a table for each geometry, for what a browser draws of it."""
+
+    def want(self, values):
+        """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}."""
+        run = self.session.run
+        if run is None:
+            return
+        scene, rows = run.scene, int(min(max(values["rows"], ROWS[0]), ROWS[1]))
+        modes = int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
+        depth = min(max(values["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
+        head = {"asked": values, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
+        self.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._take(made, head))
+
+    def _take(self, made, head):
+        if made is not None:  # otherwise nothing is drawn
+            counts, body = made
+            self.session.wire.layer = packing.headed(head | {"counts": counts}, body)
+
+
+class Pinned(Sweep):
+    """The runs pinned in an address, each sent whole."""
+
+    def __init__(self, session):
+        super().__init__(session, self._made)
+        self.numbers = {}  # {call: numbers of its run}
+
+    def want(self, entries):
+        """Send the run of an address {name: text} under the number entries["beside"]; one that fails is not sent."""
+        number = entries["beside"]
+        if PINNED < number <= PINNED + MOST_PINNED:
+            texts = {name: [text.encode()] for name, text in entries.items() if name != "beside"}
+            call = tasks.whole_run, scene_from_address(texts)[0]
+            self.numbers.setdefault(call, []).append(number)
+            known = self.session.shelf.get(call[1])
+            if known is None:
+                self.add([call])
+            else:
+                self._made(call, known)
+
+    def _made(self, call, run):
+        numbers = self.numbers.pop(call, ())
+        if isinstance(run, Frames):
+            self.session.shelf.put(call[1], run)
+            for number in numbers:
+                self.session.wire.send(number, run.blocks)
+
+
+class Marks(Sweep):
+    """The marks beside the sliders; `told`: {slider: ((value, what happens there), ...)} as far as it is known."""
+
+    def __init__(self, session):
+        super().__init__(session, self._made)
+        self.calls, self.keys, self.told = {}, {}, {}
+
+    def seek(self, scene, skeleton):
+        """Look for the marks of a scene, whose run left this pickled Skeleton or None, unless they are known."""
+        self.cancel()
+        keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
+        self.told = {name: found for name, found in self.told.items() if found and keys[name] == self.keys[name]}
+        calls, self.keys = marks.calls(scene, skeleton), keys
+        self.calls = {call: name for name, call in calls.items() if name not in self.told}
+        self.add(list(self.calls))
+
+    def _made(self, call, found):
+        self.told[self.calls[call]] = () if isinstance(found, Exception) else found
+        self.session.publish()
+
+
+@cache
+def _thumbnails():
+    """{call: preset}"""
+    return {(tasks.thumbnail, coarse(one.scene)): one.name for one in presets().values()}
+
+
+class Gallery(Sweep):
+    """Small pictures of the presets."""
+
+    def __init__(self, session):
+        super().__init__(session, self._made)
+
+    def want(self):
+        """Send the picture of every preset, one by one as they are made."""
+        self.add(_thumbnails())
+
+    def _made(self, call, found):
+        drawn = None if isinstance(found, Exception) else found
+        self.session.wire.thumbnail = json.dumps({"preset": _thumbnails()[call], "drawn": drawn})

@@ -1,0 +1,80 @@
+"""The commands that judge the solver: `accuracy`, of one scene, and `stability`, of many."""
+
+import math
+
+from .command import (
+    NOT_CONVERGED,
+    InputError,
+    add_command,
+    add_file,
+    add_scheduler,
+    progress,
+    scene_of,
+    settings,
+    write,
+)
+from .files import write_json
+
+
+def add_accuracy(commands):
+    """Adds `accuracy` to the subcommands."""
+    text = "Error against run time of one experiment, by every method, swept over tolerance, steps, windows."
+    parser = add_command(commands, "accuracy", accuracy, "error against run time", text)
+    parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
+    parser.add_argument("--slips", type=int, metavar="N", help="end beyond slip N in shear, default 2 (quick 1)")
+    add_file(parser, "json", "every number")
+    add_file(parser, "html", "the diagram as a page that opens offline")
+
+
+def accuracy(arguments):
+    """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
+    from .work_precision import page, verdict  # what `run` does not need
+    from .work_precision.measure import measure
+
+    scene = scene_of(settings(arguments.set))
+    if arguments.slips is not None and arguments.slips < 1:
+        raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
+    with progress(100, "%") as bar:
+        for done, so_far in measure(scene, arguments.quick, arguments.slips):
+            bar.update(int(100 * done) - bar.n)
+            report = so_far
+    print(verdict.text(report))
+    write(arguments.json, write_json, verdict.data(report))
+    write(arguments.html, page.write_page, report)
+    return 0
+
+
+def add_stability(commands):
+    """Adds `stability` to the subcommands."""
+    text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
+    parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
+    parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
+    parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="those numbers only, without closed forms")
+    parser.add_argument("--limit", type=float, metavar="SECONDS", help="for one scene, 1 or more; 120 unless told")
+    add_scheduler(parser)
+    add_file(parser, "json", "every number")
+    add_file(parser, "html", "the report as a page that opens offline")
+    parser.set_defaults(command=stability)
+
+
+def stability(arguments):
+    """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
+    from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
+    from .verification.atlas import cases
+    from .verification.robustness import LIMIT, atlas
+
+    limit = LIMIT if arguments.limit is None else arguments.limit
+    if not 1.0 <= limit < math.inf:
+        raise InputError(f"--limit {limit:g}: allowed: 1 or more seconds")
+    asked = cases(arguments.quick)
+    if strange := set(arguments.scenes or ()) - {case.number for case in asked}:
+        raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
+    with progress(100, "%") as bar:
+        asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
+        results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n), limit)
+    forms = closed_forms.closed_forms() if arguments.scenes is None else []
+    report = results, forms, conditioning.conditioning()
+    print(atlas_report.text(*report))
+    write(arguments.json, write_json, atlas_report.data(*report))
+    write(arguments.html, atlas_report.write_page, *report)
+    return NOT_CONVERGED if atlas_report.failed(*report) else 0
