@@ -75,7 +75,10 @@ def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_o
     seen = page.evaluate("seen")
     held = [each for each in seen if each["held"]]
     assert held and all(each["followed"] and each["word"] == "followed" for each in held)
-    assert all(each["axes"] == axes and each["colours"] == colours for each in held)
+    wider = [each["axes"].pop("area") for each in held]  # which the area would leave that this drag adds
+    narrow = axes.pop("area")
+    assert wider[0] == narrow and all(a[2] == narrow[2] and a[3] >= narrow[3] for a in wider)
+    assert [(each["axes"], each["colours"]) for each in held] == [(axes, colours)] * len(held)
     assert not any(each["stale"] or each["coarse"] for each in seen)
     assert all(each["at"] == pytest.approx(at, abs=0.01) for each in seen)  # what was looked at
     assert page.evaluate("punch.run.scene.delta_bar") == 0.13 and page.evaluate("punch.run.head.step") < 0.2
@@ -94,6 +97,20 @@ def test_the_longest_arrow_stays_that_of_the_largest_force_while_the_stiffness_i
     F, L, strongest = page.evaluate("[...['F', 'L'].map((name) => punch.run.curves[name]), punch.run.strongest]")
     assert strongest == pytest.approx(max(before, *map(abs, F + L)))
     page.mouse.up()
+
+
+def test_the_sentence_says_the_numbers_of_the_run_on_screen_also_where_it_slides_as_before(visit):
+    """Both slide without slips, so that the sentence is the same but for its numbers."""
+    page = paused(visit, "?phi_ratio=0.004")
+    page.keyboard.press("End")
+    page.wait_for_function("document.getElementById('sentence').textContent.includes('slides smoothly')")
+    before = page.locator("#sentence").inner_text()
+    page.locator("#phi_ratio-entry").fill("0.008")
+    page.keyboard.press("Enter")
+    page.wait_for_function("punch.run.scene.phi_ratio == 0.008 && punch.run.whole")
+    page.wait_for_function("(before) => document.getElementById('sentence').textContent !== before", arg=before)
+    high = page.evaluate("Math.max(...punch.run.curves.F)")
+    assert f"{high:.3g} N/m" in page.locator("#sentence").inner_text()
 
 
 def test_a_hand_that_rests_but_holds_on_gets_the_exact_run_and_one_drag_has_one_ghost(visit):

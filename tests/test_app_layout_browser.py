@@ -103,6 +103,38 @@ CONTROLS = """() => {
 }"""
 
 
+LONGEST = "It slips by one site, 2.4 nm: friction drops from 265 to 221 N/m, and contact comes back."
+REASON = (
+    "Pressed deeper: it slips later, at 13.5 nm instead of 10.8 nm, 264 N/m instead of 195 N/m; "
+    "there is more contact to hold it."
+)
+
+
+def test_curves_and_sliders_stay_where_they_are_whatever_is_said(visit):
+    page = visit("?view=hero")
+    finished(page)
+    where = """() => ["figure.forces .view", ".control[data-shown]", ".player"].map((name) => (
+        ((box) => [box.top, box.height])(document.querySelector(name).getBoundingClientRect())))"""
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        places = []
+        for sentence, reason, state in (
+            ("", "", "paused"),
+            (LONGEST, REASON, "followed"),
+            ("It slips.", "", "running"),
+        ):
+            page.evaluate(
+                """(said) => ["sentence", "why"].forEach((id, i) => {
+                    document.getElementById(id).textContent = said[i]
+                    document.getElementById("status").dataset.state = said[2]
+                })""",
+                [sentence, reason, state],
+            )
+            places.append(page.evaluate(where))
+        assert places[0] == places[1] == places[2], (width, height)
+
+
 def test_the_first_screen_has_twelve_controls(visit):
     page = visit("?view=hero")
     finished(page)

@@ -15,7 +15,8 @@ let states = {} // state of a node: {mark, said} (app/schema.py)
 const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
-const SIGHT = 0.5 // of a curve must be in sight while a slider is held; an axis that cannot stay gets room for as much again
+const SIGHT = 0.9 // of a curve must be in sight while a slider is held
+const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it, so that it stays for a while
 const TO_SCALE = 0.02 // a difference that nobody sees
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const THICK = 2.5 // times, for a projector
@@ -83,9 +84,10 @@ export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 // too small, and shrinks only when far too large
 function fit(range, low, high, curves = [[low, high]], room = 0.08) {
   const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
-  if (me.dragging) { // what moves is seen against what stays, unless most of a curve is out of sight
+  if (me.dragging) { // what moves is seen against what stays, as long as it is in sight
     const { start, end } = range, lost = ([a, b]) => Math.min(b, end) - Math.max(a, start) < SIGHT * (b - a)
-    if (curves.some(lost)) set(range, { start: Math.min(start, low - SIGHT * size), end: Math.max(end, high + SIGHT * size) })
+    const [below, above] = [low < start ? low - ROOM * size : start, high > end ? high + ROOM * size : end]
+    if (curves.some(lost)) set(range, { start: below, end: above })
     return
   }
   const inside = low - least >= range.start && high + least <= range.end

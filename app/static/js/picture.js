@@ -5,6 +5,7 @@ import { opened } from "./channel.js"
 import { REAL, Run, SPANS, unpack } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
+const BEYOND = 1.1, ROOM = 1.3 // times what a band has room for, from which on it gets more; so many times what it needs
 
 let count = 0
 
@@ -32,7 +33,12 @@ export class Picture extends Run {
       this.curves[name] = this.curves[bar].map((value) => value * by)
     }
     for (const name of SPANS) this[name] = before[name] // what the views extend over stays while a hand moves
-    for (const k of this.curves.F.keys()) this.weigh(k) // but for arrows, which would leave the view
+    for (const k of this.curves.F.keys()) this.weigh(k) // but for arrows and bands, which would leave the view
+    const held = (end, ...own) => own.reduce((a, b) => (Math.abs(b) > BEYOND * Math.abs(a) && b * end >= 0 ? ROOM * b : a), end)
+    for (const { T_n, T_t } of [this.frame(0), this.frame(this.shown)]) {
+      Object.assign(this, { T_high: held(this.T_high, Math.max(...T_n)), T_low: held(this.T_low, Math.min(...T_n)) })
+      Object.assign(this, { T_out: held(this.T_out, Math.max(...T_t)), T_back: held(this.T_back, Math.min(...T_t)) })
+    }
   }
 
   map() {

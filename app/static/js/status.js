@@ -111,7 +111,7 @@ export function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
   if (!state) return
   const { followed } = me.run ?? {}, shown = followed ? "followed" : state === "finished" && !me.playing ? "paused" : state
-  const text = followed ? state === "refining" ? `the exact run comes: ${frames} of ${total} increments` : "the exact run comes when the slider rests" : {
+  const text = followed ? state === "refining" ? "the exact run comes" : "exact once the slider rests" : {
     warming: () => "the solver gets ready; the first time takes up to a minute",
     running: () => `${frames} of ${total} increments${doing()}`,
     refining: () => `${frames} of ${total} increments`,
