@@ -4,7 +4,7 @@
 import { silence, waiting } from "./channel.js"
 import { by, on } from "./dom.js"
 import { me, now } from "./state.js"
-import { checkTruth } from "./truth.js"
+import { checkTruth } from "./status.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there

@@ -1,8 +1,8 @@
 // In what words and units a scene and an increment are told. Forces and areas: per metre of depth, in N, or over wE on
-// request (?force=bar); nm, or over w.
+// request (?force=bar); nm, or over w. Parameters by the symbols and words of their controls, or in short.
 
 import { by, digits, fixed, minus, on, readdress } from "./dom.js"
-import { me } from "./state.js"
+import { anew, me } from "./state.js"
 
 const FORCES = [[1e3, "kN/m", 1e4], [1, "N/m", 0.5], [1e-3, "mN/m", 0]] // of forces: size, name, from which force on
 const BAR = { names: { F: "F_bar", L: "L_bar" }, factor: 1000, text: "10⁻³", symbols: { F: "F̄", L: "L̄" } }
@@ -30,15 +30,19 @@ export const areaSaid = ({ A, A_bar }) => `A = ${fixed(A, 1)} nm (Ā = ${fixed(A
 // Words about the axis of the area where it does not begin at zero
 export const tellStart = (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
 
-export function connect(redraw) {
+export function connect() {
   bar = new URLSearchParams(location.search).get("force") === "bar"
   by("bar").checked = bar
   on("bar", "change", () => {
     bar = by("bar").checked
     readdress((asked) => (bar ? asked.set("force", "bar") : asked.delete("force")))
-    redraw()
+    anew()
   })
 }
+
+const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
+export const symbol = (name) => (labelOf(name)?.querySelector("i") ?? labelOf(name))?.textContent ?? name
+export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
 
 const SYMBOLS = { delta_bar: "δ/δ₀", phi_ratio: "φₜ/φₙ", E: "E", phi_n: "φₙ", delta_n: "δₙ", delta_t: "δₜ", nu: "ν", radius: "R", damping: "damping" }
 const UNITS = { E: "GPa", phi_n: "N/m", delta_n: "nm", delta_t: "nm", radius: "w", width: "nm", u_x_max: "nm" }
