@@ -148,7 +148,7 @@ export function connect() {
   on("open-gallery", "click", async () => (await import("./later/gallery.js")).openGallery())
   on("take", "click", async () => (await import("./later/share.js")).open())
   on("slow", "click", slowMotion)
-  on("compare", "click", async () => (await import("./later/compare.js")).open())
+  on("compare", "click", async () => (await import("./later/numbers.js")).open())
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
