@@ -190,9 +190,7 @@ export function play(on) {
   tellState()
 }
 
-function namePlay() {
-  by("play").textContent = by("play").ariaLabel = me.playing ? "Pause" : "Play"
-}
+const namePlay = () => { by("play").textContent = me.playing ? "Pause" : "Play" }
 
 export function move(frames) {
   const target = Math.floor(me.at) + frames
