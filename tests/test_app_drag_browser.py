@@ -23,7 +23,7 @@ WATCH = """() => {  // what is on screen with every run that is painted whole
         if (run !== last && run.whole && !punch.fresh && punch.begun === run.number) {
             last = run
             const { stale } = document.querySelector(".page").dataset
-            const of = { followed: Boolean(run.followed), coarse: Boolean(run.coarse), stale: Boolean(stale) }
+            const of = { followed: Boolean(run.followed), coarse: Boolean(run.coarse), stale: stale === "true" }
             seen.push({ ...of, held: punch.dragging, word: %s, axes: %s, colours: %s,
                 at: run.curves.U_x[Math.floor(punch.at)] })
         }

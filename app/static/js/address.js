@@ -11,7 +11,7 @@ const REST = 250 // ms for which an increment must be looked at before the addre
 const LARGEST = 1e6
 
 let written = null // the scene in the address, as text; null before it is known to be that of the status
-const hand = { name: "", at: -BURST, moves: 0, written: 0 } // what it changed last, when, how often it paused; of these, in the address
+let hand = { name: "", at: -BURST, written: true } // what it changed last, when, whether the address has something of this move
 let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
 let resting = 0, goto = null
 let wanted = asked() // the increment to go to once the run is there
@@ -36,16 +36,15 @@ function difference(a, b) {
 
 // A parameter is being changed by hand
 export function moved(name) {
-  const now = performance.now()
-  if (name !== hand.name || now - hand.at > BURST) hand.moves++
-  Object.assign(hand, { name, at: now })
+  const at = performance.now(), same = name === hand.name && at - hand.at <= BURST
+  hand = { name, at, written: same && hand.written }
 }
 
 export function writeAddress() {
   if (!me.status.values) return
   const { address } = me.status, text = JSON.stringify(address)
   if (text === written) return
-  const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.moves === hand.written
+  const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.written
   const push = written !== null && !sameMove
   if (push) top = ++entry
   readdress((now) => {
@@ -53,7 +52,7 @@ export function writeAddress() {
     for (const name in address) now.set(name, address[name])
   }, { entry }, push)
   written = text
-  hand.written = hand.moves
+  hand.written = true
   tellHistory()
 }
 

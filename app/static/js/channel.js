@@ -1,9 +1,11 @@
 // Messages between this page and the server: `order` to it, everything else from it (app/session/wire.py).
 
 import { onChange } from "./bokeh.js"
+import { by, on } from "./dom.js"
 import { me } from "./state.js"
 
 const ANSWERED = ["scene", "preset", "restore", "reset"] // orders that change the scene: the server always says that it has heard
+const LARGEST = 2e6 // bytes of a file, as the server
 let wire = null
 let orders = 0, asks = 0
 let hears = () => {} // what is done with every answer
@@ -30,6 +32,17 @@ export const onHeard = (call) => { hears = call }
 // Ask the page that is open for something
 export function ask(values) {
   if (!me.lost) wire.order = JSON.stringify({ do: "ask", values, ask: asks++ })
+}
+
+// What is chosen as a file goes to the server; refuse(why) where it is too large
+export function sendFile(id, refuse) {
+  on(id, "click", () => { by(id).value = "" }) // so that the same file can be chosen again
+  on(id, "change", async ({ target: { files: [file] } }) => {
+    if (!file) return
+    const size = (file.size / 1e6).toFixed(1)
+    if (file.size > LARGEST) refuse(`${id}: ${file.name} has ${size} MB, allowed: 2 MB; thin it out.`)
+    else order(id, { text: await file.text() })
+  })
 }
 
 // A message of bytes: uint32 length of a JSON header, the header, the rest from `start` on

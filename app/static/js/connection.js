@@ -4,7 +4,7 @@
 import { silence, waiting } from "./channel.js"
 import { by, on } from "./dom.js"
 import { me, now } from "./state.js"
-import { checkTruth } from "./truth.js"
+import { checkTruth } from "./status.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there
@@ -13,13 +13,10 @@ const PATIENCE = 3000 // ms it has to say so
 const PAUSES = [500, 1000, 2000] // ms between attempts, the last again and again: a class must not wait long, nor a server be stormed
 const AS_IT_WAS = "as it was"
 
-let attempts = 0
-
 export function connect() {
   document.addEventListener("connection-lost", lost) // Bokeh's, see app/page.py
   document.addEventListener("visibilitychange", () => { if (!document.hidden) look() }) // it may have slept
   addEventListener("offline", async () => { if (!(await answers())) lost() }) // a server on this machine stays
-  on("retry", "click", attempt)
   setInterval(look, LOOK)
 }
 
@@ -39,23 +36,23 @@ async function answers() {
   }
 }
 
-function lost() {
+async function lost() {
   if (me.lost) return
   me.lost = true
   by("lost").hidden = false
   document.querySelector(".page").dataset.lost = "true"
   checkTruth()
-  setTimeout(attempt, PAUSES[0])
+  let attempts = 0
+  do await pause(PAUSES[attempts++] ?? PAUSES.at(-1))
+  while (!(await answers()))
+  openAnew()
 }
 
-let attempting = false
-async function attempt() {
-  if (attempting) return
-  attempting = true
-  if (await answers()) return openAnew()
-  attempting = false
-  setTimeout(attempt, PAUSES[Math.min(++attempts, PAUSES.length - 1)])
-}
+// So many ms, or until the visitor wants it now
+const pause = (time) => new Promise((go) => {
+  setTimeout(go, time)
+  on("retry", "click", go)
+})
 
 // The scene last told by the server, then what was asked for since
 function openAnew() {

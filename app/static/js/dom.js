@@ -23,7 +23,7 @@ export function onDrag(element, begin, move, end = () => {}) {
 // Text with a paragraph of its own, which is there only while there is something to say
 export function say(id, text) {
   by(id).hidden = !text
-  by(id).textContent = text ?? ""
+  by(id).textContent = text || ""
 }
 
 // Write what an element says, if it says another thing
@@ -56,10 +56,4 @@ export function makeShape(tag, attributes, ...parts) {
   for (const name in attributes) made.setAttribute(name, attributes[name])
   made.append(...parts)
   return made
-}
-
-// A button in a figure's caption that opens its numbers
-export function offerTable(figure, view, name, open) {
-  const onclick = async () => open(await import("./tables.js"))
-  figure.querySelector("figcaption")?.append(makeButton({ className: "as-table", title: "As a table", data: { view }, "aria-label": `${name}, as a table`, onclick }, "▦"))
 }

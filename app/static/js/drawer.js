@@ -2,27 +2,27 @@
 
 import { listen } from "./channel.js"
 import { by, on } from "./dom.js"
-import { me } from "./state.js"
+import { declared, me } from "./state.js"
 
-let usual = null // {preset: {parameter: value}}
+let connected = false
 
-export function openDrawer(given) {
-  if (!usual) connect(given)
+export function openDrawer() {
+  if (!connected) connect()
   if (by("drawer").open) by("drawer").close()
   else by("drawer").show()
   if (by("drawer").open && matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView() // where it is in sight
   refresh()
 }
 
-function connect(given) {
-  usual = given
+function connect() {
+  connected = true
   listen("status", refresh)
   on("find", "input", refresh)
   on("drawer", "close", () => by(by("more").checkVisibility() ? "more" : "menu").focus())
   for (const button of document.querySelectorAll(".restore")) {
     button.addEventListener("click", () => {
       const entry = by(`${button.dataset.name}-entry`)
-      entry.value = usual[me.status.preset][button.dataset.name]
+      entry.value = declared.usual[me.status.preset][button.dataset.name]
       entry.dispatchEvent(new Event("change"))
       entry.focus()
     })
@@ -38,6 +38,6 @@ function refresh() {
   }
   for (const group of document.querySelectorAll("#drawer fieldset")) group.hidden = !group.querySelector(".row:not([hidden])")
   for (const button of document.querySelectorAll(".restore")) {
-    button.hidden = `${values[button.dataset.name]}` === `${usual[preset][button.dataset.name]}`
+    button.hidden = `${values[button.dataset.name]}` === `${declared.usual[preset][button.dataset.name]}`
   }
 }

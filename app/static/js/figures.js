@@ -4,14 +4,13 @@ import { fill as fillRenderer, frameBox, image as imageFor, isDrawn, namedParts,
 import { colour, nice, shades, theme } from "./colours.js"
 import { by, digits, make, minus, say, tell } from "./dom.js"
 import { drawSketches, put, wipe } from "./sketch.js"
-import { me } from "./state.js"
+import { declared, me } from "./state.js"
 import { explain } from "./terms.js"
-import { symbol as symbolOf } from "./truth.js"
-import { forceUnit, tellStart } from "./words.js"
+import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
-let states = {} // state of a node: {mark, said} (app/schema.py)
+export const CURVES = ["forces", "area", "map"]
 const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
@@ -28,15 +27,13 @@ export function adopt(name, figure) {
   parts[name] = namedParts(figure)
 }
 
-export const useNodes = (given) => { states = given }
-
 export function forget(name) {
   delete figures[name]
   delete parts[name]
 }
 
 // While a hand moves a slider: of these views what changes is sketched, the run before stays, and the rest is not drawn
-const SKETCHED = ["forces", "area", "map", "traction", "punch"]
+const SKETCHED = [...CURVES, "traction", "punch"]
 const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested|branch|band_.)$/ // of these, what stays; what no picture has
 let sketching = false, hidden = false
 const fresh = new Set() // views whose sketches are over
@@ -198,7 +195,7 @@ function nameAxis(normal) {
   explain(first, event)
   second.textContent = event
   const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
-  for (const view of ["forces", "area", "map"]) {
+  for (const view of CURVES) {
     set(figures[view].below[0], { axis_label: label })
     retell(view, ([, value], ...rest) => [[symbol, value], ...rest])
   }
@@ -261,7 +258,7 @@ export function drawFrame(run, k) {
 
 // The increment on screen, in the curves: a line of Bokeh's at rest; one of the page while a run is played, as moving that
 // paints nothing anew
-const CURVES = ["forces", "area", "map"], bars = {}
+const bars = {}
 let here = 0
 function placeBars() {
   for (const view of CURVES) {
@@ -291,12 +288,12 @@ function drawPunch({ view, run, frame }, top) {
   fill(view, "body", outline)
   fill(view, "surface", { x, gap })
   const found = Object.groupBy(x.keys(), frame.state)
-  for (const label in states) {
+  for (const label in declared.nodes) {
     const pick = (list) => Float32Array.from(found[label] ?? [], (i) => list[i])
     fill(view, label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
   if (!run.head.flat || view !== "punch") return
-  const { mark, said } = states[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
+  const { mark, said } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
   by("flat-mark").className = mark
   by("flat-state").textContent = said
 }
@@ -366,7 +363,7 @@ export function paint() {
 // Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
 function shareAxis() {
   const lab = document.documentElement.dataset.view === "lab"
-  const stacked = ["forces", "area", "map"].filter(figureShown), banded = by("bands").checkVisibility()
+  const stacked = CURVES.filter(figureShown), banded = by("bands").checkVisibility()
   for (const view of stacked) set(figures[view].below[0], { visible: lab || view === stacked.at(-1) })
   for (const view of punches()) set(figures[view].below[0], { visible: lab || !banded })
 }

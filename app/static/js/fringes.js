@@ -14,16 +14,13 @@ const LEAST = 0.02 // GPa a fringe: weaker stress is not blown up
 const BAR = 9 // px, as the top is drawn by story.js
 const CHANNELS = [1.1, 1, 0.91] // of red, green and blue: orders over that of green, as their waves are longer and shorter
 
-let shown = true
 const sheet = document.createElement("canvas")
 let image = null
 
 export function connectFringes(redraw) {
-  shown = localStorage.getItem("fringes") !== "plain"
-  by("fringes-on").checked = shown
-  on("fringes-on", "change", () => {
-    shown = by("fringes-on").checked
-    localStorage.setItem("fringes", shown ? "on" : "plain")
+  by("fringes-on").checked = localStorage.getItem("fringes") !== "plain"
+  on("fringes-on", "change", ({ target }) => {
+    localStorage.setItem("fringes", target.checked ? "on" : "plain")
     redraw()
   })
 }
@@ -36,7 +33,7 @@ function tableNow({ head: { scene } }, half) {
 
 export function drawFringes(run, k, canvas = by("fringes"), figure = figures.punch) {
   const box = canvas.checkVisibility() ? frameBox(figure) : null, pen = box && cleared(canvas)
-  if (!pen || !shown || run.head.flat || run.apart) return
+  if (!pen || !by("fringes-on").checked || run.head.flat || run.apart) return
   const table = tableNow(run, figure.x_range.end)
   if (!table) return
   paintSheet(run, k, figure, ordersIn(run, k, table, figure.x_range.end), (box.height - BAR) / box.height)

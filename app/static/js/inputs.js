@@ -1,118 +1,68 @@
-// What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the curves.
+// What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { moved, redo, undo, writeAddress } from "./address.js"
+import { redo, undo } from "./address.js"
 import { onEvent } from "./bokeh.js"
-import { onHeard, order, waiting } from "./channel.js"
+import { order, sendFile } from "./channel.js"
 import { theme } from "./colours.js"
-import { by, offerTable, on, readdress, say } from "./dom.js"
-import { figures, paint, shadeMap } from "./figures.js"
+import { by, closest, on, onDrag, readdress, say } from "./dom.js"
+import { CURVES, figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
-import { goto, move, play, redraw, reset, show, toSlip } from "./player.js"
-import { exact, leaveBehind, me, now, QUIET } from "./state.js"
-import { place as stand, tellDepth } from "./status.js"
-import { checkTruth } from "./truth.js"
+import { goto, move, play, reset, show, toSlip } from "./player.js"
+import { declared, leaveBehind, me } from "./state.js"
+import { enter, letGo, nudge, steer } from "./steer.js"
+import { checkTruth } from "./status.js"
 import { chooseNext, connectViews, fillScreen, look } from "./view.js"
 
-const PACE = 30 // ms: at most one message in this time, always the latest
-const BURST = 900 // ms between two moves of one slider that are one drag, with what was on screen before it behind both
-const LARGEST_FILE = 2e6 // bytes, as the server
+const DECIDED = 6 // px after which it is clear which way is meant
+const PART = 0.5 // of the path for the width of the view
+const DEEP = 0.02 // of delta_bar per px: the whole slider in some 100 px
 
-let drag = { name: "", ended: 0 } // the slider moved last, and when it was let go, ms
-let last = 0 // when something was sent
 let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
-// Changes parameters {name: text}, one or those of a place of a map
-function enter(values) {
-  const name = Object.keys(values).toSorted().join()
-  if (name !== drag.name || (drag.ended && performance.now() - drag.ended > BURST)) {
-    leaveBehind()
-    goOnFrom()
-  }
-  drag = { name, ended: me.dragging ? 0 : -BURST }
-  moved(name)
-  me.entered = { ...me.entered, ...values }
-  me.quiet = performance.now() + QUIET
-  checkTruth()
-  const rest = PACE - (performance.now() - last)
-  if (rest > 0) setTimeout(sendNext, rest)
-  else sendNext()
-}
-
-// While a slider moves, where it is by the time that the last position has been answered: nothing queues
-function sendNext() {
-  if (!me.dragging || !waiting().length) send(me.dragging)
-}
-
-function send(held) {
-  if (!me.entered) return
-  last = performance.now()
-  const at = sheared() ? me.run.curves.U_x[now()] : 0
-  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(held && { held, at }) })
-  me.entered = null
-}
-
-// Whether the top has been pulled at the increment on screen
-const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
-
-// The hand has come to rest, or has let go: now the exact run, and the views settle
-let resting = 0
-function rests() {
-  clearTimeout(resting)
-  if (!me.dragging) return
-  me.dragging = false
-  send(true)
-  order("rest")
-  redraw()
-  writeAddress()
-}
-
-// With "carry on" a change takes effect at the increment shown, and the run goes on from there
-function goOnFrom() {
-  me.from = null
-  if (!by("carry").checked || !exact(me.run) || !sheared()) return
-  me.origin = me.run
-  me.from = [me.run.number, now()]
-}
-
-// A hand moves parameters {name: text}, and will let go
-function steer(values) {
-  me.dragging = true
-  clearTimeout(resting)
-  resting = setTimeout(rests, me.rests)
-  enter(values)
-}
-
-function letGo() {
-  if (!drag.ended) drag.ended = performance.now()
-  rests()
-}
-
 function connectSlider(name, values) {
-  const slider = by(name), entry = by(`${name}-entry`)
-  slider.addEventListener("input", () => {
-    entry.value = values[slider.value]
-    if (name === "delta_bar") tellDepth(entry.value)
-    slider.setAttribute("aria-valuetext", entry.value)
-    steer({ [name]: entry.value })
-  })
+  const slider = by(name), there = (position) => ({ [name]: `${values[position]}` })
+  slider.addEventListener("input", () => steer(there(slider.value)))
   for (const end of ["pointerup", "pointercancel", "keyup", "blur"]) slider.addEventListener(end, letGo)
   slider.addEventListener("wheel", (event) => { // of the slider that has the focus: elsewhere the page scrolls
     if (document.activeElement !== slider) return
     event.preventDefault()
     slider.value = Number(slider.value) - Math.sign(event.deltaY)
-    slider.dispatchEvent(new Event("input"))
-    drag.ended = performance.now()
+    nudge(there(slider.value))
   })
-  slider.closest("form").addEventListener("keydown", (event) => { if (event.key === "Escape") document.activeElement.blur() })
 }
 
-async function readProfile(event) {
-  const file = event.target.files[0]
-  if (!file) return
-  if (file.size > LARGEST_FILE) {
-    const size = (file.size / 1e6).toFixed(1)
-    say("profile-error", `profile: ${file.name} has ${size} MB, allowed: 2 MB; thin it out. The run on screen stays.`)
-  } else order("profile", { text: await file.text() })
+// Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation
+function connectHand() {
+  const view = by("punch-view"), slider = by("delta_bar"), values = declared.positions.delta_bar
+  onDrag(view, (event) => { // where the drag begins, and what it changes, once that is clear
+    if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return null
+    const along = me.run.along[Math.max(0, me.drawn)]
+    return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value] }
+  }, (event, from) => {
+    const dx = event.clientX - from.x, dy = event.clientY - from.y
+    if (!from.way && Math.max(Math.abs(dx), Math.abs(dy)) > DECIDED) {
+      from.way = Math.abs(dx) > Math.abs(dy) || event.pointerType === "touch" ? "along" : "down"
+      view.setPointerCapture(event.pointerId)
+      view.dataset.dragged = from.way
+      by("grab").hidden = true
+    }
+    if (from.way === "along") pull(from.along, dx)
+    else if (from.way === "down") push(from.delta + DEEP * dy)
+  }, ({ way }) => {
+    if (way === "down") letGo()
+    delete view.dataset.dragged
+  })
+
+  // the top follows the hand, at a pace that shows every slip
+  function pull(along, dx) {
+    const { along: path, sheared } = me.run, long = Math.abs(path.at(-1) - path[sheared]) || 1
+    goto(me.run.nearest(along + (dx * PART * long) / view.clientWidth, Math.max(me.at, sheared)))
+  }
+
+  function push(delta) {
+    const at = closest(values, delta)
+    if (Number(slider.value) !== at) steer({ delta_bar: `${values[at]}` })
+  }
 }
 
 function switchTheme() {
@@ -125,8 +75,8 @@ function switchTheme() {
 
 const KEYS = {
   " ": () => play(!me.playing), ArrowRight: move, ArrowLeft: (jump) => move(-jump),
-  Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1), "?": () => by("keys").showModal(), p: () => look("projector"),
-  l: () => look("lab"), c: chooseNext, m: slowMotion, f: fillScreen,
+  Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
+  "?": () => by("keys").showModal(), p: () => look("projector"), l: () => look("lab"), c: chooseNext, m: slowMotion, f: fillScreen,
 }
 const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
 
@@ -165,24 +115,17 @@ function choosePreset(preset) {
   checkTruth()
 }
 
-export function connect(positions, usual) {
-  onHeard(sendNext)
-  for (const name in positions) connectSlider(name, positions[name])
+export function connect() {
+  for (const name in declared.positions) connectSlider(name, declared.positions[name])
+  document.querySelector(".controls").addEventListener("keydown", ({ key }) => {
+    if (key === "Escape") document.activeElement.blur()
+  })
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
     entry.addEventListener("change", () => enter({ [entry.id.replace("-entry", "")]: entry.value }))
   }
   for (const menu of ["preset", "row"]) on(menu, "change", (event) => choosePreset(event.target.value))
-  document.addEventListener("steer", ({ detail }) => { // by a page: the controls follow
-    for (const name in detail) {
-      by(`${name}-entry`).value = detail[name]
-      if (positions[name]) stand(name, detail[name])
-    }
-    steer(detail)
-  })
-  document.addEventListener("let-go", letGo)
-  on("profile", "change", readProfile)
-  on("profile", "click", () => { by("profile").value = "" }) // so that the same file can be chosen again
-  on("more", "click", async () => (await import("./drawer.js")).openDrawer(usual))
+  sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`))
+  on("more", "click", async () => (await import("./drawer.js")).openDrawer())
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
@@ -193,7 +136,10 @@ export function connect(positions, usual) {
   document.addEventListener("pointerdown", (event) => { if (!event.target.closest("header, dialog")) unfold(false) })
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
-  document.addEventListener("click", (event) => { if (event.detail > 0) event.target.closest?.("button:not(.hint, .term)")?.blur() })
+  document.addEventListener("click", async ({ detail, target }) => {
+    if (detail > 0) target.closest?.("button:not(.hint, .term)")?.blur()
+    if (target.matches?.(".as-table")) (await import("./tables.js")).openTable(target)
+  })
   on("play", "click", KEYS[" "])
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
@@ -202,23 +148,22 @@ export function connect(positions, usual) {
   on("open-gallery", "click", async () => (await import("./later/gallery.js")).openGallery())
   on("take", "click", async () => (await import("./later/share.js")).open())
   on("slow", "click", slowMotion)
-  on("compare", "click", async () => (await import("./later/compare.js")).open())
+  on("compare", "click", async () => (await import("./later/numbers.js")).open())
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
-  for (const dialog of document.querySelectorAll("dialog:not(#drawer)")) dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close() }) // beside it
+  for (const dialog of document.querySelectorAll("dialog:not(#drawer)")) {
+    dialog.addEventListener("click", ({ target }) => { if (target === dialog) dialog.close() }) // beside it
+  }
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {
     on(menu, "change", () => { chosen = menu })
     on(menu, "blur", () => { chosen = "" })
   }
-  document.querySelectorAll("main figure:not(#twin)").forEach((figure, i) => {
-    const view = Object.keys(figures)[i]
-    offerTable(figure, view, figure.getAttribute("aria-label"), (tables) => tables.openTable(view))
-  })
   on("theme", "click", switchTheme)
   connectViews()
   document.addEventListener("keydown", onKey)
-  for (const name of ["forces", "area", "map"]) connectCurve(figures[name])
+  for (const name of CURVES) connectCurve(figures[name])
+  connectHand()
 }

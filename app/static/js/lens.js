@@ -9,7 +9,7 @@ import { me } from "./state.js"
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
-const lens = { place: null, shown: true, moving: null } // nm along the interface, null: at the trailing edge; whether it is wanted; in slow motion where most moves
+const lens = { place: null, moving: null } // nm along the interface, null: at the trailing edge; in slow motion where most moves
 const EASE = 0.15 // of the way to where most moves, in each picture of a slow motion
 
 // Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip held,
@@ -37,7 +37,7 @@ function follow(run, k, { x, T_n }) {
 export function drawLens(view) {
   const { pen, box, X, Y, frame, ink } = view
   const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width), at = focus(view)
-  by("lens").hidden = !lens.shown || view.narrow || radius < 40 || at === null
+  by("lens").hidden = !by("lens-on").checked || view.narrow || radius < 40 || at === null
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const near = closest(frame.x, at)
@@ -157,5 +157,5 @@ export function connectLens(redraw) {
     event.stopPropagation()
     move(steps[event.key])
   })
-  on("lens-on", "change", (event) => { lens.shown = event.target.checked; redraw() })
+  on("lens-on", "change", () => redraw())
 }

@@ -5,16 +5,15 @@ import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
-import { adopt, paint, tellStretch, useNodes } from "./figures.js"
+import { adopt, paint, tellStretch } from "./figures.js"
 import { connectFringes } from "./fringes.js"
-import { connectHand } from "./hand.js"
 import { connectInside } from "./inside.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
 import * as print from "./print.js"
-import { me } from "./state.js"
+import { declared, me } from "./state.js"
 import * as status from "./status.js"
 import * as glossary from "./terms.js"
 import { drawRow } from "./view.js"
@@ -22,30 +21,20 @@ import * as units from "./words.js"
 
 const CALM = 1500 // ms after the first run
 
-function onFirstRun(call) {
-  channel.listen("status", () => {
-    if (me.status.state !== "finished" || !call) return
-    call()
-    call = null
-  })
-}
-
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages; told: JSON of
 // looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a word: term} and
 // positions {slider: values}; index: Bokeh's index of views
 export function start({ wire, figures, slots, told, index }) {
-  const { looks, nodes, terms, usual, positions } = JSON.parse(told)
+  Object.assign(declared, JSON.parse(told))
   useIndex(index)
   figures = plain(figures)
-  useNodes(nodes)
   for (const name in figures) adopt(name, figures[name])
   channel.connect(wire)
-  glossary.connect(terms)
-  status.connect({ looks, positions })
+  glossary.connect()
+  status.connect()
   pages.connect(plain(slots))
-  inputs.connect(positions, usual)
+  inputs.connect()
   connectLens(player.show)
-  connectHand(positions)
   connectFringes(player.show)
   connectInside(player.show)
   address.connect(player)
@@ -61,16 +50,17 @@ export function start({ wire, figures, slots, told, index }) {
     resized = setTimeout(() => { paint(); player.show() }, 100)
   }).observe(document.querySelector("figure"))
   paint()
-  for (const name in positions) status.place(name, Number(by(`${name}-entry`).value))
+  for (const name in declared.positions) status.place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
   player.play(me.playing)
-  units.connect(player.redraw)
+  units.connect()
   connection.connect()
   requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()
-  onFirstRun(() => setTimeout(drawRow, CALM))
+  let calm = 0
+  channel.listen("status", () => { if (me.status.state === "finished") calm ||= setTimeout(drawRow, CALM) })
   const stop = Number(new URLSearchParams(location.search).get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
 }

@@ -1,17 +1,18 @@
 // Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py).
 
 import { by, digits, make } from "./dom.js"
+import { declared } from "./state.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
 
 let drawn = "" // as it was told
 
-export function drawMarks(marks, positions) {
+export function drawMarks(marks) {
   const told = JSON.stringify(marks ?? {})
   if (told === drawn) return
   drawn = told
-  for (const name in positions) draw(name, marks[name] ?? [], positions[name])
+  for (const name in declared.positions) draw(name, marks[name] ?? [], declared.positions[name])
 }
 
 function draw(name, marks, values) {

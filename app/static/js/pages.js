@@ -2,8 +2,8 @@
 // a module, with any of connect(), opened(), told(news), frame(run, k), painted(), closed().
 
 import { ask, order } from "./channel.js"
-import { by, makeButton, makeRow, minus, offerTable, readdress } from "./dom.js"
-import { adopt, drawn, figures, forget, paint, shade } from "./figures.js"
+import { by, makeButton, makeRow, minus, readdress } from "./dom.js"
+import { adopt, drawn, forget, paint, shade } from "./figures.js"
 import * as fit from "./pages/fit.js"
 import * as law from "./pages/law.js"
 import * as matters from "./pages/matters.js"
@@ -23,17 +23,8 @@ const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 export function connect(given) {
   slots = given
   for (const name in modules) modules[name].connect?.()
-  for (const section of document.querySelectorAll(".sheet")) {
-    const names = Object.keys(slots).filter((name) => name.startsWith(`${section.id}_`))
-    for (const button of section.querySelectorAll("[data-ask]")) {
-      button.addEventListener("click", () => ask({ what: button.dataset.ask }))
-    }
-    section.querySelectorAll(".figures figure").forEach((figure, i) => {
-      const title = () => figure.querySelector("figcaption b")?.textContent ?? ""
-      offerTable(figure, names[i], title() || section.querySelector("h2").firstChild.textContent.trim(), (tables) => {
-        if (names[i] in figures) tables.openData(names[i], title())
-      })
-    })
+  for (const button of document.querySelectorAll(".sheet [data-ask]")) {
+    button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
 }
 

@@ -34,10 +34,10 @@ export class Picture extends Run {
     }
     for (const name of SPANS) this[name] = before[name] // what the views extend over stays while a hand moves
     for (const k of this.curves.F.keys()) this.weigh(k) // but for arrows and bands, which would leave the view
-    const held = (end, ...own) => own.reduce((a, b) => (Math.abs(b) > BEYOND * Math.abs(a) && b * end >= 0 ? ROOM * b : a), end)
     for (const { T_n, T_t } of [this.frame(0), this.frame(this.shown)]) {
-      Object.assign(this, { T_high: held(this.T_high, Math.max(...T_n)), T_low: held(this.T_low, Math.min(...T_n)) })
-      Object.assign(this, { T_out: held(this.T_out, Math.max(...T_t)), T_back: held(this.T_back, Math.min(...T_t)) })
+      for (const [name, value] of [["T_high", Math.max(...T_n)], ["T_low", Math.min(...T_n)], ["T_out", Math.max(...T_t)], ["T_back", Math.min(...T_t)]]) {
+        if (value * this[name] > BEYOND * this[name] ** 2) this[name] = ROOM * value
+      }
     }
   }
 

@@ -8,10 +8,9 @@ import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
 import { Picture } from "./picture.js"
 import { exact, frameDrawn, me, now, QUIET, reduced } from "./state.js"
-import { tellState } from "./status.js"
-import { drawStory, nextSlip, tellNow } from "./story.js"
+import { checkTruth, tellState } from "./status.js"
+import { drawStory, tellNow } from "./story.js"
 import { drawFringes } from "./fringes.js"
-import { checkTruth } from "./truth.js"
 import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
@@ -105,11 +104,6 @@ export function show() {
   painted(showFrame)
 }
 
-// Everything anew: the units have changed
-export function redraw() {
-  if (me.run) me.fresh = true
-}
-
 function showFrame() {
   const { run } = me
   if (!run?.length) return
@@ -196,9 +190,7 @@ export function play(on) {
   tellState()
 }
 
-function namePlay() {
-  by("play").textContent = by("play").ariaLabel = me.playing ? "Pause" : "Play"
-}
+const namePlay = () => { by("play").textContent = me.playing ? "Pause" : "Play" }
 
 export function move(frames) {
   const target = Math.floor(me.at) + frames
@@ -208,7 +200,7 @@ export function move(frames) {
   } else goto(target)
 }
 
-export const toSlip = (way) => me.run && goto(nextSlip(me.run, Math.floor(me.at), way))
+export const toSlip = (way) => me.run && goto(me.run.nextSlip(Math.floor(me.at), way))
 
 export function goto(k) {
   if (me.playing) play(false)

@@ -248,6 +248,19 @@ export class Run {
     return this.whole && end("forth") > 0 ? work[end("forth")] - work[end("shear")] : null
   }
 
+  // The frame of the last slip up to frame k, within so many nm of the path; null where there is none
+  slipBefore(k, within = Infinity) {
+    const at = this.curves.slip.findLastIndex((slipped, i) => slipped && i <= k)
+    return at > 0 && k - at < Math.max(1, Math.round(within / this.head.step)) ? at : null
+  }
+
+  // The frame of the next slip of the shear that way, or k itself
+  nextSlip(k, way) {
+    const { slip } = this.curves
+    for (let at = k + way; at >= 0 && at < slip.length; at += way) if (slip[at] && at >= this.sheared) return at
+    return k
+  }
+
   // [place along the path, value] at every slip (of one stage) of a part, times `factor`
   slips(name, factor = 1, stage = null, approach = false) {
     const { slip, slip_at, U_x, stage: stages } = this.curves, { from, to } = this.part(approach)

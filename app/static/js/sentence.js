@@ -21,16 +21,9 @@ export function nowSaid(run, k) {
     if (stage === "approach" || stage === "reload") return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.", ["apart", k])
     return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
   }
-  const slip = lastSlip(run, k), normal = ["approach", "press", "reload", "unload"].includes(stage)
-  if (slip !== null) return normal ? jumped(run, slip, k) : slid(run, slip)
+  const slip = run.slipBefore(k, AFTER), normal = ["approach", "press", "reload", "unload"].includes(stage)
+  if (slip !== null && run.stage(slip) === stage) return normal ? jumped(run, slip, k) : slid(run, slip)
   return normal ? pressed(run, k, stage) : pulled(run, k)
-}
-
-// The frame of a slip within the last of the path, on the same stage; null
-function lastSlip(run, k) {
-  const { slip, stage } = run.curves, reach = Math.max(1, Math.round(AFTER / run.head.step))
-  for (let at = k; at > 0 && at > k - reach && stage[at] === stage[k]; at--) if (slip[at] && at - 1 >= 0) return at
-  return null
 }
 
 function jumped(run, at, k) {

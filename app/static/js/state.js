@@ -3,6 +3,7 @@
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
 export const QUIET = 150 // ms after a change in which the new run has the processor, and between two pictures of a growing one
+export const declared = {} // what Python declares, as main.js is told
 export const me = Object.seal({ // what is not declared here cannot be set
   run: null, ghost: null, behind: null, anchor: null, // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
   coming: null, // the run that takes the place of what is on screen once it is whole
@@ -20,6 +21,9 @@ export const me = Object.seal({ // what is not declared here cannot be set
 
 // The increment played at, of the run on screen; -1 before there is any
 export const now = () => Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
+
+// Everything is drawn anew with the next picture of the screen
+export const anew = () => { me.fresh = Boolean(me.run) }
 
 // What else is drawn with every frame: functions of the run and the frame
 const followers = []

@@ -1,17 +1,15 @@
-// What the server says of the run and of what was entered, in words and in the address.
+// What the server says of the run and of what was entered, in words and in the address; and whose picture this is: where the
+// sliders say another scene than the run on screen, words say which, and an old run is grey.
 
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, waiting } from "./channel.js"
 import { by, closest, digits, fixed, minus, on, say } from "./dom.js"
 import { drawMarks } from "./marks.js"
-import { me } from "./state.js"
+import { declared, me } from "./state.js"
 import { explain } from "./terms.js"
-import { checkTruth, inWords } from "./truth.js"
+import { inWords, symbol } from "./words.js"
 
-let looks = {}, positions = {} // preset: what to look for; slider: the values it stops at
-
-export function connect(given) {
-  ({ looks, positions } = given)
+export function connect() {
   on("skip", "click", () => order("skip"))
   setInterval(() => { if (me.status.state === "running") tellState() }, 1000)
 }
@@ -37,7 +35,7 @@ export function heard(text) {
     if (by("look").textContent !== look) explain(by("look"), look)
   }
   checkTruth()
-  drawMarks(me.status.marks, positions)
+  drawMarks(me.status.marks)
   say("notes", notes.join(" "))
   tellState()
   goToAsked()
@@ -49,7 +47,7 @@ function describe(name, value, error, before) {
   if (entry.matches("select") || !error && document.activeElement !== entry || value !== before) entry.value = value
   entry.setAttribute("aria-invalid", Boolean(error))
   say(`${name}-error`, error)
-  if (!me.dragging && positions[name]) place(name, value)
+  if (!me.dragging && declared.positions[name]) place(name, value)
   if (name === "delta_bar") tellDepth(value)
 }
 
@@ -62,8 +60,28 @@ export function tellDepth(value) {
 // A slider at the position nearest to a value
 export function place(name, value) {
   const slider = by(name)
-  slider.value = closest(positions[name], value)
+  slider.value = closest(declared.positions[name], value)
   slider.setAttribute("aria-valuetext", `${value}`)
+}
+
+const SAID = 4 // parameters at most
+
+// {parameter: value} as the controls have it: what the server told, and what was asked for since
+function asked() {
+  const changes = waiting().filter(({ what }) => what === "scene").map(({ values }) => values)
+  return Object.assign({}, me.status.values, ...changes, me.entered)
+}
+
+export function checkTruth() {
+  const scene = me.run?.scene, wanted = asked()
+  const names = Object.keys(scene ?? {}).filter((name) => name in wanted && String(scene[name]) !== String(wanted[name])
+    && Number(scene[name]) !== Number(wanted[name]))
+  me.stale = Boolean(scene) && (names.length > 0 || waiting().some(({ what }) => what !== "scene"))
+  const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(scene[name])}`).join(", ")
+  const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following // curves come with the shear
+  const stale = me.stale && !(me.dragging && me.run.followed)
+  say("stale", stale ? `computed for ${values || "the scene before"}` : mixed && "curves: still those of the run before")
+  Object.assign(document.querySelector(".page").dataset, { mixed, stale: me.stale && (me.run === me.anchor || me.lost) })
 }
 
 const changes = () => Object.keys(me.status.address).filter((name) => !["preset", "profile"].includes(name))
@@ -86,7 +104,7 @@ function presetSaid() {
     const where = `increment ${after[1]} (Uₓ = ${me.origin.curves.U_x[after[1]].toFixed(1)} nm)`
     return `carried on from ${where} with ${said || "the preset's values"}; the address holds the parameters only`
   }
-  return changed.length ? `changed: ${said}` : looks[preset]
+  return changed.length ? `changed: ${said}` : declared.looks[preset]
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped

@@ -1,7 +1,7 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
 import { frameBox } from "./bokeh.js"
-import { by, fixed, newtons } from "./dom.js"
+import { by, fixed, newtons, say } from "./dom.js"
 import { figures, overlays } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
@@ -22,13 +22,14 @@ const GAIN = 0.005 // a change of the area by less is not told
 export function drawStory(run, k, canvas = by("story"), figure = figures.punch) {
   const box = frameBox(figure), pen = cleared(canvas), main = figure === figures.punch
   if (!box || !pen) return
-  const { X, Y } = box, frame = run.frame(k), slip = lastSlip(run, k)
+  const { X, Y } = box, frame = run.frame(k)
+  const slip = run.followed ? null : run.slipBefore(k, MARKED) // of the motion of those that are followed two frames are known
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, main, ink: inks() }
   within(pen, box, () => {
     if (run.head.flat) drawLattice(view)
     else {
       drawMesh(view)
-      if (slip) drawMoved(view)
+      if (slip !== null) drawMoved(view)
       drawEdges(view)
     }
     drawTop(view)
@@ -59,7 +60,8 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
   for (let x = Math.ceil((x_range.start - shift) / pitch) * pitch; x + shift < x_range.end; x += pitch) {
     line(pen, [[X(x + shift) - 3, box.top + BAR], [X(x + shift) + 3, box.top]], ink.page, 1.5)
   }
-  if (!main && slip) write({ pen, ink, box }, slipSaid(run, slip.at), box.left + 8, box.top + BAR + 12, { of: ink.slip, align: "left", bold: true })
+  if (main || slip === null) return
+  write({ pen, ink, box }, slipSaid(run, slip), box.left + 8, box.top + BAR + 12, { of: ink.slip, align: "left", bold: true })
 }
 
 // What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest in view
@@ -126,19 +128,11 @@ function drawFriction(view, left, right, y) {
   if (!narrow) write(view, "friction", from - long + (F > 0 ? -8 : 8), y, { of: ink.shear, align: F > 0 ? "right" : "left", bold: true })
 }
 
-// The slip that led to frame k or to one shortly before: {at: its frame, age: 0 .. 1}, or null
-function lastSlip(run, k) {
-  if (run.followed) return null // of its motion two frames are known
-  const { slip } = run.curves, reach = Math.max(1, Math.round(MARKED / run.head.step))
-  for (let at = k; at > 0 && at > k - reach; at--) if (slip[at]) return { at, age: (k - at) / reach }
-  return null
-}
-
 // The nodes that slipped flash, and fade as the top goes on
 function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
-  const moved = run.moved(slip.at), shift = run.headOf(k).first - run.headOf(slip.at).first
+  const moved = run.moved(slip), shift = run.headOf(k).first - run.headOf(slip).first
   pen.lineCap = "round"
-  pen.globalAlpha = 0.4 * (1 - slip.age) // nodes are seen through it
+  pen.globalAlpha = 0.4 * (1 - ((k - slip) * run.head.step) / MARKED) // nodes are seen through it
   let stretch = []
   for (let i = 0; i <= frame.x.length; i++) {
     if (i in frame.x && moved[i + shift]) stretch.push([X(frame.x[i]), Y(frame.gap[i])])
@@ -175,20 +169,6 @@ export function tellNow(run, k) {
 }
 
 function tellSlip({ run, k, slip, narrow }) {
-  by("slip").hidden = !slip
-  by("slow").hidden = run.followed || slipAt(run, k) === null
-  if (slip) by("slip").textContent = slipSaid(run, slip.at, narrow)
-}
-
-// The frame of the last slip up to frame k, or null
-export function slipAt(run, k) {
-  const at = run.curves.slip.findLastIndex((slipped, i) => slipped && i <= k && i > 0)
-  return at < 0 ? null : at
-}
-
-// The frame of the next slip that way, or k itself
-export function nextSlip(run, k, way) {
-  const { slip } = run.curves
-  for (let at = k + way; at >= 0 && at < slip.length; at += way) if (slip[at] && at >= run.sheared) return at
-  return k
+  by("slow").hidden = run.followed || run.slipBefore(k) === null
+  say("slip", slip !== null && slipSaid(run, slip, narrow))
 }

@@ -1,4 +1,4 @@
-// What a plot shows as a table, built from the frames that are here; opened with its button, and only then loaded.
+// What a plot shows as a table, built from the frames that are here; loaded when one is opened.
 
 import { drawnBy } from "./bokeh.js"
 import { by, digits, fixed, make, makeRow } from "./dom.js"
@@ -48,8 +48,10 @@ function acting(values, run, k) {
   return [...places, count("repulsive", "contact"), count("adhering")]
 }
 
-export function openTable(view) {
-  if (me.run?.length) open(TABLES[view](me.run, Math.max(0, Math.min(me.drawn, me.run.length - 1))))
+// Opened with a button in the caption of the plot
+export function openTable({ dataset: { view }, parentElement: caption }) {
+  if (!(view in TABLES)) openData(view, caption.querySelector("b").textContent)
+  else if (me.run?.length) open(TABLES[view](me.run, Math.max(0, Math.min(me.drawn, me.run.length - 1))))
 }
 
 const GRID = [9, 9] // values of an image in its table, across and down
@@ -63,7 +65,8 @@ const called = (label) => SAID[label]
   ?? label.replace(/^(line|points|beyond)(\d)$/, (_, what, k) => `${MARKS[k]} ${{ line: "Eq. 9", points: "runs", beyond: "beyond the fit" }[what]}`)
 
 // All that a figure of a page shows: points of curves and dots, and of an image values on a grid
-export function openData(name, title) {
+function openData(name, title) {
+  if (!(name in figures)) return
   const { below: [across], left: [up] } = figures[name], rows = []
   for (const [label, part] of Object.entries(parts[name])) {
     const drawn = UNSAID.test(label) ? null : drawnBy(part)

@@ -4,7 +4,7 @@ import { frameBox } from "./bokeh.js"
 import { order } from "./channel.js"
 import { colour } from "./colours.js"
 import { by, fixed, make, makeButton, minus, onDrag, readdress } from "./dom.js"
-import { figures } from "./figures.js"
+import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { cleared, line } from "./pen.js"
 import { goto, play } from "./player.js"
@@ -34,7 +34,7 @@ function close() {
   cancelAnimationFrame(watching)
   card.hidden = true
   delete document.documentElement.dataset.tour
-  for (const view of COVERED) cover(view).hidden = true
+  for (const view of CURVES) cover(view).hidden = true
   by("tour-sketch").hidden = true
   readdress((asked) => asked.delete("tour"))
   by("tour").focus()
@@ -123,13 +123,12 @@ function answer(index) {
   write()
 }
 
-const COVERED = ["forces", "area", "map"]
 const covers = {}
 const cover = (view) => covers[view] ??= figureOf(view).appendChild(make("div", { className: "future" }))
 
 // What lies ahead of the increment shown stays hidden until the stop has been played
 function hideFuture() {
-  for (const view of COVERED) {
+  for (const view of CURVES) {
     const box = frameBox(figures[view]), hidden = phase === "why" || phase === "turn" || !box || !me.run
     cover(view).hidden = hidden
     if (hidden) continue

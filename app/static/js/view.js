@@ -1,13 +1,12 @@
 // The ways to look at the experiment: the hero, the same in large for a lecture hall, and the laboratory with all tools.
 
 import { by, on, readdress } from "./dom.js"
-import { paint } from "./figures.js"
+import { CURVES, paint } from "./figures.js"
 import { openPage } from "./pages.js"
 import { show } from "./player.js"
 import { embedded } from "./state.js"
 
 const TOOLS = ["reset", "back", "step", "carry", "speed", "lens-on", "fringes-on", "bar"] // in the menu; in the laboratory where they act
-const CURVES = ["forces", "area", "map"]
 let before = "hero" // how one looked before
 const homes = [] // [tool, the mark that keeps its place]
 

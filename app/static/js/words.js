@@ -1,17 +1,17 @@
 // In what words and units a scene and an increment are told. Forces and areas: per metre of depth, in N, or over wE on
-// request (?force=bar); nm, or over w.
+// request (?force=bar); nm, or over w. Parameters by the symbols and words of their controls, or in short.
 
 import { by, digits, fixed, minus, on, readdress } from "./dom.js"
-import { me } from "./state.js"
+import { anew, me } from "./state.js"
 
 const FORCES = [[1e3, "kN/m", 1e4], [1, "N/m", 0.5], [1e-3, "mN/m", 0]] // of forces: size, name, from which force on
 const BAR = { names: { F: "F_bar", L: "L_bar" }, factor: 1000, text: "10⁻³", symbols: { F: "F̄", L: "L̄" } }
 
-let bar = false // whether over wE
+const overE = () => by("bar").checked // whether over wE
 
 // {names, factor, text, symbols, over} of the forces of the runs drawn together: one unit for all of them
 export function forceUnit(runs) {
-  if (bar) return runs.some((run) => run?.changing.includes("E")) ? { ...BAR, over: ", by the E of each increment" } : BAR
+  if (overE()) return runs.some((run) => run?.changing.includes("E")) ? { ...BAR, over: ", by the E of each increment" } : BAR
   const most = Math.max(...runs.map((run) => run?.strongestForce ?? 0))
   const [size, text] = FORCES.find(([, , least]) => most >= least)
   return { names: { F: "F", L: "L" }, factor: 1 / size, text, symbols: { F: "F", L: "L" } }
@@ -20,7 +20,7 @@ export function forceUnit(runs) {
 // A force of a frame's values with its unit, in four digits
 export function forceSaid(values, name, unit) {
   const value = values[unit.names[name]] * unit.factor
-  if (bar) return `${unit.symbols[name]} = ${fixed(value, 3)}·${unit.text}`
+  if (overE()) return `${unit.symbols[name]} = ${fixed(value, 3)}·${unit.text}`
   const whole = Math.max(0, 3 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-3))) - 1)
   return `${unit.symbols[name]} = ${fixed(value, Math.min(3, whole))} ${unit.text}`
 }
@@ -30,15 +30,17 @@ export const areaSaid = ({ A, A_bar }) => `A = ${fixed(A, 1)} nm (Ā = ${fixed(A
 // Words about the axis of the area where it does not begin at zero
 export const tellStart = (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
 
-export function connect(redraw) {
-  bar = new URLSearchParams(location.search).get("force") === "bar"
-  by("bar").checked = bar
+export function connect() {
+  by("bar").checked = new URLSearchParams(location.search).get("force") === "bar"
   on("bar", "change", () => {
-    bar = by("bar").checked
-    readdress((asked) => (bar ? asked.set("force", "bar") : asked.delete("force")))
-    redraw()
+    readdress((asked) => (overE() ? asked.set("force", "bar") : asked.delete("force")))
+    anew()
   })
 }
+
+const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
+export const symbol = (name) => (labelOf(name)?.querySelector("i") ?? labelOf(name))?.textContent ?? name
+export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
 
 const SYMBOLS = { delta_bar: "δ/δ₀", phi_ratio: "φₜ/φₙ", E: "E", phi_n: "φₙ", delta_n: "δₙ", delta_t: "δₜ", nu: "ν", radius: "R", damping: "damping" }
 const UNITS = { E: "GPa", phi_n: "N/m", delta_n: "nm", delta_t: "nm", radius: "w", width: "nm", u_x_max: "nm" }

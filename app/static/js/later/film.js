@@ -9,7 +9,6 @@ import { drawIncrement, goto, show } from "../player.js"
 import { FILM, Run } from "../run.js"
 import { over } from "../sketch.js"
 import { me, now, onFrame } from "../state.js"
-import { nextSlip, slipAt } from "../story.js"
 import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
@@ -22,9 +21,9 @@ let listens = false
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
   if (film) return end()
-  const { run } = me, at = now(), k = at < 0 ? null : slipAt(run, at)
+  const { run } = me, at = now(), k = at < 0 ? null : run.slipBefore(at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
-  if (k === null) return refuse(`Slow motion: no slip up to here${nextSlip(run, at, 1) > at ? "; the key ] leads to the next" : ""}.`)
+  if (k === null) return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   if (!listens) listen("status", heard)
   listens = true
   goto(k)

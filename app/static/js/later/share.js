@@ -101,7 +101,8 @@ export async function png(name, scale = 1) {
 }
 
 export const svg = (name) => framed(name, (holder, width, height) => canvasesOver(holder)
-  .map((canvas) => `<image width="${width}" height="${height}" href="${canvas.toDataURL()}"/>`).join("")).text
+  .map((canvas) => `<image width="${width}" height="${height}" opacity="${getComputedStyle(canvas).opacity}" `
+    + `href="${canvas.toDataURL()}"/>`).join("")).text
 
 const number = (value) => `${Number(value.toPrecision(8))}`
 

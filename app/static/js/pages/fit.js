@@ -1,11 +1,10 @@
 // The page "Fit": a measured curve, over it that of the sliders, and what a fit has found.
 
-import { ask, order } from "../channel.js"
+import { ask, order, sendFile } from "../channel.js"
 import { by, make, minus, on } from "../dom.js"
 import { fill } from "../figures.js"
 import { leaveBehind } from "../state.js"
 
-const LARGEST = 2e6 // bytes, as the server
 const OWN = ["phi_n", "phi_ratio", "delta_bar", "E"] // of what is found, what the experiment has; the rest is of the axes
 
 let found = null // {values, errors: {name: number}, correlations}
@@ -14,20 +13,12 @@ let drawn = null // the run whose curve is there, and how much of it
 const chosen = () => [...document.querySelectorAll("#fit-free input")].filter((box) => box.checked)
 
 export function connect() {
-  on("measurement", "change", read)
-  on("measurement", "click", () => { by("measurement").value = "" }) // so that the same file can be chosen again
+  sendFile("measurement", (why) => { by("fit-said").textContent = why })
   on("fit-go", "click", () => ask({ what: "fit", free: chosen().map((box) => box.name).join() }))
   on("fit-show", "click", show)
 }
 
 export const opened = () => { drawn = null }
-
-async function read(event) {
-  const [file] = event.target.files
-  if (!file) return
-  if (file.size > LARGEST) by("fit-said").textContent = `measurement: ${file.name} has ${(file.size / 1e6).toFixed(1)} MB, allowed: 2 MB; thin it out.`
-  else order("measurement", { text: await file.text() })
-}
 
 export function told(news) {
   by("fit-go").disabled = !("fit" in news) || (news.busy ?? null) !== null

@@ -6,8 +6,7 @@ import { by, digits, make, makeButton, minus, on } from "../dom.js"
 import { figures, fill } from "../figures.js"
 import { inks } from "../pen.js"
 import { leaveBehind, me } from "../state.js"
-import { inWords } from "../truth.js"
-import { forceUnit } from "../words.js"
+import { forceUnit, inWords } from "../words.js"
 
 const MORE = 1.05 // times the value, that a click asks for
 const OF_ZERO = 0.05 // of the depth, where that is zero

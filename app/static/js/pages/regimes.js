@@ -4,10 +4,9 @@ import { drawnBy, onEvent } from "../bokeh.js"
 import { ask } from "../channel.js"
 import { by, digits, minus, on } from "../dom.js"
 import { figures, parts } from "../figures.js"
+import { letGo, steer } from "../steer.js"
 
 const DIGITS = 4 // of a value
-
-const tell = (what, detail) => document.dispatchEvent(new CustomEvent(what, { detail }))
 
 let axes = [], regimes = [] // {name, values} across and upwards; of each place, row by row, what it is called
 
@@ -22,8 +21,8 @@ export function told(news) {
 }
 
 export function opened() {
-  for (const name of ["tap", "pan"]) onEvent(figures.regimes_map, name, ({ x, y }) => tell("steer", valuesAt([x, y])))
-  for (const name of ["tap", "panend"]) onEvent(figures.regimes_map, name, () => tell("let-go"))
+  for (const name of ["tap", "pan"]) onEvent(figures.regimes_map, name, ({ x, y }) => steer(valuesAt([x, y])))
+  for (const name of ["tap", "panend"]) onEvent(figures.regimes_map, name, letGo)
   onEvent(figures.regimes_map, "mousemove", ({ x, y }) => { by("regimes-at").textContent = read(x, y) })
   onEvent(figures.regimes_map, "mouseleave", () => { by("regimes-at").textContent = "" })
 }

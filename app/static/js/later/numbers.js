@@ -1,9 +1,12 @@
-// A run in numbers, from its frames: {measure: {text, why, k}} with the increment k that it is taken from.
+// Runs in numbers, from their frames: a dialog with the run on screen and each pinned one, every number a way to its increment.
 
-import { fixed } from "../dom.js"
+import { by, fixed, make, makeButton } from "../dom.js"
+import { load, onPins, pins, swatch, titleOf } from "./pins.js"
+import { goto } from "../player.js"
+import { me } from "../state.js"
 
 const NONE = "–"
-export const MEASURES = { // measure: [heading, unit, what it is]
+const MEASURES = { // measure: [heading, unit, what it is]
   regime: ["regime", "", "what the contact does while sheared"],
   slips: ["slips", "", "ends of branches after the approach"],
   U_s: ["Uₛ", "nm", "displacement of the top at the first slip"],
@@ -19,7 +22,8 @@ const bar = (name, value) => `${name} = ${(value * 1000).toPrecision(5)}·10⁻�
 const some = (text, k, why = "") => ({ text, why, k })
 const none = (why, k) => some(NONE, k, why)
 
-export function measured(run) {
+// {measure: {text, why, k}} with the increment k that it is taken from
+function measured(run) {
   const { curves, head, sheared } = run
   if (sheared < 0) return Object.fromEntries(Object.keys(MEASURES).map((name) => [name, none("not yet sheared", 0)]))
   const found = {}, shear = head.stages.indexOf("shear"), width = 2 * head.middle
@@ -71,4 +75,31 @@ function regime(run, inShear, first, slid) {
   if (!inShear.length) return "pressed and retracted"
   if (inShear.every((k) => Math.abs(run.curves.F_bar[k]) + Math.abs(run.curves.L_bar[k]) < 1e-12)) return "no contact"
   return first !== undefined ? "stick-slip" : slid !== undefined ? "continuous sliding" : "sticks"
+}
+
+function row(name, mark, run, leadTo) {
+  const heading = make("th", { scope: "row" }, ...(mark ? [mark, " "] : []), name)
+  const found = run ? measured(run) : {}
+  const cells = Object.keys(MEASURES).map((measure) => {
+    const { text = "…", why = "", k } = found[measure] ?? {}
+    const said = `${name}, ${MEASURES[measure][0]}: ${text} ${MEASURES[measure][1]}${why && `; ${why}`}`
+    const onclick = () => { by("numbers").close(); leadTo(k) }
+    return make("td", {}, makeButton({ title: why, disabled: k === undefined, "aria-label": said, data: { measure }, onclick }, text))
+  })
+  return make("tr", {}, heading, ...cells)
+}
+
+function fill() {
+  const head = make("tr", {}, make("th", { scope: "col" }, "run"),
+    ...Object.values(MEASURES).map(([text, unit, title]) => make("th", { scope: "col", title }, text, make("small", {}, unit))))
+  const rows = pins.map((pin) => row(titleOf(pin), swatch(pin.slot), pin.run, (k) => load(pin, k)))
+  const own = row("on screen", null, me.run, goto)
+  by("numbers-table").replaceChildren(make("thead", {}, head), make("tbody", {}, own, ...rows))
+}
+
+onPins(() => { if (by("numbers").open) fill() })
+
+export function open() {
+  fill()
+  by("numbers").showModal()
 }

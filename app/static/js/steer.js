@@ -1,0 +1,90 @@
+// Parameters changed by hand: with a slider, the punch, a map or an entry. While a hand moves them the server hears of the
+// latest only; one drag has what was on screen before it behind all of its pictures.
+
+import { moved, writeAddress } from "./address.js"
+import { onHeard, order, waiting } from "./channel.js"
+import { by } from "./dom.js"
+import { anew, declared, exact, leaveBehind, me, now, QUIET } from "./state.js"
+import { checkTruth, place, tellDepth } from "./status.js"
+
+const PACE = 30 // ms: at most one message in this time, always the latest
+const BURST = 900 // ms between two moves of one slider that are one drag
+
+let drag = { name: "", ended: 0 } // what was moved last, and when it was let go, ms
+let last = 0 // when something was sent
+let resting = 0
+
+// Changes parameters {name: text}, one or those of a place of a map
+export function enter(values) {
+  const name = Object.keys(values).toSorted().join()
+  if (name !== drag.name || (drag.ended && performance.now() - drag.ended > BURST)) {
+    leaveBehind()
+    goOnFrom()
+  }
+  drag = { name, ended: me.dragging ? 0 : -BURST }
+  moved(name)
+  me.entered = { ...me.entered, ...values }
+  me.quiet = performance.now() + QUIET
+  checkTruth()
+  const rest = PACE - (performance.now() - last)
+  if (rest > 0) setTimeout(sendNext, rest)
+  else sendNext()
+}
+
+// With "carry on" a change takes effect at the increment shown, and the run goes on from there
+function goOnFrom() {
+  me.from = null
+  if (!by("carry").checked || !exact(me.run) || !sheared()) return
+  me.origin = me.run
+  me.from = [me.run.number, now()]
+}
+
+// Whether the top has been pulled at the increment on screen
+const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
+
+// While a hand moves, where it is by the time that the last position has been answered: nothing queues
+const sendNext = () => { if (!me.dragging || !waiting().length) send(me.dragging) }
+onHeard(sendNext)
+
+function send(held) {
+  if (!me.entered) return
+  last = performance.now()
+  const at = sheared() ? me.run.curves.U_x[now()] : 0
+  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(held && { held, at }) })
+  me.entered = null
+}
+
+// A hand moves parameters {name: text}, and will let go; their controls follow
+export function steer(values) {
+  for (const name in values) {
+    by(`${name}-entry`).value = values[name]
+    if (declared.positions[name]) place(name, values[name])
+    if (name === "delta_bar") tellDepth(values[name])
+  }
+  me.dragging = true
+  clearTimeout(resting)
+  resting = setTimeout(rests, me.rests)
+  enter(values)
+}
+
+export function letGo() {
+  if (!drag.ended) drag.ended = performance.now()
+  rests()
+}
+
+// The hand has come to rest, or has let go: now the exact run, and the views settle
+function rests() {
+  clearTimeout(resting)
+  if (!me.dragging) return
+  me.dragging = false
+  send(true)
+  order("rest")
+  anew()
+  writeAddress()
+}
+
+// As steer does, by a wheel, of which nobody knows when it is let go
+export function nudge(values) {
+  steer(values)
+  drag.ended = performance.now()
+}
