@@ -169,7 +169,10 @@ export function connect(positions, usual) {
   onHeard(sendNext)
   for (const name in positions) connectSlider(name, positions[name])
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
-    entry.addEventListener("change", () => enter({ [entry.id.replace("-entry", "")]: entry.value }))
+    entry.addEventListener("change", () => {
+      entry.dataset.given = entry.value
+      enter({ [entry.id.replace("-entry", "")]: entry.value })
+    })
   }
   for (const menu of ["preset", "row"]) on(menu, "change", (event) => choosePreset(event.target.value))
   document.addEventListener("steer", ({ detail }) => { // by a page: the controls follow
