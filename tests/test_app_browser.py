@@ -162,6 +162,7 @@ def test_hovering_and_clicking_a_curve_moves_every_view(look):
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
     page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
     page.wait_for_function(f"punch.drawn > {at} + 50")
+    page.wait_for_function("document.getElementById('scrub').value === `${punch.drawn}`")
     page.mouse.move(5, 5)
     page.wait_for_function(f"punch.drawn === {at}")
     page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])

@@ -6,7 +6,7 @@ import { me } from "./state.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
-const DEEP = 0.02 // of delta_bar per px: the whole slider in some 100 px
+const DEEP = 1 / 150 // of delta_bar per px: a third of the slider in 100 px
 
 export function connectHand(positions) {
   const view = by("punch-view"), slider = by("delta_bar"), values = positions.delta_bar

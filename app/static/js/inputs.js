@@ -132,13 +132,17 @@ const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
 
 function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)
-  if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
+  if (event.key === "Escape" && !open) {
+    if (by("drawer").open) by("drawer").close()
+    if (event.target.closest?.("#panel")) by("menu").focus()
+    unfold(false)
+  }
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (held && "zy".includes(key) && !event.altKey && !at("input[type=text]")) { // an entry has its own
     event.preventDefault()
     return key === "y" || event.shiftKey ? redo() : undo()
   }
-  const taken = at("input[type=text], input[type=search]") || (at("button") && key === " ")
+  const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
     || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
   if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
