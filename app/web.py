@@ -24,11 +24,11 @@ from app.door import door, turned_away
 from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
+from app.session.controls import BESIDE, READ
 from app.session.gate import Gate
-from solver.scene import PARAMETERS
 
 log = logging.getLogger("app")
-READ = {"preset", "profile", *PARAMETERS}  # of an address, by the server; the browser reads the rest
+STRANGE = 3  # names of an address that mean nothing, at most, that are told
 AGAIN = 10  # s after which somebody is to try again for whom there is no room
 YEAR = 31_536_000  # s
 FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # who may show ?embed=1 in a frame, as CSP names them
@@ -87,7 +87,9 @@ class Page(Plain, DocHandler):
         nonce, embedded = secrets.token_urlsafe(16), self.get_argument("embed", "") == "1"
         host, frames = self.request.host, FRAMES if embedded else "'self'"
         self.set_header("Content-Security-Policy", policy(host, nonce, frames))
-        arguments = {name: values for name, values in self.request.arguments.items() if name in READ}
+        given = self.request.arguments
+        arguments = {name: given[name] for name in given if name in READ}
+        arguments |= {name[:40]: [] for name in [n for n in given if n not in READ | {*BESIDE}][:STRANGE]}
         keys = {"secret_key": self.application.secret_key, "signed": self.application.sign_sessions}
         name = generate_session_id(**keys)
         if not door.invites(name):

@@ -13,12 +13,11 @@ class SceneError(ValueError):
     """A parameter out of its range; the message names it, its value, the range and the remedy."""
 
     def __init__(self, name: str, value: object, allowed: str, remedy: str) -> None:
-        self.name = name
-        self._given = name, value, allowed, remedy
+        self.name, self.value, self.allowed, self.remedy = name, value, allowed, remedy
         super().__init__(f"{name} = {reprlib.repr(value)}: {allowed}; {remedy}")
 
     def __reduce__(self):  # by default it would be made from its message alone, and a worker that raises it be lost
-        return SceneError, self._given
+        return SceneError, (self.name, self.value, self.allowed, self.remedy)
 
 
 class Range(NamedTuple):

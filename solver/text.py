@@ -10,8 +10,8 @@ from .surfaces import Profile
 NUMBER = re.compile(r"(?P<mantissa>[+-]?(?:\d+[.,]?\d*|[.,]\d+|inf))(?P<exponent>(?:[eE][+-]?\d+)?) ?(?P<unit>.*)")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # the comma of 1,234 may part thousands; that of 0,123 does not
 UNITS = {  # that may follow a number of that unit, and what they are of it
-    "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1},
-    "GPa": {"GPa": 1.0, "MPa": 1e-3, "TPa": 1e3},
+    "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1, "m": 1e9},
+    "GPa": {"GPa": 1.0, "MPa": 1e-3, "TPa": 1e3, "Pa": 1e-9},
     "N/m": {"N/m": 1.0, "J/m²": 1.0, "J/m2": 1.0, "mN/m": 1e-3, "mJ/m²": 1e-3, "mJ/m2": 1e-3},
     "δₙ": {"δₙ": 1.0, "delta_n": 1.0},
     "δₜ": {"δₜ": 1.0, "delta_t": 1.0},
@@ -43,7 +43,7 @@ def number_from_text(name, text, notes=None, known=None, whole=None):
     value = float(found["mantissa"].replace(",", ".") + found["exponent"])
     if "," in given and notes is not None:
         notes.append(f"{name} = {given}: the comma was read as a decimal point, {value:g}.")
-    return value * units.get(found["unit"], 1.0)
+    return float(f"{value * units[found['unit']]:.12g}") if found["unit"] else value  # 0.07 TPa is 70 GPa
 
 
 def _units(known, whole):

@@ -9,7 +9,7 @@ from helpers import until
 from visitor import PATIENCE, SHORT, Page, say, unpacked
 
 from app.service import packing, worker
-from app.session import computing
+from app.session import computing, controls
 from app.session import session as session_module
 from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, drawer, scene_from_address
 from solver import LIMITS, Scene, advance
@@ -55,14 +55,15 @@ def test_the_default_position_of_every_slider_is_the_default_scene():
 def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, text):
     scene, errors = changed_scene(SHORT, {name: text})
     assert scene == SHORT
-    low, high = LIMITS[name][:2]  # beyond the slider's own
-    assert name in errors[name] and f"{low:g} .. {high:g}" in errors[name]
+    assert errors[name].startswith(controls.LABELS[name])
+    assert controls.in_words(LIMITS[name].span) in errors[name]  # beyond the slider's own
+    assert name not in errors[name].split()
 
 
 def test_entries_are_read_as_people_write_them_and_a_comma_is_said(page):
     page.order("scene", delta_bar="−0,5", E="0.09 TPa")
     assert page.session.scene == SHORT.changed(delta_bar=-0.5, E=90.0)
-    assert page.status()["errors"] == {} and "decimal point, -0.5" in page.status()["notes"][0]
+    assert page.status()["errors"] == {} and "decimal point, −0.5" in page.status()["notes"][0]
 
 
 def test_the_address_is_read_as_an_entry_is():
@@ -75,6 +76,7 @@ def test_each_value_of_the_address_is_judged_alone():
     scene, preset, notes = scene_from_address(arguments)
     assert scene == Scene(delta_bar=0.4) and preset == "fig6"
     assert len(notes) == 2 and "phi_ratio" in notes[0] and "default 1" in notes[0] and "default 70" in notes[1]
+    assert "Stiffness" in notes[1] and "0.01 to 10⁶ GPa" in notes[1]
 
 
 def test_an_address_names_a_preset_and_what_differs_from_it():
@@ -89,18 +91,18 @@ def test_an_address_names_a_preset_and_what_differs_from_it():
 
 def test_an_unknown_preset_in_the_address_is_named_and_the_default_shown():
     scene, preset, notes = scene_from_address({"preset": [b"fig99"]})
-    assert scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "fig7-case1" in notes[0]
+    assert scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "Menu, Preset" in notes[0]
 
 
 @pytest.mark.parametrize(
     ("entries", "said"),
     [
-        ({"phi_n": "-1"}, "phi_n = -1.0: allowed: 0.001 .. 1000 N/m; give a number in that range"),
+        ({"phi_n": "-1"}, "phi_n “-1”: allowed: 0.001 to 1000 N/m; give a number in that range"),
         ({"nodes": "1e6"}, "nodes"),
         ({"surface": "measured"}, "choose a file under profile"),
-        ({"surface": "bumpy"}, "surface = 'bumpy': allowed: circular"),
+        ({"surface": "bumpy"}, "surface “bumpy”: allowed: circular"),
         ({"du_x": "0.001"}, "40102 increments"),
-        ({"tolerance": "two"}, "tolerance = 'two': allowed: 1e-12 .. 0.001 nm; give a number"),
+        ({"tolerance": "two"}, "tolerance “two”: allowed: 10⁻¹² to 0.001 nm; give a number"),
     ],
 )
 def test_the_drawer_refuses_what_cannot_be_run_and_says_why(entries, said):

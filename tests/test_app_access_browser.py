@@ -99,6 +99,19 @@ def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit
 
 
 @pytest.mark.thorough
+def test_escape_closes_the_menu_from_any_of_its_controls_and_space_ticks_a_box(visit):
+    page = visit("?view=hero")
+    finished(page)
+    page.click("#menu")
+    page.focus("#carry")
+    page.keyboard.press("Space")
+    assert page.is_checked("#carry") and not page.evaluate("punch.playing")
+    page.keyboard.press("Escape")
+    page.locator("#carry").wait_for(state="hidden")
+    assert page.evaluate("document.activeElement.id") == "menu"
+
+
+@pytest.mark.thorough
 def test_a_menu_keeps_the_focus_and_space_plays_after_a_choice(visit):
     page = visit()
     finished(page)

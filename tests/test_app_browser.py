@@ -162,6 +162,7 @@ def test_hovering_and_clicking_a_curve_moves_every_view(look):
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
     page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
     page.wait_for_function(f"punch.drawn > {at} + 50")
+    page.wait_for_function("document.getElementById('scrub').value === `${punch.drawn}`")
     page.mouse.move(5, 5)
     page.wait_for_function(f"punch.drawn === {at}")
     page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
@@ -172,11 +173,11 @@ def test_hovering_and_clicking_a_curve_moves_every_view(look):
 def test_a_bad_entry_is_explained_and_the_run_stays(visit):
     page = visit()
     finished(page)
-    for text, said in (("7000000", "E = 7000000"), ("stiff", "E = 'stiff'"), ("nan", "E = 'nan'")):
+    for text, said in (("7000000", "“7000000”"), ("stiff", "“stiff”"), ("nan", "Stiffness “nan”")):
         page.fill("#E-entry", text)
         page.keyboard.press("Enter")
         page.wait_for_function("said => document.getElementById('E-error').textContent.includes(said)", arg=said)
-        assert "0.01 .. 1e+06 GPa" in page.inner_text("#E-error")
+        assert "0.01 to 10⁶ GPa" in page.inner_text("#E-error")
     assert page.evaluate("punch.run.number") == 1
     page.fill("#E-entry", "73.5")
     page.keyboard.press("Enter")
@@ -184,11 +185,33 @@ def test_a_bad_entry_is_explained_and_the_run_stays(visit):
     assert page.locator("#E-error").is_hidden()
 
 
+def test_what_was_taken_stands_in_its_own_unit_and_what_was_refused_beside_no_other_depth(visit):
+    page = visit()
+    finished(page)
+    read = "name => document.getElementById(`${name}-entry`).value"
+    for text in ("70 GPa", "0.08 TPa", "70e9 Pa"):
+        page.fill("#E-entry", text)
+        page.keyboard.press("Enter")
+        page.wait_for_function(f"({read})('E') === '{80 if 'T' in text else 70}'")
+    page.fill("#delta_bar-entry", "-3")
+    page.keyboard.press("Enter")
+    page.locator("#delta_bar-error").wait_for()
+    assert page.inner_text("[data-name=delta_bar] .unit") == "" and page.evaluate(read, "delta_bar") == "-3"
+    page.fill("#delta_bar-entry", "2.5")
+    page.keyboard.press("Enter")
+    page.wait_for_function("document.getElementById('delta_bar').title.startsWith('2.5 lies beyond')")
+
+
+def test_names_that_mean_nothing_are_told_though_they_are_all_there_is_in_the_address(look):
+    said = look("?foo=1&delta=0.5").inner_text("#notes")
+    assert "“foo” in the address means nothing" in said and re.search("“delta” .* is it .*delta_bar", said)
+
+
 def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
     page = visit("?delta_bar=0.4&phi_ratio=lots&E=200&theme=dark")
     finished(page)
     assert sliders(page) == {"delta_bar": 0.4, "phi_ratio": 1, "E": 200}
-    assert "phi_ratio" in page.inner_text("#notes") and "0 .. 100" in page.inner_text("#notes")
+    assert "phi_ratio" in page.inner_text("#notes") and "0 to 100" in page.inner_text("#notes")
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
 
 

@@ -1,5 +1,7 @@
 """No view is blank or white without a reason: approach, no shear, surfaces apart, loops, increments without a frame."""
 
+from itertools import pairwise
+
 import pytest
 from served import finished
 
@@ -48,9 +50,15 @@ def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
     finished(page)
     right, left = pytest.approx(-1.5708, abs=1e-3), pytest.approx(1.5708, abs=1e-3)
     assert column(page, "forces.ways", "angle") == [right, right, left, left, right, right]
+    assert page.locator("#branch").is_visible()  # the edges on the way that is not shown have a key
     page.select_option("#preset", "fig6")
     finished(page, run=2)
     assert column(page, "forces.ways", "angle") == []
+    assert page.locator("#branch").is_hidden()
+    page.select_option("#preset", "unload")
+    finished(page, run=3)
+    places = sorted(column(page, "forces.ways", "U_x"))  # both ways lie on each other here, their heads do not
+    assert min(b - a for a, b in pairwise(places)) > 0.05 * 12
 
 
 @pytest.mark.thorough

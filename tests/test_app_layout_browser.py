@@ -158,6 +158,9 @@ def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
     page.wait_for_function("() => document.querySelector('.sheet:not([hidden]):not([data-drawing])')")
     if title == "Area laws":
         page.wait_for_function("() => document.querySelectorAll('#arealaws-rows tr').length === 10", timeout=PATIENCE)
+        page.set_viewport_size({"width": 1440, "height": 900})
+        left, right = (page.locator(".tables table").nth(k).bounding_box() for k in (0, 1))
+        assert left["x"] + left["width"] <= right["x"]
     assert not faults_at_every_size(page)
 
 

@@ -112,14 +112,17 @@ def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increm
     finished(page, run=2)
     again, said = told(page, looked)
     assert again == before and "computed with E = 70 GPa" in said
+    assert page.inner_text(".here[data-name=E]") == "here 70 GPa"
     after, said = told(page, slips[5] + 4)
     after.pop("spoken")  # of the last slip that was looked at
     assert max(after.values()) == pytest.approx(min(after.values()), rel=5e-3) and "computed with" not in said
+    assert page.inner_text(".here[data-name=E]") == ""
     page.get_by_role("button", name="Numbers").press("Enter")
     own, pinned = (page.locator("#numbers-table tbody tr").nth(k) for k in (0, 1))
     for measure in ("U_s", "F_s", "A_s", "tau_c"):
         cells = [row.locator(f"[data-measure={measure}]").inner_text() for row in (own, pinned)]
         assert cells[0] == cells[1]
+    assert own.locator("[data-measure=mean]").inner_text() == "–" != pinned.locator("[data-measure=mean]").inner_text()
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Share").press("Enter")
     page.wait_for_function("document.getElementById('share-python').value")

@@ -13,6 +13,20 @@ def marks(page):
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("query", ["?view=hero", "?view=hero&preset=fig4a-blue"])
+def test_the_words_of_a_mark_stand_at_its_place_and_a_flat_has_no_key_of_fringes(visit, query):
+    page = visit(query, viewport={"width": 1440, "height": 900})
+    finished(page)
+    marks(page)
+    places = """() => [...document.querySelectorAll('.mark span')].map((words) => {
+        const of = words.parentElement.getBoundingClientRect(), { left, right } = words.getBoundingClientRect()
+        return [left, of.left + of.width / 2, right]
+    })"""
+    assert all(left <= at <= right for left, at, right in page.evaluate(places))
+    assert page.locator(".key .fringe").is_visible() == ("preset" not in query)
+
+
+@pytest.mark.thorough
 def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scene_on_screen(visit):
     page = visit("?du_x=0.5")
     finished(page)

@@ -95,6 +95,20 @@ def test_nodes_ride_on_the_law(look):
     assert distance < 5e-3  # displacement and traction came as int16
 
 
+def test_the_axes_of_the_page_fit_hold_the_curve_of_the_sliders_before_there_is_a_measurement(look):
+    page = look("?page=fit")
+    figure = MODEL.format("fit_curve").replace("=== 'fit_curve'", "=== 'fit_curve' && model.y_range")
+    page.wait_for_function(f"() => {figure}?.y_range.end > 100", timeout=PATIENCE)
+    ends = page.evaluate(f"(({{ x_range, y_range }}) => [x_range.end, y_range.start])({figure})")
+    assert ends[0] == pytest.approx(40) and ends[1] < page.evaluate("Math.min(...punch.run.shear('L'))")
+
+
+@pytest.mark.thorough
+def test_what_matters_says_by_how_much_a_depth_of_zero_is_uncertain(look):
+    page = look("?page=matters")
+    page.wait_for_function("document.getElementById('matters-band').textContent.includes('Press depth to ± 0.05)')")
+
+
 @pytest.mark.thorough
 def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
     page = visit("?page=stickslip")

@@ -92,12 +92,13 @@ def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_anot
     page.wait_for_function("() => punch.drawn > punch.run.sheared + 5")
     covered = page.evaluate("punch.run.curves.U_x[punch.drawn] / punch.run.curves.U_x.at(-1)")
     assert covered == pytest.approx(0.5 * 30 / box["width"], rel=0.4)  # half a run for the width of the view
-    run = page.evaluate("punch.run.number")
+    run, depth = page.evaluate("[punch.run.number, punch.status.values.delta_bar]")
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x, y + 20, steps=4)
+    page.mouse.move(x, y + 30, steps=4)
     page.mouse.up()
-    page.wait_for_function(f"() => punch.run.number > {run} && punch.status.values.delta_bar > 0.2")
+    page.wait_for_function(f"() => punch.run.number > {run} && punch.status.values.delta_bar > {depth} + 0.1")
+    assert page.evaluate("punch.status.values.delta_bar") == pytest.approx(depth + 0.2, abs=0.011)  # a third in 100 px
     page.wait_for_function("() => location.search.includes('delta_bar=')")
 
 
@@ -110,9 +111,20 @@ def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_t
     page.evaluate(
         """() => {
             window.seen = []
+            window.beside = [] // px: how high the ink is that stands right of the line drawn at the slip
+            const aside = (canvas) => {
+                const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
+                const inked = (x) => [...Array(height).keys()].filter((y) => data[4 * (y * width + x) + 3])
+                const columns = Array.from({ length: width }, (_, x) => inked(x))
+                const line = columns.findIndex((of) => of.length === Math.max(...columns.map((each) => each.length)))
+                const rows = columns.slice(line + 8).flat()
+                return rows.length ? Math.max(...rows) - Math.min(...rows) : 0
+            }
             new MutationObserver(() => {
                 const text = document.getElementById("film").textContent
-                if (text.startsWith("slow")) seen.push([text, document.getElementById("readout").textContent])
+                if (!text.startsWith("slow")) return
+                seen.push([text, document.getElementById("readout").textContent])
+                beside.push(aside(document.querySelector("[data-view=forces] canvas.story")))
             }).observe(document.getElementById("film"), { childList: true })
         }"""
     )
@@ -123,6 +135,7 @@ def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_t
     page.locator("#film").wait_for(state="hidden")  # it has come to its end
     said = page.evaluate("seen")
     assert {text for text, _ in said} == {"slow motion"}
+    assert max(page.evaluate("beside")) < 20  # words alone: the motion takes no way along Uₓ
     assert all("Uₓ = 10.8 nm" in readout for _, readout in said)  # not 10.9, of the increment
     assert page.evaluate("punch.drawn") == k and page.locator("#slip").is_visible()
     assert page.locator("#slow").inner_text() == "Slow motion"

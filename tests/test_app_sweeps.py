@@ -148,6 +148,7 @@ def test_area_laws_ask_for_the_series_on_screen_first_and_for_those_of_figure_8(
 
 def test_area_laws_show_the_solver_s_onsets_as_they_come(session):
     order(session, "page", page="arealaws")
+    assert session.pages.page.views["runs"].figure.y_range.end == 1.0  # in thousandths, before anything is known
     task = next(t for t in session.pool.tasks if t.call[0] is tasks.onset_of and t.call[1].delta_bar == 0.1)
     done(session, lambda call: call[:2] == task.call[:2])  # slice by slice
     found = onset(task.call[1])

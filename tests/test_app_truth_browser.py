@@ -72,6 +72,10 @@ def test_a_lost_server_is_told_waited_for_and_made_good_and_nothing_wrong_is_sho
     assert page.evaluate(SAID) == "computed for E = 300" and page.evaluate(GREY)
     page.wait_for_function("watched.at(-1)[1]")
     assert "E=300" in page.url
+    assert page.evaluate("getComputedStyle(document.getElementById('bands')).filter").startswith("grayscale")
+    page.locator("#take").dispatch_event("click")
+    assert "server does not answer" in page.inner_text("#share-said") and page.is_disabled("#copy-python")
+    page.keyboard.press("Escape")
     before = page.evaluate("watched")
     page.on("request", lambda request: attempts.append(request.method))
     while attempts.count("HEAD") < 4:  # it goes on trying, as long as it takes

@@ -79,10 +79,11 @@ def test_pages_differ_in_their_token_and_in_what_the_address_says_only(address):
     assert "@" not in re.sub(r"[\w.]+@[\w.]+", "", known[0].split("<body")[1].split("<script")[0])  # no mark is left
 
 
-def test_the_token_brings_the_parameters_and_nothing_else(address):
-    query = "?E=80&theme=dark&secret=" + 5000 * "x"
+def test_the_token_brings_the_parameters_and_of_what_else_there_is_a_few_names_alone(address):
+    query = "?E=80&theme=dark&a=1&b=1&secret=" + 5000 * "x" + "&" + 500 * "y" + "=1"
     payload = get_token_payload(tokens(get(f"{address}/app{query}", Cookie="a=b")[2]))
-    assert payload["arguments"] == {"E": [b"80"]} and payload["headers"] == payload["cookies"] == {}
+    assert payload["arguments"] == {"E": [b"80"], "a": [], "b": [], "secret": []}
+    assert payload["headers"] == payload["cookies"] == {}
 
 
 def test_the_document_names_what_a_visitor_has_on_the_server_by_the_same_ids():

@@ -102,6 +102,8 @@ def test_text_that_is_no_number_in_range_is_refused(text):
         ("E", "70\u2009GPa", 70.0),  # thin space
         ("E", "70\u202f000 MPa", None),  # spaces within a number are not read
         ("E", "500MPa", 0.5),
+        ("E", "0.07 TPa", 70.0),  # to the digit
+        ("E", "70e9 Pa", 70.0),
         ("width", "2.5 µm", 2500.0),
         ("phi_n", "50 mJ/m²", 0.05),
         ("window_n", "12 δₙ", 12.0),

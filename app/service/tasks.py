@@ -253,10 +253,10 @@ def measured_curve(text, scene):
 
 
 def made_up_curve(scene):
-    """A Measurement of an interface that differs a little from that of the scene, with noise; or why there is none."""
+    """A Measurement with another friction and depth than the scene, a little, with noise; or why there is none."""
     rng = np.random.default_rng()
-    values = {name: getattr(scene, name) * APART ** rng.uniform(-1.0, 1.0) for name in ("phi_n", "phi_ratio")}
-    other = scene.changed(path="shear", delta_bar=scene.delta_bar + rng.uniform(-0.1, 0.1), **values)
+    ratio, delta_bar = scene.phi_ratio * APART ** rng.uniform(-1.0, 1.0), scene.delta_bar + rng.uniform(-0.1, 0.1)
+    other = scene.changed(path="shear", delta_bar=delta_bar, phi_ratio=ratio)
     try:
         skeleton = skeleton_of(other)
     except (NotConverged, NotFollowed) as error:

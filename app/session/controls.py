@@ -81,8 +81,10 @@ NAMES = tuple(control.name for control in CONTROLS)
 LABELS = {control.name: control.label for control in CONTROLS}
 RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # of the numbers, in the app
 WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # unit: the length of Scene that it is
-BESIDE = ("preset", "profile", "v", "k", "page", "theme", "embed", "tour", "view", "pin", "force")  # in an address
+READ = {"preset", "profile", *PARAMETERS}  # of an address, by the server; the browser reads what is beside it
+BESIDE = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force")  # in an address
 STAYS = " The run on screen stays."
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def drawer():
@@ -127,9 +129,19 @@ def read(name, text, notes=None, scene=None):
     return RANGES[name].checked(name, number_from_text(name, text, notes, RANGES[name], whole))
 
 
-def told(name, error):
-    """A message about an entry in the page's words: 'Press depth: delta_bar = ...'."""
-    return f"{LABELS[name]}: {error}" if name in LABELS else f"{error}"
+def told(error, text=None):
+    """What a SceneError says of what was entered, in the page's words: 'Press depth “-3”: allowed: ...'."""
+    value = shown(error.value) if isinstance(error.value, float) else error.value
+    said = f"“{str(text or value)[:40]}”: {in_words(f'{error.allowed}; {error.remedy}')}"
+    return f"{LABELS.get(error.name, error.name)} {said}"
+
+
+def in_words(text):
+    """A sentence with the page's words for the sliders, and numbers as one writes them: −1 to 10⁶."""
+    for name, label in LABELS.items():
+        text = re.sub(rf"\b{name}\b", label, text)
+    text = re.sub(r"\b1e\+?(-?)0*(\d+)", lambda found: "10" + "".join(found.groups()).translate(RAISED), text)
+    return re.sub(r"(?<![\w.])-(?=\d)", "−", text).replace(" .. ", " to ")
 
 
 def changed_scene(scene, entries, notes=None):
@@ -137,13 +149,15 @@ def changed_scene(scene, entries, notes=None):
 
     notes: a list that takes what is to be said of how a text was read.
     """
-    values, errors = {}, {}
+    values, errors, said = {}, {}, []
     for name in PARAMETERS:
         if name in entries:
             try:
-                values[name] = read(name, entries[name], notes, scene)
+                values[name] = read(name, entries[name], said, scene)
             except SceneError as error:
-                errors[name] = f"{told(name, error)}.{STAYS}"
+                errors[name] = f"{told(error, entries[name])}.{STAYS}"
+    if notes is not None:
+        notes += map(in_words, said)
     try:
         if values.get("surface") == "measured" and scene.measured is None:
             raise SceneError("surface", "measured", "it needs a profile", "choose a file under profile")
@@ -152,7 +166,7 @@ def changed_scene(scene, entries, notes=None):
         return changed, errors
     except SceneError as error:
         where = error.name if error.name in PARAMETERS else next(iter(values), NAMES[0])
-        return scene, errors | {where: f"{told(where, error)}.{STAYS}"}
+        return scene, errors | {where: f"{told(error, entries.get(error.name))}.{STAYS}"}
 
 
 def with_profile(scene, profile):
@@ -180,10 +194,10 @@ def _refuse_large(scene, values):
 def scene_from_address(arguments):
     """(scene, preset, notes) asked for in the page's address {name: [bytes]}; a note per value that is of no use."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
-    known, notes = presets(), [_unknown(name) for name in entries if name not in PARAMETERS and name not in BESIDE]
+    known, notes = presets(), [_unknown(name) for name in arguments if name not in READ and name not in BESIDE]
     name = entries.get("preset", DEFAULT)
     if name not in known:
-        notes.append(f"preset = “{name[:40]}” is unknown; allowed: {', '.join(known)}. The default is shown.")
+        notes.append(f"There is no preset “{name[:40]}”: Menu, Preset lists all. The default is shown.")
         name = DEFAULT
     base = known[name].scene
     if "profile" in entries:
@@ -200,7 +214,7 @@ def scene_from_address(arguments):
             scene, found = changed_scene(scene, {entry: text}, said)
             errors |= found
     notes += said + [
-        f"{message.removesuffix(STAYS)} The default {shown(getattr(base, entry))} is used."
+        f"{entry} in the address: {message.removesuffix(STAYS)} The default {shown(getattr(base, entry))} is used."
         for entry, message in errors.items()
     ]
     return scene, name, notes
@@ -208,8 +222,8 @@ def scene_from_address(arguments):
 
 def _unknown(name):
     """What is said of a name in an address that means nothing."""
-    close = get_close_matches(name, PARAMETERS, 1)
-    return f"“{name[:40]}” in the address means nothing here{f'; {close[0]}?' if close else '.'}"
+    close = " or ".join(get_close_matches(name, PARAMETERS))
+    return f"“{name[:40]}” in the address means nothing here{f': is it {close}?' if close else '.'}"
 
 
 def shown(value):

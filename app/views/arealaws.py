@@ -232,7 +232,7 @@ class Page(Sheet):
     def _fit(self, slot, F, A):
         figure = self.views[slot].figure
         for axis, values in ((figure.x_range, F), (figure.y_range, A)):
-            low, high = np.nanmin([0.0, *values]), np.nanmax([1e-3, *values])
+            low, high = np.nanmin([0.0, *values]), np.nanmax([0.0, *values]) or 1.0
             axis.update(start=low - 0.03 * (high - low), end=high + 0.07 * (high - low))
 
     def _publish(self):

@@ -15,7 +15,7 @@ from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 
 FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
-    "phi_n": ("adhesion φₙ", "N/m", True),
+    "phi_n": ("adhesion φₙ", "N/m", False),  # which F and L hardly tell from the next
     "phi_ratio": ("friction / adhesion φₜ/φₙ", "", True),
     "delta_bar": ("press depth δ/δ₀", "", True),
     "E": ("stiffness E", "GPa", False),

@@ -188,14 +188,15 @@ class Page(Sheet):
         sticks = critical_modulus(own) > own.E
         first = friction(own).F_s * own.E * own.height * own.width / own.shear_modulus if sticks else 0.0
         regime = (
-            f"it sticks, and slips first at about Uₓ = {first:.0f} nm"
+            f"stick, and slip first at about Uₓ = {first:.0f} nm"
             if sticks
-            else "it slides continuously, almost without friction"
+            else "slide continuously, almost without friction"
         )
         text = (
-            f"{before}This interface, flat on flat (E = {own.E:g} GPa, φₜ = {own.phi_t:g} N/m): {regime}."
-            f" Sliding is continuous from E = {critical_modulus(own):,.0f} GPa on, where the layer (G/h) is as stiff as"
-            f" the interface softens (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"
+            f"{before}Flat on flat, whatever the shape of the punch, this interface (E = {own.E:g} GPa,"
+            f" φₜ = {own.phi_t:g} N/m) would {regime}. There, sliding is continuous from"
+            f" E = {critical_modulus(own):,.0f} GPa on, where the layer (G/h) is as stiff as the interface softens"
+            f" (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"
             " where every slip swings back to the opposite force."
         )
         most = f"{self.curve[1].max():.2g}"  # of the map's colours; it depends on the node spacing

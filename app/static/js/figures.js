@@ -156,12 +156,13 @@ function nameGhost({ scene }, ghost) {
   for (const key of document.querySelectorAll(".key .ghost span")) tell(key, text)
 }
 
-// Which way each part of a loop is walked: heads of arrows at its thirds
+// Which way each part of a loop is walked: heads of arrows, those of its ways at other places
+const HEADS = [[0.25, 0.55], [0.2, 0.65], [0.4, 0.9]] // parts of a way
 function pointAlong(run, view, value, factor) {
   const { along, curves: { stage: stages } } = run, loops = run.normal || run.head.span[0] < 0
-  const heads = [...new Set(loops ? stages : [])].filter((stage) => stage > 0).flatMap((stage) => {
+  const heads = [...new Set(loops ? stages : [])].filter((stage) => stage > 0).flatMap((stage, i) => {
     const first = stages.indexOf(stage), last = stages.lastIndexOf(stage), way = Math.sign(along[last] - along[first])
-    return way ? [1 / 3, 2 / 3].map((part) => [Math.round(first + part * (last - first)), way]) : []
+    return way ? HEADS[i % HEADS.length].map((part) => [Math.round(first + part * (last - first)), way]) : []
   })
   fill(view, "ways", { U_x: heads.map(([k]) => along[k]), value: heads.map(([k]) => value[k] * factor),
     angle: heads.map(([, way]) => (-way * Math.PI) / 2) })
@@ -216,7 +217,9 @@ export function drawMap(run, shown) {
   const bottom = unrested.map(() => low), top = unrested.map(() => low + rows * spacing)
   fill("map", "unrested", { x: unrested.map(([x]) => x), width: unrested.map(([, width]) => width), bottom, top })
   by("unrested").hidden = !unrested.length
-  fill("map", "branch", run.otherEdges(shown))
+  const edges = run.otherEdges(shown)
+  fill("map", "branch", edges)
+  by("branch").hidden = !edges.x.some((x) => x === x)
   const [U_x] = run.slips("F_bar", 1, run.stageOfMap(shown), run.approaching(shown))
   fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figures.map.y_range.start) })
 }

@@ -15,7 +15,7 @@ import { chooseNext, connectViews, fillScreen, look } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
-const DEEP = 0.02 // of delta_bar per px: the whole slider in some 100 px
+const DEEP = 1 / 150 // of delta_bar per px: a third of the slider in 100 px
 
 let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
@@ -82,13 +82,17 @@ const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
 
 function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)
-  if (event.key === "Escape" && by("drawer").open && !open) by("drawer").close()
+  if (event.key === "Escape" && !open) {
+    if (by("drawer").open) by("drawer").close()
+    if (event.target.closest?.("#panel")) by("menu").focus()
+    unfold(false)
+  }
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (held && "zy".includes(key) && !event.altKey && !at("input[type=text]")) { // an entry has its own
     event.preventDefault()
     return key === "y" || event.shiftKey ? redo() : undo()
   }
-  const taken = at("input[type=text], input[type=search]") || (at("button") && key === " ")
+  const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
     || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
   if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
@@ -121,7 +125,10 @@ export function connect() {
     if (key === "Escape") document.activeElement.blur()
   })
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
-    entry.addEventListener("change", () => enter({ [entry.id.replace("-entry", "")]: entry.value }))
+    entry.addEventListener("change", () => {
+      entry.dataset.given = entry.value
+      enter({ [entry.id.replace("-entry", "")]: entry.value })
+    })
   }
   for (const menu of ["preset", "row"]) on(menu, "change", (event) => choosePreset(event.target.value))
   sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`))

@@ -2,7 +2,7 @@
 
 import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
-import { by, digits, fixed } from "./dom.js"
+import { by, digits, fixed, tell } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run, unpack } from "./run.js"
@@ -116,7 +116,7 @@ function showFrame() {
   }
   framePage()
   frameDrawn(run, k)
-  if (me.preview === null) by("scrub").value = k
+  by("scrub").value = k
   tellStretch()
 }
 
@@ -146,9 +146,13 @@ function tellFrame(run, k) {
   said.forEach((text, i) => { by("readout").children[i].textContent = text })
 }
 
-// With what a frame was computed that a run goes on from, where that is no longer so
+// With what a frame was computed that a run goes on from, where that is no longer so; beside the sliders as well
 function under(run, k) {
   const { scene } = run.headOf(k), other = Object.keys(scene).filter((name) => scene[name] !== run.head.scene[name])
+  for (const note of document.querySelectorAll(".here")) {
+    const { name } = note.dataset, value = named(name, scene[name]).split(" = ")[1]
+    tell(note, other.includes(name) ? `here ${value}` : "")
+  }
   return other.length ? `computed with ${other.map((name) => named(name, scene[name])).join(", ")}` : ""
 }
 

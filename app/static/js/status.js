@@ -43,24 +43,27 @@ export function heard(text) {
 
 function describe(name, value, error, before) {
   const entry = by(`${name}-entry`)
-  // what was typed stays to be mended; a refused choice falls back
-  if (entry.matches("select") || !error && document.activeElement !== entry || value !== before) entry.value = value
+  // what was typed stays to be mended, or while it is being typed; a refused choice falls back
+  const settled = document.activeElement !== entry || entry.value === entry.dataset.given
+  if (entry.matches("select") || !error && settled || value !== before) entry.value = value
   entry.setAttribute("aria-invalid", Boolean(error))
   say(`${name}-error`, error)
   if (!me.dragging && declared.positions[name]) place(name, value)
-  if (name === "delta_bar") tellDepth(value)
+  if (name === "delta_bar") tellDepth(value, error)
 }
 
-// The depth itself, beside its part of delta_0
-export function tellDepth(value) {
+// The depth itself, beside its part of delta_0, unless that was refused
+export function tellDepth(value, refused) {
   const depth = Number(value) * 10 * (me.status.values?.delta_n ?? 1)
-  document.querySelector("[data-name=delta_bar] .unit").textContent = `= ${digits(depth)} nm`
+  document.querySelector("[data-name=delta_bar] .unit").textContent = refused ? "" : `= ${digits(depth)} nm`
 }
 
 // A slider at the position nearest to a value
 export function place(name, value) {
-  const slider = by(name)
-  slider.value = closest(declared.positions[name], value)
+  const slider = by(name), { [name]: values } = declared.positions
+  slider.value = closest(values, value)
+  slider.dataset.meaning ??= slider.title
+  slider.title = value < values[0] || value > values.at(-1) ? `${minus(value)} lies beyond this slider` : slider.dataset.meaning
   slider.setAttribute("aria-valuetext", `${value}`)
 }
 

@@ -3,7 +3,7 @@
 import { frameBox } from "./bokeh.js"
 import { order } from "./channel.js"
 import { colour } from "./colours.js"
-import { by, fixed, make, makeButton, minus, onDrag, readdress } from "./dom.js"
+import { by, fixed, make, makeButton, minus, onDrag, readdress, tell } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { cleared, line } from "./pen.js"
@@ -96,8 +96,11 @@ function filled(text) {
   return text.replaceAll("{change}", `${head} ${minus(value)} ${unit}`).replaceAll("{before}", before ? fixed(before.U, 1) : "").replaceAll("{after}", now ? fixed(now.U, 1) : "no place")
 }
 
+const waiting = () => (me.lost ? "The tour goes on as soon as the server answers again." : "getting ready …")
+
 function watch() {
   watching = requestAnimationFrame(watch)
+  if (phase === "wait") tell(card.lastElementChild, waiting())
   if (phase === "wait" && there()) {
     if (learn()) return begin()
     phase = "ask"
@@ -152,7 +155,7 @@ function write() {
   const title = make("h2", {}, `${at + 1} of ${STOPS.length}: ${stop.name}`)
   document.documentElement.dataset.tour = phase
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
-  if (phase === "wait") return card.append(paragraph("", "getting ready …"))
+  if (phase === "wait") return card.append(paragraph("", waiting()))
   if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
   if (phase !== "turn") card.append(told("p", "question", stop.question))
   if (asking && stop.sketch) card.append(paragraph("said", "Draw the curve you expect below if you like, then choose:"))

@@ -12,7 +12,7 @@ import { me, now, onFrame } from "../state.js"
 import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
-const TRACE = 90 // px, the length of a film in the curve
+const DOT = 5 // px, of F now in the curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
 let film = null // {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
@@ -86,16 +86,19 @@ function step(time) {
   requestAnimationFrame(step)
 }
 
-// F of the motion, from where the slip is in the curve on to the right: there its axis is time
+// F of the motion, up and down at the one place of the top: how far it has swung, and where it is now
 function drawTrace(frames, k, at) {
   const box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
   if (!pen) return
   const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
-  const x = box.X(frames.along[k - 1]), long = Math.min(TRACE, box.left + box.width - x)
-  const place = (i) => [x + ((i - k + 1) / (frames.length - k)) * long, box.Y(F[i] * factor)]
-  line(pen, F.slice(k - 1, at + 1).map((_, i) => place(k - 1 + i)), ink.slip, 2.5)
-  const [x_end, high] = place(at)
-  write({ pen, ink, box }, "F in slow motion", x_end, high - size(), { of: ink.slip })
+  const x = box.X(frames.along[k - 1]), align = x > box.left + 0.5 * box.width ? "right" : "left"
+  const heights = F.slice(k - 1, at + 1).map((value) => Math.max(box.top, Math.min(box.Y(value * factor), box.top + box.height)))
+  line(pen, [Math.min(...heights), Math.max(...heights)].map((y) => [x, y]), ink.slip, 3)
+  pen.fillStyle = ink.slip
+  pen.beginPath()
+  pen.arc(x, heights.at(-1), DOT, 0, 2 * Math.PI)
+  pen.fill()
+  write({ pen, ink, box }, "F in slow motion", x + (align === "left" ? 10 : -10), box.Y(0) - size(), { of: ink.slip, align })
 }
 
 function leave() {

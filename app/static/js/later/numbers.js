@@ -4,6 +4,7 @@ import { by, fixed, make, makeButton } from "../dom.js"
 import { load, onPins, pins, swatch, titleOf } from "./pins.js"
 import { goto } from "../player.js"
 import { me } from "../state.js"
+import { inWords } from "../words.js"
 
 const NONE = "–"
 const MEASURES = { // measure: [heading, unit, what it is]
@@ -41,7 +42,8 @@ function measured(run) {
     found.A_s = some(number(A), before, bar("Ā", curves.slip_A[first]))
     found.tau_c = A > 0 ? some(number(F / A, 3), before) : none("no repulsive contact at the slip", before)
   }
-  found.mean = friction(run, inShear, first ?? slid)
+  const { changing } = run
+  found.mean = changing.length ? none(`carried on with another ${changing.map(inWords).join(", ")}`, end) : friction(run, inShear, first ?? slid)
   found.peeling = peeled(run, before)
   found.dissipated = run.dissipated === null ? none("no closed cycle: path loop has one", end) : some(number(run.dissipated), run.length - 1)
   found.regime = some(regime(run, inShear, first, slid), first ?? slid ?? sheared)

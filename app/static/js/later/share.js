@@ -169,6 +169,9 @@ export function open() {
   const said = []
   if (address.profile?.startsWith("known-")) said.push("The measured profile is too large for a link, which holds only while this server runs; the JSON has it.")
   if (after) said.push("This run was carried on from another: the link begins anew with its parameters; Python and all data have the whole of it.")
+  if (me.lost) said.push("The server does not answer: it is needed for Python, NPZ and JSON.")
+  for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
+  if (me.lost) by("share-python").value = ""
   if (!me.run?.whole) said.push("The run is still being computed: CSV and pictures hold what there is.")
   say(said.join(" "))
   order("share", { link })

@@ -1,13 +1,16 @@
 // The page "Fit": a measured curve, over it that of the sliders, and what a fit has found.
 
 import { ask, order, sendFile } from "../channel.js"
+import { set } from "../bokeh.js"
 import { by, make, minus, on } from "../dom.js"
-import { fill } from "../figures.js"
+import { extent, figures, fill } from "../figures.js"
 import { leaveBehind } from "../state.js"
 
+const ROOM = 0.08 // of a curve, above and below it
 const OWN = ["phi_n", "phi_ratio", "delta_bar", "E"] // of what is found, what the experiment has; the rest is of the axes
 
 let found = null // {values, errors: {name: number}, correlations}
+let measured = false // whether there is a measurement, which sets the ranges
 let drawn = null // the run whose curve is there, and how much of it
 
 const chosen = () => [...document.querySelectorAll("#fit-free input")].filter((box) => box.checked)
@@ -22,6 +25,7 @@ export const opened = () => { drawn = null }
 
 export function told(news) {
   by("fit-go").disabled = !("fit" in news) || (news.busy ?? null) !== null
+  measured = "fit" in news
   if (news.fit === found) return
   found = news.fit ?? null
   by("fit-values").hidden = by("fit-show").hidden = !found
@@ -46,4 +50,8 @@ export function frame(run) {
   if (drawn === state && !run.followed) return
   drawn = state
   for (const [part, force] of [["run", "F"], ["run_load", "L"]]) fill("fit_curve", part, { U_x: run.shear("U_x"), F: run.shear(force) })
+  if (measured) return
+  const [low, high] = extent(run.shear("F"), run.shear("L")), room = ROOM * (high - low || 1), [start, end] = extent(run.shear("U_x"))
+  set(figures.fit_curve.y_range, { start: low - room, end: high + room })
+  for (const name of ["fit_curve", "fit_residuals"]) set(figures[name].x_range, { start, end: end || 1 })
 }
