@@ -100,7 +100,7 @@ function drawEdges(view) {
   }
   const drawn = patches.map((ends) => ends.map(place)), left = drawn[0][0], right = drawn.at(-1)[1]
   if (drawn.length <= PATCHES) for (const ends of drawn) bracket(view, ends, y)
-  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${patches.length > 1 ? ` in ${patches.length} places` : ""}`
+  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${narrow ? "" : " wide"}${patches.length > 1 ? ` in ${patches.length} places` : ""}`
   const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
   const start = run.sheared >= 0 && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
@@ -109,7 +109,7 @@ function drawEdges(view) {
   const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too
   const told = peeled.map((sites) => {
     const nm = Math.abs(sites) * run.head.spacing
-    return Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go" : "gained"} ${fixed(nm, nm < 10 ? 1 : 0)} nm`
+    return Math.abs(sites) < 0.05 ? "" : `${fixed(nm, nm < 10 ? 1 : 0)} nm ${sites > 0 ? "let go" : "gained"}`
   })
   if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right" })
   if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left" })
