@@ -47,8 +47,8 @@ class Stress:
 
 
 NODES = {  # in the punch, as run.js tells them apart
-    "repulsive": Node("repulsive", "dot repulsive", "circle", 5, "--repulsive"),
-    "adhering": Node("adhering", "wedge", "inverted_triangle", 5, "--adhering"),
+    "repulsive": Node("touching", "dot repulsive", "circle", 5, "--repulsive"),
+    "adhering": Node("attracted", "wedge", "inverted_triangle", 5, "--adhering"),
     "free": Node("free", "dot free", "circle", 3, "--free", WEAK),
     "contact": Node("in contact, Tₙ = 0", "dot contact", "square", 5, "--shear", "Tₙ = 0"),  # of flats only
 }
@@ -62,7 +62,7 @@ CURVES = {
     "T_t": Curve("tangential Tₜ, against +x", "--shear", "dashed", "Tₜ"),
     "F": Curve("friction F", "--shear", symbol="F"),
     "L": Curve("load L", "--normal", "dashed", "L"),
-    "A": Curve("A, width repelled", "--area", symbol="A"),
+    "A": Curve("A, width touching", "--area", symbol="A"),
     "ghost": Curve("before", "--ghost"),
 }
 FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t in N/m

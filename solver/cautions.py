@@ -33,7 +33,7 @@ def cautions(scene, widest=0.0, safe_damping=0.0):
     if softness > SOFT and scene.surface != "flat":
         found.append(
             f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: where single nodes"
-            " come to rest after a slip may depend on the time step of the motion, in GFMD as here."
+            " come to rest after a slip may depend on the time step of the motion."
         )
     strain = (abs(scene.delta) + scene.u_x_max) / (scene.height * scene.width)
     if strain > STRAIN:
@@ -52,8 +52,8 @@ def flutter(scene, safe_damping):
     if scene.damping >= safe_damping:
         return []
     return [
-        f"At damping {scene.damping:g} waves of the contact may flutter unseen: increments said to rest may not"
-        f" do so. From {safe_damping:.2g} on none can."
+        f"Damping {scene.damping:g} is low for this contact: parts of it may flutter on where it is said to rest."
+        f" From {safe_damping:.2g} on none can."
     ]
 
 

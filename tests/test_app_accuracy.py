@@ -62,12 +62,12 @@ def test_a_flat_surface_has_no_neighbours_and_no_slope():
 def test_a_session_says_its_cautions_once_a_run_has_ended_and_again_for_a_known_one(pool):
     page = Page(pool, Scene(nodes=4096, u_x_max=1.0, E=1000.0))
     page.order("hello")
-    assert page.status()["notes"] == []
+    assert page.status()["cautions"] == []
     page.until("finished")
-    assert "smoothed away" in page.status()["notes"][0]
+    assert "smoothed away" in page.status()["cautions"][0]
     other = Page(pool, page.session.scene, shelf=page.session.shelf)
     other.order("hello")
-    assert other.status()["notes"] == page.status()["notes"]
+    assert other.status()["cautions"] == page.status()["cautions"]
     assert page.session.run.made.widest == other.session.run.made.widest > 0.0
     page.session.close()
     other.session.close()

@@ -22,6 +22,23 @@ def test_a_term_is_explained_on_hover_and_nothing_is_loaded_before(look):
 
 
 @pytest.mark.thorough
+def test_what_the_sentence_and_the_sliders_name_is_explained_there(look):
+    page = look()
+    page.locator("#sentence .term").first.click()
+    page.locator("#term").wait_for()
+    page.locator(".control .term", has_text="Stiffness").click()
+    page.locator("#term", has_text="Young").wait_for()
+
+
+@pytest.mark.thorough
+def test_what_to_mind_in_a_result_is_said_behind_a_button(look):
+    page = look("?preset=rough")
+    assert page.locator("#notes").is_hidden()
+    page.locator("#caution").click()
+    assert "may flutter" in page.inner_text("#cautions")
+
+
+@pytest.mark.thorough
 def test_the_keyboard_shows_it_and_escape_takes_it_away_and_a_press_has_it_read_out(look):
     page = look()
     term = page.locator("#look .term").first

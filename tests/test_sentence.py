@@ -9,7 +9,7 @@ import pytest
 
 from app.service import packing, worker
 from app.session.controls import CONTROLS
-from solver import Scene, load_path
+from solver import Scene, carried_path, load_path
 from solver.presets import presets
 
 pytestmark = pytest.mark.browser
@@ -21,11 +21,14 @@ WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
 READ = """async ({ now, before, at, values }) => {
     const { Run, unpack } = await import("http://scripts/js/run.js")
     const { changeSaid, nowSaid } = await import("http://scripts/js/sentence.js")
-    const made = ({ blocks, scene }) => {
+    const made = ({ blocks, scene, carried }) => {
         let run = null
         for (const text of blocks) {
             const chunk = unpack(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
-            run ??= Object.assign(new Run(chunk.run, chunk.head), { scene })
+            if (!run) {
+                run = Object.assign(new Run(chunk.run, chunk.head), { scene })
+                if (carried) run.takeOver(made(before), carried)
+            }
             run.add(chunk)
         }
         return run
@@ -42,11 +45,12 @@ class Whole:
     scene: Scene
     frames: list
     blocks: list
+    carried: int = 0  # frame of another run from which it goes on
 
     @property
     def sent(self):
-        values = {name: getattr(self.scene, name) for name in (control.name for control in CONTROLS)}
-        return {"blocks": self.blocks, "scene": values}
+        values = {name: getattr(self.scene, name) for name in (*(control.name for control in CONTROLS), "radius")}
+        return {"blocks": self.blocks, "scene": values, "carried": self.carried}
 
     @property
     def sheared(self):
@@ -59,14 +63,17 @@ class Whole:
         return next(slips, None)
 
 
-def whole(scene):
+def whole(scene, legs=()):
+    """Its run; or the one that goes on from the runs of legs [(Scene, frames)]."""
     checkpoint, last, blocks = None, None, []
-    while checkpoint is None or not checkpoint.done:
-        piece = worker.compute(scene, checkpoint, 5.0, last)
+    while checkpoint is None or not getattr(checkpoint, "done", False):
+        piece = worker.compute(scene, checkpoint, 5.0, last, history=legs)
         checkpoint, last = piece.checkpoint, piece.last
         if checkpoint.failure:
             return None
         blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
+    if legs:
+        return Whole(scene, list(carried_path([*legs, (scene, None)])), blocks, legs[-1][1] - 1)
     return Whole(scene, list(load_path(scene)), blocks)
 
 
@@ -114,7 +121,7 @@ def holds(run, claim, before=None):
     way = -1 if at is not None and at.stage == "back" else 1
     first, other = run.first_slip(), before and before.first_slip()
     small = 1e-6 * max(abs(frame.F) for frame in frames) + 1e-9
-    wide = ROUNDED * max(map(abs, given[1:3]), default=0.0) if name == "F between" else 0.0
+    wide = ROUNDED * max(map(abs, given[1:3]), default=0.0) if "between" in name else 0.0
     U = lambda whole, k: whole.frames[k].slips[-1].load  # noqa: E731
     return {
         "apart": lambda: np.abs(at.T).max() <= WEAK * scene.phi_n / (np.e * scene.delta_n),
@@ -131,6 +138,11 @@ def holds(run, claim, before=None):
         "at rest": lambda: given[0] <= run.sheared,
         "no slips": lambda: first is None,
         "F between": lambda: all(given[1] - wide <= frame.F <= given[2] + wide for frame in frames[given[0] :]),
+        "F between before": lambda: all(
+            given[1] - wide <= frame.F <= given[2] + wide for frame in before.frames[given[0] :]
+        ),
+        "L_min": lambda: near(min(frame.L for frame in frames), given[0]),
+        "L_min before": lambda: near(min(frame.L for frame in before.frames), given[0]),
         "F rises": lambda: way * at.F >= way * previous.F - ROUNDED * abs(at.F) or bool(previous.slips),
         "F eases": lambda: way * at.F <= way * previous.F + ROUNDED * abs(at.F),
         "F against": lambda: way * at.F < small,
@@ -146,6 +158,7 @@ def holds(run, claim, before=None):
             (frames[first - 1].F / U(run, first) > before.frames[other - 1].F / U(before, other)) == given[0]
         ),
         "more contact": lambda: (A_of(frames[run.sheared]) > A_of(before.frames[before.sheared])) == given[0],
+        "closer": lambda: (frames[first - 1].u[1, 0] < before.frames[other - 1].u[1, 0]) == given[0],
         "stronger": lambda: (frames[first - 1].F > before.frames[other - 1].F) == given[0],
     }[name]()
 
@@ -199,3 +212,31 @@ def test_what_is_said_over_the_box_of_the_sliders_is_so(tab, seed):
 @pytest.mark.parametrize("seed", range(SCENES, SCENES + MANY))
 def test_what_is_said_over_more_of_the_box_is_so(tab, seed):
     test_what_is_said_over_the_box_of_the_sliders_is_so(tab, seed)
+
+
+FLAT, SMOOTH, RAISED = (presets()[name].scene for name in ("fig4a-blue", "fig4b-stiff", "unload"))
+CHANGES = [  # a scene, what is changed, and what that is said to do
+    (FLAT.changed(delta_bar=0.0), {"delta_bar": 0.3}, "closer together, its springs hold on more firmly"),
+    (FLAT.changed(delta_bar=0.3), {"delta_bar": 0.1}, "farther apart, its springs hold on less firmly"),
+    (SMOOTH, {"phi_ratio": 0.02}, "friction swings by ±71.4 N/m instead of by ±357 N/m"),
+    (RAISED, {"E": 70.0}, "raising it takes up to"),
+    (Scene(nodes=512), {"radius": 2.0}, "A sharper punch: it slips earlier"),
+]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("scene", "change", "said"), CHANGES)
+def test_what_a_change_does_is_told_of_flats_smooth_sliding_raising_and_other_parameters(tab, scene, change, said):
+    before, run = whole(scene), whole(scene.changed(**change))
+    assert said in read(tab, run, before)[1]["text"]
+    assert not false_in(tab, run, before)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("change", "said"), [({"E": 200.0}, "Stiffer: it now slips at"), ({"delta_bar": -0.1}, "")])
+def test_of_a_run_carried_on_the_slips_after_the_change_are_compared_with_those_before(tab, change, said):
+    scene = Scene(nodes=512)
+    before, run = whole(scene), whole(scene.changed(**change), ((scene, 381),))
+    change = read(tab, run, before)[1]
+    assert change["text"].startswith(said) and "hardly" not in change["text"]
+    assert not false_in(tab, run, before)

@@ -16,7 +16,7 @@ BEGINNING = 0.1  # delta_t of shear that go along: a Skeleton needs some
 INTERVALS = 6  # between the states of these
 NO_LOAD = 1e-3  # of the largest |L| met, which is none
 ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # of these sliders: the smoother end, and the other
-SAID = {"E": "slides smoothly", "phi_ratio": "slips"}  # what happens above the mark
+SAID = {"E": "slides smoothly", "phi_ratio": "slips above"}  # what happens above the mark
 FACTOR = 1.25  # from one value to the next, at most
 PART = 0.6  # of the way to where slips are expected to end, at most: beyond it a slip cannot be followed
 CLOSE = 0.1  # of a value: so near, and seen twice so or not to be followed, the place expected is told
@@ -45,7 +45,7 @@ def of_skeleton(skeleton, name):
     """((value, what happens there), ...) along slider `name`, from a pickled Skeleton."""
     there = pickle.loads(skeleton)
     if name == "delta_bar":
-        found = (_no_load(there), "L = 0"), (there.jumps_in, "jumps in")
+        found = (_no_load(there), "no load"), (there.jumps_in, "jumps in")
         return tuple((value, said) for value, said in found if value is not None and -1.0 <= value <= 1.0)
     border = _border(there, name)
     return () if border is None else ((border, SAID[name]),)

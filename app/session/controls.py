@@ -54,8 +54,8 @@ CONTROLS = (
         "Press depth",
         "δ/δ₀",
         "",
-        "Indentation: how far the punch is pressed down, over δ₀ = 10 δₙ. Marks beside the slider"
-        " show where the surfaces jump into contact, and where the load turns from pulling to pushing (L = 0).",
+        "Indentation: how far the punch is lowered, over δ₀ = 10 δₙ. Marks beside the slider"
+        " show where the surfaces jump into contact, and where no load is needed to hold the punch.",
         _even(-1.0, 1.0, 0.01),
     ),
     Control(

@@ -204,4 +204,5 @@ class Session:
         own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
         own |= {"scene": controls.values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
-        self.wire.status = json.dumps(run.status() | own | {"notes": self.notes + self.computing.cautions + waits})
+        own |= {"notes": self.notes + waits, "cautions": self.computing.cautions}
+        self.wire.status = json.dumps(run.status() | own)

@@ -336,7 +336,7 @@ export function tellStretch() {
     const times = stretch(figures[view])
     return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
   })
-  if (punch) for (const view of punches()) set(figures[view].left[0], { axis_label: `height (nm), ${punch}` })
+  if (punch) for (const view of punches()) set(figures[view].left[0], { axis_label: `height (nm), drawn ${punch}` })
   if (solid) tell(by("solid_field-stretch"), solid === "to scale" ? solid : `vertical ${solid}`)
 }
 

@@ -188,7 +188,7 @@ export function play(on) {
     me.at = Math.min(me.at, (me.run?.length ?? 1) - 1)
     show()
     summarise("Paused")
-  }
+  } else by("told").textContent = ""
   if (["running", "paused", "warming"].includes(me.status.state)) order(on ? "go" : "pause")
   namePlay()
   tellState()

@@ -57,6 +57,7 @@ export class Run {
     this.curves = Object.fromEntries([...head.columns, ...Object.keys(REAL)].map((name) => [name, []]))
     this.whole = false
     this.sheared = -1 // the frame at which shear begins, once it is there
+    this.carried = 0 // frames of another run that this one goes on from
     this.worked = 0 // nJ/m, work of the top in the runs before, from which this one goes on
     Object.assign(this, SPAN)
   }
@@ -90,7 +91,8 @@ export class Run {
     this.weigh(k)
     if (this.sheared < 0) return
     const T_z = of("T_z"), T_x = of("T_x"), weak = (WEAK * head.adhesion) / scales.T_z
-    const tells = (value) => value > 0 || value < -weak, left = T_z.findIndex(tells)
+    const touch = head.flat && of("gap")[0] * scales.gap <= head.delta_n // all alike; at gap 0 there is no traction to tell
+    const tells = (value) => touch || value > 0 || value < -weak, left = T_z.findIndex(tells)
     this.T_high = Math.max(this.T_high, largest(T_z) * scales.T_z)
     this.T_low = Math.min(this.T_low, least(T_z) * scales.T_z)
     this.T_out = Math.max(this.T_out, -least(T_x) * scales.T_x)
@@ -236,6 +238,7 @@ export class Run {
     this.places = other.places.slice(0, k + 1)
     for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
     for (const name of ["sheared", ...SPANS]) this[name] = other[name]
+    this.carried = k + 1
     this.strongest = 0
     for (let i = Math.max(0, this.sheared); i <= k; i++) this.weigh(i)
     this.worked = this.curves.work.at(-1)

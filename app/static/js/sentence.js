@@ -38,23 +38,23 @@ function jumped(run, at, k) {
 }
 
 function pressed(run, k, stage) {
-  const { A, L } = run.curves, before = Math.max(0, k - 1)
-  if (stage === "unload") {
-    if (L[k] < 0 && A[k] > 0) return tell("held", "Lifted, yet it does not let go: adhesion pulls the punch down.", ["L < 0", k], ["A > 0", k])
-    if (L[k] < 0) return tell("hangs", "Lifted: the punch hangs on attraction alone, nothing is pressed together any more.", ["L < 0", k], ["A = 0", k])
-    return tell("lifted", "Lifted: the contact is still pressed together.", ["L >= 0", k])
+  const { A, L, delta } = run.curves, before = Math.max(0, k - 1), raised = stage === "unload" || delta[k] < delta[before]
+  if (raised) {
+    if (L[k] < 0 && A[k] > 0) return tell("held", "Raised, yet it does not let go: adhesion pulls the punch down.", ["L < 0", k], ["A > 0", k])
+    if (L[k] < 0) return tell("hangs", "Raised: the punch hangs on attraction alone, nothing is pressed together any more.", ["L < 0", k], ["A = 0", k])
+    return tell("lifted", "Raised: the contact is still pressed together.", ["L >= 0", k])
   }
-  if (A[k] === 0) return tell("near", "Pressed down: the surfaces attract each other, nothing is pressed together yet.", ["A = 0", k])
+  if (A[k] === 0) return tell("near", "Lowered: the surfaces attract each other, nothing is pressed together yet.", ["A = 0", k])
   const grows = A[k] > A[before]
-  return tell(grows ? "grows" : "pressed", grows ? "Pressed down: the contact grows." : "Pressed down onto the surface.", ["A > 0", k], ...(grows ? [["A rises", k]] : []))
+  return tell(grows ? "grows" : "pressed", grows ? "Lowered: the contact grows." : "Lowered onto the surface.", ["A > 0", k], ...(grows ? [["A rises", k]] : []))
 }
 
 function slid(run, at) {
   const { F, A } = run.curves, { gone, all, sites, said } = run.followed ? {} : run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
   const far = sites && all ? ` by ${said}, ${nm(sites * run.head.spacing)}` : ""
-  const change = Math.abs(F[at]) < Math.abs(F[at - 1]) ? "drops" : "changes"
-  const force = `friction ${change} from ${digits(F[at - 1])} to ${newtons(F[at])}`
+  const [was, is] = [at - 1, at].map((k) => Math.abs(F[k])), round = F[at] * F[at - 1] < 0
+  const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"} from ${digits(was)} to ${newtons(is)}${round ? " the other way" : ""}`
   const gain = A[at] / A[at - 1] - 1
   const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? "" : A[at] > A[at - 1] ? ", and contact comes back" : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
   const claims = [["slip", at], ["F", at - 1, F[at - 1]], ["F", at, F[at]], ...(far ? [["sites", at, sites]] : [])]
@@ -66,9 +66,9 @@ function slid(run, at) {
 function pulled(run, k) {
   const { F, A } = run.curves, way = run.stage(k) === "back" ? -1 : 1, { flat } = run.head
   const begun = stickBegins(run, k)
-  if (k <= run.sheared) return tell("rest", run.curves.A[k] > 0 || flat ? "Pressed on and at rest: nothing pulls sideways yet." : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
+  if (k <= run.sheared) return tell("rest", run.curves.A[k] > 0 || flat ? "In contact and at rest: nothing pulls sideways yet." : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
   const steady = smooth(run, k)
-  if (steady) return tell("smooth", `It slides smoothly, without slips: friction only swings between ${digits(steady.low)} and ${newtons(steady.high)}.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
+  if (steady) return tell("smooth", `It slides smoothly, without slips: friction only swings ${swing(steady)}.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
   const rising = way * (F[k] - F[Math.max(begun, k - 1)]) >= 0
   if (!rising) return tell(way * F[k] < 0 ? "swing" : "eases", way * F[k] < 0 ? "Still bent the other way: friction pushes it on." : "Friction eases, without a slip.", ["F eases", k])
   if (way * F[k] < 0) return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.", ["F against", k])
@@ -95,6 +95,9 @@ function stickBegins(run, k) {
   return at
 }
 
+const swing = ({ low, high }) => (
+  Math.abs(low + high) < SAME * (high - low) ? `by ±${newtons(high)}` : `between ${digits(low)} and ${newtons(high)}`)
+
 // {low, high, from} of F where a whole run slides without slips, from its first top on; null
 function smooth(run, k) {
   const { slip, F, stage } = run.curves
@@ -109,29 +112,34 @@ function smooth(run, k) {
   return run.slides && k >= run.slides.from ? run.slides : null
 }
 
-// What a first slip takes: {U, F, A, drop}, or null where there is none while sliding
-export function firstSlip(run) {
-  const at = run.curves.slip.findIndex((slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear")
-  if (at < 0) return null
+const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
+
+// What a slip takes: {at, U, F, A}, or null where there is none
+function taken(run, at) {
   const { F, A, slip_at: where, U_x } = run.curves
-  return { at, U: where?.[at] || U_x[at], F: F[at - 1], A: A[at - 1], drop: F[at - 1] - F[at] }
+  return at < 0 ? null : { at, U: where?.[at] || U_x[at], F: F[at - 1], A: A[at - 1] }
 }
+export const firstSlip = (run) => taken(run, run.curves.slip.findIndex(sliding(run)))
 
 const CHANGES = { // parameter: what more and less of it is called
   E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"], phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
+  phi_n: ["A stickier surface", "A less sticky surface"], radius: ["A blunter punch", "A sharper punch"],
 }
+const ALONE = ["surface", "path", "hold"] // another experiment: nothing to compare
 const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.abs(b))
 
-// What one moved slider has done, against the run before; null where there is nothing to compare
+// What one change has done, against the run before; null where there is nothing to compare
 export function changeSaid(run, before) {
-  if (!run?.scene || !before?.scene || run.normal || before.normal || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
+  if (!run?.scene || !before?.scene || run.normal !== before.normal || run.head.flat !== before.head.flat || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
   const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
-  if (names.length !== 1 || !(names[0] in CHANGES)) return null
-  const [name] = names, up = Number(run.scene[name]) > Number(before.scene[name]), head = CHANGES[name][up ? 0 : 1]
+  if (names.length !== 1 || ALONE.includes(names[0])) return null
+  const [name] = names, up = Number(run.scene[name]) > Number(before.scene[name]), head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
+  if (run.normal) return lifted(run, before, head)
+  if (run.carried) return goesOn(run, head)
   if (run.apart !== before.apart) return tell("change apart", `${head}: ${run.apart ? "the surfaces do not hold on to each other any more" : "now the surfaces hold on to each other"}.`, ["apart is", run.apart])
   if (run.apart) return null
   const now = firstSlip(run), then = firstSlip(before)
-  if (!now && !then) return null
+  if (!now && !then) return swings(smooth(run, run.length - 1), smooth(before, before.length - 1), head)
   if (!now) return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`, ["slips", false], ["slipped before", true])
   if (!then) return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true], ["slipped before", false], ["U_s", now.U])
   const said = [], claims = []
@@ -142,6 +150,30 @@ export function changeSaid(run, before) {
   return tell("change", `${head}: ${said.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
 }
 
+const compared = (head, verb, now, then, ...claims) => (now === then ? tell("change none", `${head}: hardly a difference.`, ...claims)
+  : tell("change", `${head}: ${verb} ${now} instead of ${then}.`, ...claims))
+
+// Of a run that goes on under another parameter: its last slip, against the last before
+function goesOn(run, head) {
+  const slips = sliding(run), last = (test) => taken(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
+  const now = last((i) => i > run.carried), then = last((i) => i < run.carried)
+  if (!now || !then) return null
+  return compared(head, "it now slips at", newtons(now.F), newtons(then.F), ["F", now.at - 1, now.F], ["F", then.at - 1, then.F], ["slip", now.at], ["slip", then.at])
+}
+
+// Of two runs that slide without slips
+function swings(now, then, head) {
+  if (!now || !then) return null
+  return compared(head, "friction swings", swing(now), swing(then), ["F between", now.from, now.low, now.high], ["F between before", then.from, then.low, then.high])
+}
+
+// Of two runs in which the punch is raised: the strongest pull that this takes
+function lifted(run, before, head) {
+  const [now, then] = [run, before].map((of) => Math.min(...of.curves.L.filter((_, k) => of.stage(k) === "unload")))
+  if (!(now < 0 && then < 0)) return null
+  return compared(head, "raising it takes up to", newtons(-now), newtons(-then), ["L_min", now], ["L_min before", then])
+}
+
 // The reason, where the numbers of both runs show it
 function because(run, before, now, then, claims) {
   const steep = now.F / now.U, was = then.F / then.U, start = run.curves.A[run.sheared], area = before.curves.A[before.sheared]
@@ -149,7 +181,11 @@ function because(run, before, now, then, claims) {
     claims.push(["steeper", steep > was])
     return steep > was ? "; every nanometre of pull builds up more force" : "; every nanometre of pull builds up less force"
   }
-  if (run.scene.delta_bar !== before.scene.delta_bar && differs(start, area) && start > area === now.F > then.F) {
+  if (run.head.flat && run.scene.delta_bar > before.scene.delta_bar === now.F > then.F && run.scene.delta_bar !== before.scene.delta_bar) {
+    claims.push(["closer", now.F > then.F])
+    return now.F > then.F ? "; closer together, its springs hold on more firmly" : "; farther apart, its springs hold on less firmly"
+  }
+  if (!run.head.flat && run.scene.delta_bar !== before.scene.delta_bar && differs(start, area) && start > area === now.F > then.F) {
     claims.push(["more contact", start > area])
     return start > area ? "; there is more contact to hold it" : "; there is less contact to hold it"
   }

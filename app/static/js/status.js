@@ -20,7 +20,7 @@ export function heard(text) {
   acknowledged(me.status.heard)
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
   if (me.run?.number === me.status.run) Object.assign(me.run, { scene: me.status.scene, coarse: me.status.coarse })
-  const { state, values, errors, notes, frames } = me.status
+  const { state, values, errors, notes, cautions, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
     if (me.following && me.playing) me.at = Math.max(0, me.run.sheared)
@@ -37,6 +37,8 @@ export function heard(text) {
   checkTruth()
   drawMarks(me.status.marks)
   say("notes", notes.join(" "))
+  say("cautions", cautions.join(" "))
+  by("caution").hidden = !cautions.length
   tellState()
   goToAsked()
 }
@@ -148,7 +150,7 @@ export function tellState() {
   by("status").dataset.state = shown
   by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
   by("status").querySelector("span").textContent = text
-  by("solver").querySelector("p").textContent = `${frames} of ${total} increments, ${evaluations} force evaluations, `
+  by("computed").textContent = `${frames} of ${total} increments, ${evaluations} force evaluations, `
     + `${known ? "computed before" : `${seconds} s`}; largest residual ${residual.toExponential(0)} nm`
     + (state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : ".")
 }

@@ -7,6 +7,7 @@ import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { changeSaid, nowSaid } from "./sentence.js"
 import { me } from "./state.js"
+import { explain } from "./terms.js"
 
 const LINES = 24 // of the mesh in the body, from the surface to the top
 const BAR = 9 // px, height of the top of the layer
@@ -70,12 +71,12 @@ function drawForces(view) {
   const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest))
   const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
   const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row, right = box.left + box.width - 12
-  const to = `to δ = ${fixed(delta, 1)} nm`, down = `pushed down ${to}`
-  const moves = { approach: down, reload: down, unload: `lifted ${to}`,
-    back: `pulled back: ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `pulled ${fixed(U_x, 1)} nm`
+  const to = `to δ = ${fixed(delta, 1)} nm`, down = `lowered ${to}`
+  const moves = { approach: down, reload: down, unload: `raised ${to}`,
+    back: `moved back to ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `moved ${fixed(U_x, 1)} nm`
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
-  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, `}F = ${newtons(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
+  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, ${(pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"} by `}F = ${newtons(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
   if (none(L) || run.apart) return
   const deep = (Math.abs(L) / full) * long, at = box.left + (narrow ? 0.06 : LENS) * box.width, from = box.top + BAR + 3
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
@@ -92,7 +93,8 @@ function drawEdges(view) {
   if (!patches.length) {
     const held = frame.T_n.some((_, i) => frame.state(i) === "adhering")
     const text = !held ? "the surfaces do not reach each other" : narrow ? "attraction alone" : "no contact, A = 0: held by attraction alone"
-    return drawFriction(view, ...write(view, text, X(0), y + size()), y + size())
+    const ends = write(view, text, X(0), y + size())
+    return held && drawFriction(view, ...ends, y + size())
   }
   const place = (edge) => {
     const i = Math.floor(edge - run.headOf(k).first), t = edge - run.headOf(k).first - i
@@ -100,7 +102,7 @@ function drawEdges(view) {
   }
   const drawn = patches.map((ends) => ends.map(place)), left = drawn[0][0], right = drawn.at(-1)[1]
   if (drawn.length <= PATCHES) for (const ends of drawn) bracket(view, ends, y)
-  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${patches.length > 1 ? ` in ${patches.length} places` : ""}`
+  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${narrow ? "" : " wide"}${patches.length > 1 ? ` in ${patches.length} places` : ""}`
   const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
   const start = run.sheared >= 0 && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
@@ -109,7 +111,7 @@ function drawEdges(view) {
   const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too
   const told = peeled.map((sites) => {
     const nm = Math.abs(sites) * run.head.spacing
-    return Math.abs(sites) < 0.05 ? "" : `${sites > 0 ? "let go" : "gained"} ${fixed(nm, nm < 10 ? 1 : 0)} nm`
+    return Math.abs(sites) < 0.05 ? "" : `${fixed(nm, nm < 10 ? 1 : 0)} nm ${sites > 0 ? "let go" : "gained"}`
   })
   if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right" })
   if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left" })
@@ -122,8 +124,9 @@ function bracket({ pen, ink }, [left, right], y) {
 // What the substrate does to the punch: as large as the pull, against it, beside the contact
 function drawFriction(view, left, right, y) {
   const { box, narrow, run, k, ink } = view, F = run.curves.F[k], full = run.strongest
-  if (!(Math.abs(F) > 1e-6 * full)) return
-  const long = (F / full) * Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), from = F > 0 ? left - 10 : right + 10
+  const long = (F / full) * Math.min(ARROW, 0.3 * box.height, 0.16 * box.width)
+  if (!(Math.abs(long) > 2)) return
+  const from = F > 0 ? left - 10 : right + 10
   arrow(view, [from, y], [-long, 0], ink.shear)
   if (!narrow) write(view, "friction", from - long + (F > 0 ? -8 : 8), y, { of: ink.shear, align: F > 0 ? "right" : "left", bold: true })
 }
@@ -160,12 +163,14 @@ export function tellNow(run, k) {
   const said = nowSaid(run, k), time = performance.now(), urgent = said.key.startsWith("slip") || !me.playing
   if ((said.key !== sentence.key || run !== sentence.run) && (urgent || time - sentence.at > HOLD)) {
     sentence = { key: said.key, at: time, run }
-    by("sentence").textContent = said.text
+    explain(by("sentence"), said.text)
   }
   const wanted = [run, me.ghost, run.whole, run.scene] // its scene may be told after its frames
   if (wanted.every((what, i) => what === compared[i])) return
   compared = wanted
-  by("why").textContent = changeSaid(run, me.ghost)?.text ?? ""
+  const changed = changeSaid(run, me.ghost)?.text ?? ""
+  explain(by("why"), changed)
+  by("told").textContent = changed // what was told of the run before is no longer so
 }
 
 function tellSlip({ run, k, slip, narrow }) {

@@ -158,7 +158,7 @@ function write() {
   if (phase === "wait") return card.append(paragraph("", waiting()))
   if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
   if (phase !== "turn") card.append(told("p", "question", stop.question))
-  if (asking && stop.sketch) card.append(paragraph("said", "Draw the curve you expect below if you like, then choose:"))
+  if (asking && stop.sketch) card.append(paragraph("said", "Draw the curve you expect into the plot if you like, then choose:"))
   const answers = phase === "turn" ? [] : stop.order.map(answerButton).filter(Boolean)
   if (answers.length) card.append(make("div", { className: "answers" }, ...answers))
   if (phase === "show") card.append(paragraph("said", "Watch …"))

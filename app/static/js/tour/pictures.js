@@ -20,7 +20,7 @@ export const PICTURES = {
   },
   edges: (canvas, run, k) => {
     const [a, b] = run.edges(run.sheared), [c, d] = run.edges(k) ?? [a, b]
-    bars(canvas, [["behind", Math.max(0, c - a), "sites let go", "adhering"], ["in front", Math.max(0, b - d), "sites let go", "repulsive"]])
+    bars(canvas, [["behind", Math.max(0, c - a), "sites", "adhering"], ["in front", Math.max(0, b - d), "sites", "repulsive"]])
   },
   areas: (canvas, run) => {
     const { at, A } = firstSlip(run) ?? { at: run.sheared + 1, A: run.curves.A[run.sheared] }
@@ -29,6 +29,10 @@ export const PICTURES = {
   forces: (canvas, run, k, before) => {
     const now = firstSlip(run)
     if (now) bars(canvas, [["before", before?.F ?? DEFAULT.F, "N/m", "free"], ["now", now.F, "N/m", "shear"]])
+  },
+  pulls: (canvas, run, k, before) => {
+    const now = firstSlip(run)
+    bars(canvas, [["before", before.U, "nm", "free"], ...(now ? [["now", now.U, "nm", "shear"]] : [])])
   },
 }
 

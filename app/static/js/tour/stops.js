@@ -14,7 +14,7 @@ export const STOPS = [
     name: "The edges", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2], curve: "map", picture: "edges",
     question: "Still no slip, but the edges of the contact begin to let go. Which one more?",
     answers: ["the trailing edge, behind", "the leading edge, in front", "both the same"],
-    why: "The pull opens the gap behind the contact and closes it in front, so that the trailing edge peels by several sites, the leading one by one.",
+    why: "The lean lifts the punch behind and presses it down in front, while the pull weakens the grip of both edges: both let go, the trailing edge more.",
     turn: "delta_bar", ask: "Pull instead of pushing (press depth below zero): are the edges more alike?",
   },
   {
@@ -25,7 +25,7 @@ export const STOPS = [
     turn: "phi_ratio", ask: "Weaken the grip: how far does the area come back then?",
   },
   {
-    name: "Upwards", preset: "fig7-case1", values: {}, to: 16, order: [1, 2, 0], curve: "forces", picture: "springs",
+    name: "Upwards", preset: "fig7-case1", values: {}, to: 9.1, order: [1, 2, 0], curve: "forces", picture: "springs",
     question: "The top is held above the surface, so that the punch hangs on its adhesion. Will there be friction?",
     answers: ["yes, even when nothing is repelled any more", "no: friction needs a load", "only as long as the area is not zero"],
     why: "Attraction holds each node at its site as well: every spring drawn here leans back against the pull, pressed or not.",
@@ -53,7 +53,7 @@ export const STOPS = [
     turn: "phi_ratio", ask: "Weaken the grip: there the middle holds as well.",
   },
   {
-    name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "forces",
+    name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "pulls",
     unseen: [{ E: 140 }, { E: 35 }, { delta_bar: 0.3 }, { delta_bar: -0.1 }, { phi_ratio: 0.5 }],
     said: ["A punch sticks like a spring until its springs to the sites give way.", "Before that its edges peel, behind more than in front.",
       "A slip by one site brings contact back.", "Adhesion alone can carry friction, without any load."],
