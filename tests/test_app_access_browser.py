@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from served import PATIENCE, PLAYING, finished, laid_out
@@ -287,3 +288,22 @@ def test_figures_of_the_solver_are_behind_one_button(look):
     page.get_by_role("button", name="Figures of the solver").click()
     said = page.locator("#solver").inner_text()
     assert "502 increments" in said and "force evaluations" in said and "1e-8 nm" in said
+
+
+def test_the_run_before_is_seen_in_the_dark(look):
+    colours = """() => {
+        const root = document.documentElement, before = root.dataset.theme, style = getComputedStyle(root)
+        root.dataset.theme = "dark"
+        const found = ["--ghost", "--soft", "--page"].map((name) => style.getPropertyValue(name).trim())
+        root.dataset.theme = before
+        return found
+    }"""
+
+    def light(colour):
+        parts = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        return np.dot(
+            [0.2126, 0.7152, 0.0722], [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        )
+
+    line, text, page = map(light, look().evaluate(colours))
+    assert (line + 0.05) / (page + 0.05) >= 3.0 and (text + 0.05) / (page + 0.05) >= 4.5  # of WCAG

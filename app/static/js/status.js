@@ -65,7 +65,8 @@ export function place(name, value) {
   const slider = by(name), { [name]: values } = declared.positions
   slider.value = closest(values, value)
   slider.dataset.meaning ??= slider.title
-  slider.title = value < values[0] || value > values.at(-1) ? `${minus(value)} lies beyond this slider` : slider.dataset.meaning
+  const beyond = value < values[0] || value > values.at(-1)
+  slider.title = beyond ? `${minus(value)} lies beyond this slider` : slider.dataset.meaning
   slider.setAttribute("aria-valuetext", `${value}`)
 }
 

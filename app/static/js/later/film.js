@@ -92,13 +92,15 @@ function drawTrace(frames, k, at) {
   if (!pen) return
   const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
   const x = box.X(frames.along[k - 1]), align = x > box.left + 0.5 * box.width ? "right" : "left"
-  const heights = F.slice(k - 1, at + 1).map((value) => Math.max(box.top, Math.min(box.Y(value * factor), box.top + box.height)))
+  const inside = (y) => Math.max(box.top, Math.min(y, box.top + box.height))
+  const heights = F.slice(k - 1, at + 1).map((value) => inside(box.Y(value * factor)))
   line(pen, [Math.min(...heights), Math.max(...heights)].map((y) => [x, y]), ink.slip, 3)
   pen.fillStyle = ink.slip
   pen.beginPath()
   pen.arc(x, heights.at(-1), DOT, 0, 2 * Math.PI)
   pen.fill()
-  write({ pen, ink, box }, "F in slow motion", x + (align === "left" ? 10 : -10), box.Y(0) - size(), { of: ink.slip, align })
+  const beside = x + (align === "left" ? 2 : -2) * DOT
+  write({ pen, ink, box }, "F in slow motion", beside, box.Y(0) - size(), { of: ink.slip, align })
 }
 
 function leave() {

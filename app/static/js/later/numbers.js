@@ -43,7 +43,8 @@ function measured(run) {
     found.tau_c = A > 0 ? some(number(F / A, 3), before) : none("no repulsive contact at the slip", before)
   }
   const { changing } = run
-  found.mean = changing.length ? none(`carried on with another ${changing.map(inWords).join(", ")}`, end) : friction(run, inShear, first ?? slid)
+  found.mean = !changing.length ? friction(run, inShear, first ?? slid)
+    : none(`carried on with another ${changing.map(inWords).join(", ")}`, end)
   found.peeling = peeled(run, before)
   found.dissipated = run.dissipated === null ? none("no closed cycle: path loop has one", end) : some(number(run.dissipated), run.length - 1)
   found.regime = some(regime(run, inShear, first, slid), first ?? slid ?? sheared)

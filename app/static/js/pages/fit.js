@@ -51,7 +51,8 @@ export function frame(run) {
   drawn = state
   for (const [part, force] of [["run", "F"], ["run_load", "L"]]) fill("fit_curve", part, { U_x: run.shear("U_x"), F: run.shear(force) })
   if (measured) return
-  const [low, high] = extent(run.shear("F"), run.shear("L")), room = ROOM * (high - low || 1), [start, end] = extent(run.shear("U_x"))
+  const [low, high] = extent(run.shear("F"), run.shear("L")), room = ROOM * (high - low || 1)
+  const [start, end] = extent(run.shear("U_x"))
   set(figures.fit_curve.y_range, { start: low - room, end: high + room })
   for (const name of ["fit_curve", "fit_residuals"]) set(figures[name].x_range, { start, end: end || 1 })
 }

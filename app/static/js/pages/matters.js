@@ -84,14 +84,15 @@ function draw() {
     return makeButton({ title: `${minus(found.values[name])}, five per cent more`, onclick: () => raise(name) },
       make("span", {}, inWords(name) + (found.values[name] === 0 ? " (by 0.01)" : "")), bar, make("b", {}, signed(value)))
   }))
-  tellBand(rows.map(([, value]) => value), rows.filter(([name]) => found.values[name] === 0).map(([name]) => `, ${inWords(name)} to ± ${percent() / 100}`))
+  const zero = rows.filter(([name]) => found.values[name] === 0)
+  tellBand(rows.map(([, value]) => value), zero.map(([name]) => `, ${inWords(name)} to ± ${percent() / 100}`).join(""))
 }
 
 // What is left of the first slip if no parameter is known exactly: independent normal deviations, linearly
 function tellBand(shares, besides) {
   const spread = percent(), of = document.querySelector("#matters-of :checked").parentElement.textContent
   const wide = WIDE * spread * Math.hypot(...shares)
-  by("matters-band").textContent = shares.length && spread > 0 ? `(one standard deviation${besides.join("")}): ${of} is known to ± ${Number(wide.toPrecision(2))} %, 95 times in 100.` : ""
+  by("matters-band").textContent = shares.length && spread > 0 ? `(one standard deviation${besides}): ${of} is known to ± ${Number(wide.toPrecision(2))} %, 95 times in 100.` : ""
 }
 
 function raise(name) {
