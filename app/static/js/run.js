@@ -4,7 +4,7 @@ import { opened } from "./channel.js"
 
 export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/aside.py
 export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/aside.py
-const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
+export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const ALL = 0.95 // of the nodes that feel anything have slipped: it all has
 const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
 const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off

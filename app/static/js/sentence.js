@@ -3,7 +3,7 @@
 // asserts, [name, ...values], for tests/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
 
 import { digits, minus, newtons } from "./dom.js"
-import { FILM } from "./run.js"
+import { FILM, WEAK } from "./run.js"
 
 const AFTER = 1.0 // nm of the path for which a slip is what happens
 const LET_GO = 0.5 // sites of peeling that are worth a word
@@ -16,8 +16,8 @@ const tell = (key, text, ...claims) => ({ key, text, claims })
 // What happens at frame k
 export function nowSaid(run, k) {
   if (run.number > FILM) return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
-  const stage = run.stage(k), frame = run.frame(k), acts = frame.T_n.some((_, i) => frame.state(i) !== "free")
-  if (!acts) {
+  const stage = run.stage(k), frame = run.frame(k), acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
+  if (!frame.T_t.some(acts)) {
     if (stage === "approach" || stage === "reload") return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.", ["apart", k])
     return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
   }
