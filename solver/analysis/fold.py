@@ -56,11 +56,10 @@ def sharpened(contact, fold, held, height, pressure):
     # J symmetric, psi would be J phi
     b = tangent.flat(along(tangent.J, c[: 2 * tangent.m].reshape(2, -1)))
     b /= np.linalg.norm(b)
-    right, left = np.append(c, 0.0), np.append(b, 0.0)
     last, by_load = np.append(np.zeros(v.size), 1.0), None
     for _ in range(STEPS):
         solves = Solves(tangent, b, c)
-        right, left = solves(last, guess=right), solves(last, transposed=True, guess=left)
+        right, left = solves(last, guess=np.append(c, 0.0)), solves(last, transposed=True, guess=np.append(b, 0.0))
         phi, psi, g = right[:-1], left[:-1], right[-1]
         by_residual = solves(np.append(tangent.residual(load, height, pressure), 0.0))
         by_load = solves(np.append(tangent.direction, 0.0), guess=by_load)
