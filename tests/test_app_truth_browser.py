@@ -74,7 +74,8 @@ def test_a_lost_server_is_told_waited_for_and_made_good_and_nothing_wrong_is_sho
     assert "E=300" in page.url
     assert page.evaluate("getComputedStyle(document.getElementById('bands')).filter").startswith("grayscale")
     page.locator("#take").dispatch_event("click")
-    assert "server does not answer" in page.inner_text("#share-said") and page.is_disabled("#copy-python")
+    page.locator("#share-said", has_text="server does not answer").wait_for()
+    assert page.is_disabled("#copy-python")
     page.keyboard.press("Escape")
     before = page.evaluate("watched")
     page.on("request", lambda request: attempts.append(request.method))

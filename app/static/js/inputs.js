@@ -153,7 +153,7 @@ export function connect() {
   on("reset", "click", reset)
   on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
   on("open-gallery", "click", async () => (await import("./later/gallery.js")).openGallery())
-  on("take", "click", async () => (await import("./later/share.js")).open())
+  on("take", "click", async () => (await import("./share.js")).open())
   on("slow", "click", slowMotion)
   on("compare", "click", async () => (await import("./later/numbers.js")).open())
   on("help", "click", KEYS["?"])

@@ -53,7 +53,6 @@ export function connectViews() {
 
 // The pictures of the row at the top, once the first run is there and the server has time
 export async function drawRow() {
-  import("./later/share.js") // what must work while the server is away
   if (!isLab() && !embedded) (await import("./later/gallery.js")).wantPictures()
 }
 

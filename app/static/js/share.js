@@ -1,16 +1,16 @@
 // The sheet of what can be taken away. Loaded when it is opened.
 
-import { linkTo } from "../address.js"
-import { holderOf, svgOf } from "../bokeh.js"
-import { listen, opened, order } from "../channel.js"
-import { colour } from "../colours.js"
-import { by, make, on } from "../dom.js"
-import { figures } from "../figures.js"
-import { sharpen } from "../pen.js"
-import { canvasesOver, drawOver } from "../print.js"
-import { me } from "../state.js"
-import { drawStory } from "../story.js"
-import { described } from "../words.js"
+import { linkTo } from "./address.js"
+import { holderOf, svgOf } from "./bokeh.js"
+import { listen, opened, order } from "./channel.js"
+import { colour } from "./colours.js"
+import { by, make, on } from "./dom.js"
+import { figures } from "./figures.js"
+import { sharpen } from "./pen.js"
+import { canvasesOver, drawOver } from "./print.js"
+import { me } from "./state.js"
+import { drawStory } from "./story.js"
+import { described } from "./words.js"
 
 const NAME = "mixed-mode-contact"
 const COLUMNS = ["U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip"] // as solver/files.py
