@@ -55,7 +55,9 @@ export function drawLens(view) {
   pen.fill()
   pen.clip()
   const scale = (2 * radius) / ACROSS, low = centre[1] + 0.55 * radius
-  drawAtoms(view, (x) => centre[0] + (x - at) * scale, (y) => low - y * scale, scale, at - ACROSS / 2, at + ACROSS / 2)
+  const x = (nm) => centre[0] + (nm - at) * scale, y = (nm) => low - nm * scale
+  drawBody(view, x, y, at - ACROSS, at + ACROSS, centre[1] - radius)
+  drawAtoms(view, x, y, scale, at - ACROSS / 2, at + ACROSS / 2)
   pen.restore()
   pen.beginPath()
   pen.arc(...centre, radius, 0, 7)
@@ -64,6 +66,18 @@ export function drawLens(view) {
   pen.stroke()
   const top = centre[1] - radius + 0.9 * size()
   write(view, `×${Math.round(scale / box.across)}`, centre[0], top, { scale: 0.85, of: ink.soft })
+}
+
+// The punch above its nodes
+function drawBody({ pen, frame, ink }, x, y, from, to, top) {
+  const shown = [...frame.x.keys()].filter((i) => frame.x[i] > from && frame.x[i] < to), ends = [shown[0], shown.at(-1)]
+  pen.beginPath()
+  for (const i of shown) pen.lineTo(x(frame.x[i]), y(frame.gap[i] + APART))
+  for (const i of ends.reverse()) pen.lineTo(x(frame.x[i]), top)
+  pen.globalAlpha = 0.2
+  pen.fillStyle = ink.body
+  pen.fill()
+  pen.globalAlpha = 1
 }
 
 // Substrate, sites, springs and nodes between two places; x and y give pixels of lengths in nm

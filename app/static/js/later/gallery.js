@@ -1,5 +1,5 @@
 // The gallery: every preset by its phenomenon, with a small picture from the solver: the force over the path, and under it
-// the width in contact. Loaded when it is first opened; pictures are drawn as they come.
+// the width in contact. Pictures are drawn as they come.
 
 import { listen, order } from "../channel.js"
 import { by, make, makeButton, makeShape } from "../dom.js"
