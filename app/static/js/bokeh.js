@@ -58,7 +58,8 @@ export function image(renderer, values, shape) {
 // What Bokeh does with the page's styles at every painting, and nothing comes of: for each colour, font and width it asks
 // for a style of the page that goes first (--bk-*, of which there are none here), and for each thing drawn it writes the
 // same style sheet anew, so that all styles are worked out again. Together that was most of a painting.
-const STYLES = "_get_css_value", REWRITE = "_update" // methods of a visual, and of a style sheet
+// It also leaves half a pixel at the top and the left as it was, and strokes the ticks painted last with the outline.
+const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary" // methods of a visual, a style sheet, a plot
 let unburdened = false
 function unburden(view) {
   const [renderer] = view.renderer_views.values()
@@ -68,6 +69,12 @@ function unburden(view) {
   visual[STYLES] = () => ""
   const rewrite = sheet[REWRITE]
   sheet[REWRITE] = function (css) { if (this.el.textContent !== css) rewrite.call(this, css) }
+  const plot = own(view, PAINT), paint = plot?.[PAINT]
+  if (plot) plot[PAINT] = function (pen) {
+    pen.beginPath()
+    pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)
+    paint.call(this, pen)
+  }
 }
 
 // The prototype of an object that has a method

@@ -70,10 +70,10 @@ export function drawLens(view) {
 
 // The punch above its nodes
 function drawBody({ pen, frame, ink }, x, y, from, to, top) {
-  const shown = [...frame.x.keys()].filter((i) => frame.x[i] > from && frame.x[i] < to), ends = [shown[0], shown.at(-1)]
+  const shown = [...frame.x.keys()].filter((i) => frame.x[i] > from && frame.x[i] < to)
   pen.beginPath()
   for (const i of shown) pen.lineTo(x(frame.x[i]), y(frame.gap[i] + APART))
-  for (const i of ends.reverse()) pen.lineTo(x(frame.x[i]), top)
+  for (const i of [shown.at(-1), shown[0]]) pen.lineTo(x(frame.x[i]), top)
   pen.globalAlpha = 0.2
   pen.fillStyle = ink.body
   pen.fill()
