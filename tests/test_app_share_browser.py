@@ -44,14 +44,17 @@ def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, 
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
 
 
-@pytest.mark.thorough
-def test_link_and_lines_are_copied_by_keyboard(sheet):
+@pytest.mark.parametrize("answers", [True, False])
+def test_link_and_lines_are_copied_by_keyboard_also_where_the_clipboard_never_answers(sheet, answers):
     sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    if not answers:
+        sheet.evaluate("void (navigator.clipboard.writeText = () => new Promise(() => {}))")
     for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
         sheet.locator("#share-said").evaluate("(said) => { said.textContent = '' }")
         sheet.locator(button).press("Enter")
         sheet.wait_for_function("document.getElementById('share-said').textContent.includes('copied')")
         assert sheet.evaluate("navigator.clipboard.readText()") == sheet.input_value(field)
+    sheet.evaluate("delete navigator.clipboard.writeText")
 
 
 def test_the_python_lines_run_and_give_as_many_increments(sheet):

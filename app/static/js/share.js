@@ -1,4 +1,4 @@
-// The sheet of what can be taken away. Loaded when it is opened.
+// The sheet of what can be taken away
 
 import { linkTo } from "./address.js"
 import { holderOf, svgOf } from "./bokeh.js"
@@ -116,11 +116,12 @@ export function csv(run) {
 
 const say = (text) => { by("share-said").textContent = text }
 
-// Browsers lend the clipboard to secure pages only: elsewhere the old way
+// Browsers lend the clipboard to secure pages only, and may never answer: then the old way
 async function copy(field, what) {
   field.select()
+  const late = new Promise((_, fail) => setTimeout(fail, 1000))
   try {
-    await navigator.clipboard.writeText(field.value)
+    await Promise.race([navigator.clipboard.writeText(field.value), late])
   } catch {
     document.execCommand("copy")
   }
