@@ -122,6 +122,12 @@ def finished(page, run=1):
     page.wait_for_function(FINISHED, timeout=PATIENCE)
 
 
+def paused_at(page, frame):
+    """Stop, and show an increment; in one go, as a picture in between would set the slider back."""
+    page.locator("#scrub").evaluate(f"(scrub) => {{ scrub.value = {frame}; scrub.dispatchEvent(new Event('input')) }}")
+    page.wait_for_function(f"() => punch.drawn === {frame}")
+
+
 def values_are(page, **values):
     """Wait until the page shows a finished run of these parameters."""
     for name, value in values.items():

@@ -1,7 +1,7 @@
 """A slider dragged with the mouse, in a real Chromium: what follows the hand, what stays, and what takes its place."""
 
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE, finished, paused_at
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map((name) => {
@@ -50,8 +50,7 @@ def grab(page, name):
 def paused(visit, query):
     page = visit(query)
     finished(page)
-    page.evaluate("document.getElementById('scrub').value = 300")
-    page.locator("#scrub").dispatch_event("input")
+    paused_at(page, 300)
     return page
 
 

@@ -5,7 +5,7 @@ import io
 import re
 
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE, finished, paused_at
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
@@ -44,8 +44,7 @@ def test_unloading_is_drawn_along_the_indentation(visit):
 def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
     page = visit()
     finished(page)
-    page.evaluate("document.getElementById('scrub').value = 300")
-    page.locator("#scrub").dispatch_event("input")
+    paused_at(page, 300)
     before = page.evaluate("punch.run.curves.F_bar.slice(0, 301)")
     page.get_by_label("carry on from here").check()
     page.fill("#E-entry", "90")
@@ -71,8 +70,7 @@ def told(page, k):
     """The friction of increment k in N/m, by all that shows it, and what else the readout says."""
     page.mouse.move(0, 0)  # over a curve it would show the increment there
     page.evaluate("window.words = []")
-    scrub = "Object.assign(document.getElementById('scrub'), { value: %s }).dispatchEvent(new Event('input'))"
-    page.evaluate(scrub % k)  # in one go: a picture in between would set it back
+    paused_at(page, k)
     page.wait_for_function(f"punch.drawn === {k} && !punch.fresh")
     page.get_by_role("button", name="Friction and load against displacement, as a table").press("Enter")
     page.locator("#table").wait_for()

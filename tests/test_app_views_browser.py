@@ -1,16 +1,10 @@
 """What the views of the experiment show, read from their models and their words, in a real Chromium."""
 
 import pytest
-from served import MODEL, finished, laid_out
+from served import MODEL, finished, laid_out, paused_at
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
 FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
-
-
-def paused_at(page, frame):
-    """Stop, and show an increment."""
-    page.locator("#scrub").evaluate(f"(scrub) => {{ scrub.value = {frame}; scrub.dispatchEvent(new Event('input')) }}")
-    page.wait_for_function(f"() => punch.drawn === {frame}")
 
 
 def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(look):
