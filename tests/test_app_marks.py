@@ -81,6 +81,11 @@ def test_left_of_the_jump_in_the_marks_of_the_contact_remain(default):
     assert apart == pytest.approx(found(default, "delta_bar"), abs=1e-3)
 
 
+def test_where_a_punch_held_by_attraction_alone_no_longer_slips_nothing_is_marked():
+    """Its slips end between two steps of the way: beyond, there is none whose size could be told."""
+    assert found(pickled(Scene(delta_bar=-0.41)), "E") == {}
+
+
 def test_where_the_border_is_not_reached_nothing_is_marked(default, monkeypatch):
     monkeypatch.setattr(marks, "ENOUGH", 500)
     assert found(default, "E") == found(default, "phi_ratio") == {}

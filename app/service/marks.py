@@ -97,25 +97,33 @@ def _border(skeleton, name):
 
     From smooth sliding it is not told: its states, solved for at given loads, cross over to those beyond a slip.
     """
-    if skeleton.contact or not (skeleton.sites and skeleton.branches[-1].fold):
+    if not _slips(skeleton):
         return None
     end, way = np.log(ENDS[name][0]), 1.0 if ENDS[name][0] > ENDS[name][1] else -1.0
     here, at, left = skeleton, np.log(getattr(skeleton.scene, name)), _slip_squared(skeleton)
     ahead, stride, spent = np.inf, np.log(FACTOR), 0  # expected to be ahead; both of the logarithm
     while spent < ENOUGH and (step := min(stride, PART * ahead, way * (end - at))) > LEAST:
         try:
-            here = follow(here, here.scene.changed(**{name: float(np.exp(at + way * step))}))
+            there = follow(here, here.scene.changed(**{name: float(np.exp(at + way * step))}))
         except (NotFollowed, SceneError):
+            there = None
+        if there is None or not _slips(there):
             if ahead < CLOSE:
                 break
             stride = 0.5 * step
             continue
+        here = there
         spent, at = spent + here.evaluations, at + way * step
         before, left, expected = left, _slip_squared(here), ahead - step
         ahead = left * step / (before - left) if left < before else np.inf
         if ahead < CLOSE and abs(ahead - expected) < CLOSE:
             break
     return float(np.exp(at + way * ahead)) if ahead < min(CLOSE, way * (end - at)) else None
+
+
+def _slips(skeleton):
+    """Whether a Skeleton goes on from slip to slip, as far as it is known."""
+    return not skeleton.contact and bool(skeleton.sites) and skeleton.branches[-1].fold is not None
 
 
 def _slip_squared(skeleton):
