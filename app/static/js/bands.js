@@ -41,7 +41,7 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
   })
   const view = { pen, ink, box }
   if (high < 2 * size()) return
-  write(view, says[0], box.left + 8, Math.max(0.6 * size(), Y(0) - 0.75 * size()), { of: over, align: "left", scale: 0.95 })
+  if (!says[1] || of.some((T) => T > 0)) write(view, says[0], box.left + 8, Math.max(0.6 * size(), Y(0) - 0.75 * size()), { of: over, align: "left", scale: 0.95 })
   if (says[1]) write(view, says[1], box.left + 8, Y(0) + 1.15 * size(), { of: under, align: "left", scale: 0.95 })
 }
 

@@ -156,6 +156,7 @@ export function slipSaid(run, at, brief = false) {
 }
 
 const HOLD = 400 // ms for which a sentence stays, unless a slip happens
+const LONG = 80 // characters beyond which a sentence is written smaller, so that it keeps its place
 let sentence = { key: "", at: 0, run: null }, compared = [] // what is on screen since when; the runs last compared
 
 // The live sentence beside the hero: what happens now, and what the last change has done
@@ -164,6 +165,7 @@ export function tellNow(run, k) {
   if ((said.key !== sentence.key || run !== sentence.run) && (urgent || time - sentence.at > HOLD)) {
     sentence = { key: said.key, at: time, run }
     explain(by("sentence"), said.text)
+    by("sentence").dataset.long = said.text.length > LONG
   }
   const wanted = [run, me.ghost, run.whole, run.scene] // its scene may be told after its frames
   if (wanted.every((what, i) => what === compared[i])) return
