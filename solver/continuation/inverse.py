@@ -7,6 +7,7 @@ from .anderson import dot
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
 MOST = 240  # products with the tangent in all solves at one equilibrium
+FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16,384 nodes would take 126 MB
 
 
 class Inverse:
@@ -15,7 +16,7 @@ class Inverse:
     def __init__(self, size):
         self.product = self._smooth = None
         self.size, self.rows = size, 0
-        self._z, self._q = np.empty((2, MOST, size))
+        self._z, self._q = np.empty((2, FIRST, size))
 
     def of_tangent(self, product, smooth):
         """Start anew with another tangent, w -> A w; smooth: None, or a preconditioner close to -A^-1."""
@@ -33,6 +34,8 @@ class Inverse:
         bound = accuracy**2 * dot(b, b)
         while dot(r, r) > bound and self.rows < MOST:
             z = r.copy() if self._smooth is None else self._smooth(r)
+            if self.rows == len(self._z):
+                self._z, self._q = (np.concatenate([pairs, np.empty_like(pairs)]) for pairs in (self._z, self._q))
             if not orthonormalise(self._q, self.rows, self.product(z), self._z, z):
                 break
             self.rows += 1
