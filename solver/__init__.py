@@ -18,8 +18,8 @@ cautions        when a result depends on a choice
 cli, mapping, derivatives, reports, command, files    the command line and what it writes
 isolated, cluster                           calls with a deadline in processes of their own, or on a cluster
 threads                                     one thread of linear algebra while something is computed
-analysis/  verification/  work_precision/    not needed to run anything: stress inside, derivatives and fits, proofs,
-                                            error against run time
+analysis/  validation/    not needed to run anything: stress inside, derivatives and fits; checks against independent
+                          calculations, error against run time
 """
 
 from .analysis.energy_balance import Work, work_of

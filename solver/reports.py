@@ -28,8 +28,8 @@ def add_accuracy(commands):
 
 def accuracy(arguments):
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
-    from .work_precision import page, verdict  # what `run` does not need
-    from .work_precision.measure import measure
+    from .validation import accuracy_page, accuracy_text  # imported here because `run` does not need them
+    from .validation.accuracy import measure
 
     scene = scene_of(settings(arguments.set))
     if arguments.slips is not None and arguments.slips < 1:
@@ -38,9 +38,9 @@ def accuracy(arguments):
         for done, so_far in measure(scene, arguments.quick, arguments.slips):
             bar.update(int(100 * done) - bar.n)
             report = so_far
-    print(verdict.text(report))
-    write(arguments.json, write_json, verdict.data(report))
-    write(arguments.html, page.write_page, report)
+    print(accuracy_text.text(report))
+    write(arguments.json, write_json, accuracy_text.data(report))
+    write(arguments.html, accuracy_page.write_page, report)
     return 0
 
 
@@ -59,9 +59,13 @@ def add_stability(commands):
 
 def stability(arguments):
     """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
-    from .verification import atlas_report, closed_forms, conditioning  # what `run` does not need
-    from .verification.atlas import cases
-    from .verification.robustness import LIMIT, atlas
+    from .validation import (  # imported here because `run` does not need them
+        closed_forms,
+        conditioning,
+        stability_report,
+    )
+    from .validation.atlas import cases
+    from .validation.stability import LIMIT, atlas
 
     limit = LIMIT if arguments.limit is None else arguments.limit
     if not 1.0 <= limit < math.inf:
@@ -74,7 +78,7 @@ def stability(arguments):
         results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n), limit)
     forms = closed_forms.closed_forms() if arguments.scenes is None else []
     report = results, forms, conditioning.conditioning()
-    print(atlas_report.text(*report))
-    write(arguments.json, write_json, atlas_report.data(*report))
-    write(arguments.html, atlas_report.write_page, *report)
-    return NOT_CONVERGED if atlas_report.failed(*report) else 0
+    print(stability_report.text(*report))
+    write(arguments.json, write_json, stability_report.data(*report))
+    write(arguments.html, stability_report.write_page, *report)
+    return NOT_CONVERGED if stability_report.failed(*report) else 0

@@ -14,12 +14,12 @@ import pytest
 import solver.cli as cli
 from solver import Scene
 from solver.continuation.gfmd import Gfmd
-from solver.work_precision.compare import Run, compare, perform, ratio, reference, refined
-from solver.work_precision.judge import SHORT, judge, scene_for
-from solver.work_precision.measure import SWEEPS, measure
-from solver.work_precision.methods import SERIES, frames
-from solver.work_precision.page import write_page
-from solver.work_precision.verdict import branches, choice, data, notes, sentence, table
+from solver.validation.accuracy import SWEEPS, measure
+from solver.validation.accuracy_page import write_page
+from solver.validation.accuracy_text import branches, choice, data, notes, sentence, table
+from solver.validation.compare import Run, compare, perform, ratio, reference, refined
+from solver.validation.landings import SHORT, judge, scene_for
+from solver.validation.methods import SERIES, frames
 
 SMALL = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.2, u_x_max=25.0)
 SETTINGS = ["nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=25"]
@@ -249,8 +249,7 @@ def test_bad_input_is_refused_in_one_line(capsys):
 def test_nothing_to_draw_with_is_imported_before_it_is_needed():
     code = (
         "import sys, solver.cli\n"
-        "from solver.work_precision import measure, page, verdict\n"
-        "from solver.verification import atlas_report, robustness\n"
+        "from solver.validation import accuracy, accuracy_page, accuracy_text, stability, stability_report\n"
         "print([m for m in ('holoviews', 'bokeh', 'pandas', 'tqdm', 'panel') if m in sys.modules])"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=True)

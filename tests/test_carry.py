@@ -24,7 +24,7 @@ from solver.mechanics.contact import Contact
 from solver.mechanics.load_control import LoadControl
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import next_frame
-from solver.verification.spectrum import growth
+from solver.validation.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2)
 

@@ -6,10 +6,10 @@ import pytest
 
 from solver import Scene
 from solver.mechanics.layer import compliance, stiffness
-from solver.verification.closed_forms import closed_forms
-from solver.verification.conditioning import conditioning, printed
-from solver.verification.cylinder import PULL_OFF_JKR, load_maugis, pull_off_maugis, repulsive_jkr
-from solver.verification.long_double import displacement, springs
+from solver.validation.closed_forms import closed_forms
+from solver.validation.conditioning import conditioning, printed
+from solver.validation.cylinder import PULL_OFF_JKR, load_maugis, pull_off_maugis, repulsive_jkr
+from solver.validation.extended import displacement, springs
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,7 @@ from solver import Scene, SceneError
 from solver.cautions import flutter
 from solver.continuation.rest import Judge, rate
 from solver.run.loadpath import Checkpoint, Run, load_path
-from solver.verification import spectrum
-from solver.work_precision import verdict
+from solver.validation import accuracy_text, spectrum
 
 SOFT = Scene(E=10.0, delta_bar=0.6, phi_ratio=0.3, u_x_max=22.4)
 FLUTTER = 22.2718524  # nm, its first slip; the fold of the branch lies at 22.4396
@@ -187,5 +186,5 @@ def test_the_accuracy_report_says_where_waves_may_flutter():
     report = SimpleNamespace(scene=scene, safe_damping=0.4, steps=(0.1, 0.1), horizon=1.0, slips=1, quick=True)
     report.tolerance, report.seconds, report.judgement, report.known_slips = 1e-8, 1.0, None, ()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(verdict, "judged", lambda report: [])
-        assert sentence in verdict.notes(report)
+        patch.setattr(accuracy_text, "judged", lambda report: [])
+        assert sentence in accuracy_text.notes(report)

@@ -16,11 +16,11 @@ from solver import Scene, SceneError, load_path
 from solver.cli import main
 from solver.isolated import Lost, outcomes
 from solver.mechanics.cohesive_law import traction
-from solver.verification import robustness
-from solver.verification.atlas import AXES, REFUSED, Case, cases, scene_fields
-from solver.verification.atlas_report import data, failed
-from solver.verification.long_double import recheck
-from solver.verification.spectrum import friction, growth
+from solver.validation import stability
+from solver.validation.atlas import AXES, REFUSED, Case, cases, scene_fields
+from solver.validation.extended import recheck
+from solver.validation.spectrum import friction, growth
+from solver.validation.stability_report import data, failed
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=8.0)
 
@@ -101,7 +101,7 @@ def test_a_site_at_the_edge_of_the_window_may_be_in_or_out():
     """At U_x = 15 a = 10 the next sites are just 5 delta_t away: exp(-25) of a spring, for either side or for none."""
     values = {"E": 541.8, "phi_ratio": 0.0, "delta_bar": -1.0, "nu": 0.4999, "height": 100.0, "radius": 0.1}
     grid = {"nodes": 8, "width": 80.0, "du_z": 1.0, "du_x": 1.0, "u_x_max": 20.0}
-    assert robustness.judge(Case(0, "single", ("nodes",), values | grid))["verdict"] == "converged"
+    assert stability.judge(Case(0, "single", ("nodes",), values | grid))["verdict"] == "converged"
 
 
 def judged(monkeypatch, frames):
@@ -113,9 +113,9 @@ def judged(monkeypatch, frames):
                 raise item
             yield item
 
-    monkeypatch.setattr(robustness, "load_path", run)
+    monkeypatch.setattr(stability, "load_path", run)
     values = {name: getattr(SMALL, name) for name in ("nodes", "width", "radius", "du_z", "du_x", "u_x_max")}
-    return robustness.judge(Case(0, "single", ("nodes",), values))
+    return stability.judge(Case(0, "single", ("nodes",), values))
 
 
 @pytest.mark.slow
@@ -124,14 +124,14 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
     u[1, 3] = np.nan
     shifted = replace(frame, u=frame.u + 1e-5)
     assert judged(monkeypatch, [frame])["verdict"] == "converged"
-    assert judged(monkeypatch, [frame, robustness.NotConverged("try")])["verdict"] == "gave up"
+    assert judged(monkeypatch, [frame, stability.NotConverged("try")])["verdict"] == "gave up"
     assert judged(monkeypatch, [replace(frame, u=u)])["verdict"] == "non-finite"
     assert judged(monkeypatch, [replace(frame, residual=1e-3)])["verdict"] == "wrong"
     assert judged(monkeypatch, [shifted])["verdict"] == "wrong"
     assert judged(monkeypatch, [frame, ZeroDivisionError("x")])["verdict"] == "error"
     assert judged(monkeypatch, [frame, RuntimeWarning("overflow")])["verdict"] == "warning"
-    assert robustness.judge(Case(0, "refused", ("nu",), {"nu": 0.5}))["verdict"] == "refused"
-    assert robustness.judge(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
+    assert stability.judge(Case(0, "refused", ("nu",), {"nu": 0.5}))["verdict"] == "refused"
+    assert stability.judge(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
 
 
 @pytest.mark.slow
@@ -199,7 +199,7 @@ def test_a_sample_of_the_atlas_finds_nothing_wrong_and_writes_its_report(tmp_pat
     files = ["--json", str(numbers), "--html", str(page)]
     code = main(["stability", "--quick", *files, "--scenes", *map(str, sample())])
     report = json.loads(numbers.read_text())
-    bad = [(s["set"], s["verdict"], s["reason"]) for s in report["scenes"] if s["verdict"] in robustness.BAD]
+    bad = [(s["set"], s["verdict"], s["reason"]) for s in report["scenes"] if s["verdict"] in stability.BAD]
     assert bad == [] and code == 0
     assert report["converged_of_valid"] >= 0.9
     frames = report["unstable_frames"]
@@ -217,15 +217,15 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     scene = Scene(surface="flat", nodes=16, width=40.0, height=20.0)
     u = np.array([np.full(16, 0.5 * scene.spacing), np.zeros(16)])
     saddle = replace(frame, first=0, u=u, T=np.ones((2, 16)), U_x=0.5 * scene.spacing, delta=0.0, slips=())
-    kept, found = robustness.Sample(), {"probed": ["nodes"], "verdict": "wrong"}
+    kept, found = stability.Sample(), {"probed": ["nodes"], "verdict": "wrong"}
     kept.see(saddle)
-    assert "unstable, disturbances grow" in robustness._unstable(scene, kept, found)
-    assert robustness.unstable([found]) == (1, 0, 1)
+    assert "unstable, disturbances grow" in stability._unstable(scene, kept, found)
+    assert stability.unstable([found]) == (1, 0, 1)
     report = data([found], [], [])
     assert report["regions"]["nodes"]["unstable"] == 1 and failed([found], [], [])
-    said, kept = {}, robustness.Sample()
+    said, kept = {}, stability.Sample()
     kept.see(replace(saddle, safe_damping=2.0 * scene.damping))  # a frame that says itself that it may flutter
-    assert robustness._unstable(scene, kept, said) is None and robustness.unstable([said]) == (0, 1, 1)
+    assert stability._unstable(scene, kept, said) is None and stability.unstable([said]) == (0, 1, 1)
 
 
 def test_a_number_outside_the_atlas_is_refused(capsys):

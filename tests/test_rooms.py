@@ -14,7 +14,7 @@ import solver
 HERE = Path(solver.__file__).parent
 ROOMS = ["mechanics", "continuation", "run", "following"]
 CORE = ["schema.py", "scene.py", "surfaces.py", "text.py", "profile.py", *ROOMS]
-REPORTS = {"analysis", "verification", "work_precision"}
+REPORTS = {"analysis", "validation"}
 NUMERICS = {"numpy", "numba", "pyfftw"}
 STANDARD = sys.stdlib_module_names
 

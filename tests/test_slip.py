@@ -8,7 +8,7 @@ from plain_gfmd import Plain
 
 from solver import NotConverged, Scene, load_path, whole_surface
 from solver.run.loadpath import Checkpoint, Run
-from solver.verification.spectrum import growth
+from solver.validation.spectrum import growth
 
 CASES = [{}, {"delta_bar": -0.15}, {"delta_bar": 0.4, "phi_ratio": 0.1}]
 SMALL = {"nodes": 128, "width": 312.5}

@@ -8,9 +8,9 @@ import pytest
 from scipy.optimize import brentq
 
 from solver import Scene, load_path
-from solver.verification import spectrum
-from solver.verification.long_double import displacement, springs
-from solver.verification.spectrum import (
+from solver.validation import spectrum
+from solver.validation.extended import displacement, springs
+from solver.validation.spectrum import (
     Critical,
     critical,
     exponents,

@@ -1,4 +1,4 @@
-"""What runs inside the process that measures accuracy: `solver.work_precision`, told in plain data while it goes on.
+"""What runs inside the process that measures accuracy: `solver.validation.accuracy`, reported in plain data on the way.
 
 The server imports this module for the name of `work` only: all that costs something is imported there.
 """
@@ -26,7 +26,7 @@ def work(scene):
 
 def _warm_up():
     """Every method once on a small scene: loading its kernels must not count as its time."""
-    from solver.work_precision.methods import SERIES, frames
+    from solver.validation.methods import SERIES, frames
 
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
     for series in SERIES:
@@ -35,8 +35,8 @@ def _warm_up():
 
 
 def _news(scene):
-    from solver.work_precision.measure import SWEEPS, measure
-    from solver.work_precision.verdict import choice, command, failures, sentence
+    from solver.validation.accuracy import SWEEPS, measure
+    from solver.validation.accuracy_text import choice, command, failures, sentence
 
     sent, count, report = 0.0, 0, None
     for progress, report in measure(scene, quick=True):

@@ -17,7 +17,7 @@ from math import inf
 import numpy as np
 
 from solver import Scene, SceneError, advance
-from solver.verification.spectrum import growth
+from solver.validation.spectrum import growth
 
 HELD = ("shear", "back", "forth")
 WEAK = 0.4  # damping, over critical, below which the shares are counted apart

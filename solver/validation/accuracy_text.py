@@ -5,9 +5,9 @@ from dataclasses import asdict
 from ..cautions import flutter
 from ..scene import LIMITS
 from ..text import changes
+from .accuracy import LONGEST, SLIPS, SWEEPS, VISIBLE
 from .compare import QUANTITIES, SAME_BRANCH
-from .judge import SHORT
-from .measure import LONGEST, SLIPS, SWEEPS, VISIBLE
+from .landings import SHORT
 
 # sweep: (what the other direction is called, whether a larger value is the cheaper one, stage of the slips it moves)
 DIRECTION = {

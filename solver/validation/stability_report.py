@@ -4,7 +4,7 @@ from dataclasses import asdict
 from html import escape
 
 from .. import html_page
-from .robustness import BAD, GOOD, by_region, counts, unstable
+from .stability import BAD, GOOD, by_region, counts, unstable
 
 FRAMES = ("unstable", "said", "judged")  # as `unstable` counts them
 COLOURS = ("#0072B2", "#BBBBBB", "#E69F00", *["#D55E00"] * len(BAD))  # Okabe & Ito; what must not be is red

@@ -4,8 +4,8 @@ from html import escape
 
 from .. import html_page
 from ..scene import LIMITS
-from .measure import SWEEPS
-from .verdict import choice, command, failures, notes, sentence, table, title
+from .accuracy import SWEEPS
+from .accuracy_text import choice, command, failures, notes, sentence, table, title
 
 # Okabe & Ito's colours, told apart by colour-blind readers; markers as well, for print.
 STYLE = {  # colour, marker, and pixels that the values stand lower than their points

@@ -14,7 +14,7 @@ from ..run.load_steps import load_steps_of
 from ..run.loadpath import load_path
 from ..scene import SceneError
 from .atlas import CENTRE
-from .long_double import DROPPED, recheck
+from .extended import DROPPED, recheck
 from .spectrum import growth
 
 GOOD = ("converged", "refused", "gave up")  # what a scene may come to

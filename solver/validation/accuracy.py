@@ -10,7 +10,7 @@ from math import ceil
 from ..run.loadpath import load_path
 from ..scene import Scene, SceneError
 from .compare import Point, Run, compare, perform, ratio, reference, refined
-from .judge import Judgement, judge, scene_for
+from .landings import Judgement, judge, scene_for
 from .methods import SERIES
 
 VISIBLE = 1e-4  # of the largest value: what no plot shows, and no experiment on adhesion resolves

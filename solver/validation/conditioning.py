@@ -7,7 +7,7 @@ import numpy as np
 from ..mechanics.cohesive_law import traction
 from ..mechanics.layer import compliance, stiffness
 from ..scene import Scene
-from .long_double import LONG, springs
+from .extended import LONG, springs
 
 EPS = float(np.finfo(float).eps)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .long_double import LONG, compliance
+from .extended import LONG, compliance
 
 MOST_NODES = 1024  # of the cell, for dense eigenvalues of the whole surface
 AGES, MOST_LOOKS = 40.0, 5  # time over 1/gamma between two looks at what has grown, and how many of them

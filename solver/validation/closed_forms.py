@@ -11,7 +11,7 @@ from ..run.loadpath import load_path
 from ..run.shortcuts import ALL
 from ..scene import Scene
 from .cylinder import cylinder
-from .long_double import displacement, springs
+from .extended import displacement, springs
 from .wave import wave
 
 
