@@ -48,6 +48,12 @@ def test_no_contact_and_full_contact():
     assert full[0] == 1.0 and full[1].shape == (1, 2) and np.isnan(full[1]).all()
 
 
+@pytest.mark.parametrize("tolerance", [1e-10, 1e-3])
+def test_the_definition_of_contact_does_not_depend_on_the_tolerance(tolerance):
+    T = np.array([np.zeros(100), 1e-4 * (1.0 - (np.arange(100) - 50) ** 2 / 60.0)])
+    assert contact_area(SCENE.changed(tolerance=tolerance), T) == contact_area(SCENE, T) > 0.0
+
+
 def test_two_patches_add_up():
     tz = np.full(100, -1.0)
     tz[10:20] = tz[50:55] = 1.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..run.frame import contact_area, forces, on_nodes
+from ..run.frame import contact_area, forces, least_repulsion, on_nodes
 
 NAMES = ("F_bar", "L_bar", "A_bar")
 
@@ -27,7 +27,7 @@ def _area(scene, T_z):
     """d A_bar/d T_z (m,), per GPa: of the two nodes at each edge of a contact, between which it is interpolated."""
     m, n, out = T_z.size, scene.nodes, np.zeros(T_z.size + 2)
     T = np.concatenate([[0.0], T_z, [0.0]]) if m < n else np.concatenate([T_z[-1:], T_z, T_z[:1]])
-    T -= scene.tolerance * scene.phi_n / scene.delta_n**2  # as in `contact_area`
+    T -= least_repulsion(scene)
     i = np.arange(m + 1 if m < n else m)
     for p, q in ((i, i + 1), (i + 1, i)):  # repulsion at p, none at q: p - q apart, of which p/(p - q) is in contact
         edge = (T[p] > 0.0) & (T[q] <= 0.0)

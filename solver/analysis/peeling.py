@@ -2,13 +2,15 @@
 
 import numpy as np
 
+from ..run.frame import least_repulsion
+
 
 def edges(scene, frame):
     """(patches, 2) nm, undeformed: the trailing and the leading edge of every patch of a Frame; nan in full contact.
 
     A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
     """
-    least = scene.tolerance * scene.phi_n / scene.delta_n**2  # as in `contact_area`
+    least = least_repulsion(scene)
     n, T_z = frame.T.shape[1], frame.T[1] - least
     closed = n == scene.nodes
     if closed and (T_z > 0.0).all():

@@ -1,6 +1,6 @@
 """What carries a run that slides: its branches until they repeat, and from them the run at any load."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..mechanics.cohesive_law import traction
 from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
 from ..scene import Scene
-from .branch import TOLERANCE, Branch, Fold
+from .branch import Branch, Fold
 
 FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
 
@@ -116,6 +116,4 @@ def tractions(scene, first, v):
 
 def _numbers(scene, T):
     """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
-    if T.shape[2] == 1:  # a flat without load is repelled by no more than an error makes
-        scene = replace(scene, tolerance=max(scene.tolerance, TOLERANCE))
     return *forces(scene, T), np.array([contact_area(scene, field) for field in T])

@@ -19,6 +19,10 @@ STAGES = {  # stage: what changes along it, and which way; press: to another ind
     "press": ("delta", 1.0),
 }
 
+# T_z over phi_n/delta_n from which a node is in contact: elsewhere it only tells zero from round-off, but on a flat at
+# dn = 0 all nodes share one error of dn, at most the largest tolerance allowed
+CONTACT, CONTACT_OF_FLATS = 1e-8, 1e-3
+
 
 @dataclass(frozen=True)
 class SlipEvent:
@@ -115,9 +119,14 @@ def forces(scene, T):
 
 def contact_area(scene, T):
     """A_bar: the length under repulsion over w, from sign changes of T_z, interpolated between nodes; T (2, m), GPa."""
-    # repulsion weaker than an error of the tolerance makes counts as none: on a flat at dn = 0 it would flicker
-    least, count = scene.tolerance * scene.phi_n / scene.delta_n**2, _count(scene, T)
-    return _repelled(T[1], T.shape[1] == count, least) / count
+    count = _count(scene, T)
+    return _repelled(T[1], T.shape[1] == count, least_repulsion(scene)) / count
+
+
+def least_repulsion(scene):
+    """T_z (GPa) from which a node counts as in contact, so that a flat at dn = 0 does not flicker by round-off."""
+    share = CONTACT_OF_FLATS if scene.surface == "flat" else CONTACT
+    return share * scene.phi_n / scene.delta_n
 
 
 def _count(scene, T):
