@@ -17,6 +17,7 @@ from numba import njit
 
 DEEPEST = -50.0  # dn/delta_n; nodes deeper than that (in iterates only, never in a solution) count as this deep
 TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: enough for |r| <= ln(2)/2
+ALIKE = 1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: well above round-off
 WORK = 10  # rows of the scratch array `work`
 
 _fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
@@ -132,6 +133,11 @@ def add_product(J, x, out):
         a, b = x[0, i], x[1, i]
         out[0, i] += J[0, i] * a + J[1, i] * b
         out[1, i] += J[2, i] * a + J[3, i] * b
+
+
+def alike(tangents) -> bool:
+    """Whether all nodes have the same tangents, (4, m) as of `tangents`, to ALIKE of the largest."""
+    return bool(np.ptp(tangents, axis=1).max() <= ALIKE * np.abs(tangents).max())
 
 
 def traction(scene, ux, gap):

@@ -1,72 +1,96 @@
-"""Where waves of the contact may flutter: the damping above which they cannot, by a local criterion.
+"""The damping above which waves of the contact cannot flutter, estimated by a local criterion.
 
-As NP1 has no potential, T_x(u_z) and T_z(u_x) can feed a wave more than friction takes from it. Estimated at every
-place for a wave q as if alone, from the 2 x 2 block of J - K with J averaged over a length of 0.6/q by a Gaussian. Not
-a proof; `tests/bench/rests.py` counts exceptions among dense spectra.
+NP1 has no potential, so T_x(u_z) and T_z(u_x) can feed a wave more than friction takes from it. For a wave q at a place
+the 2 x 2 block of J - K decides, with J averaged around that place by a Gaussian of standard deviation 0.6/q. This is
+not a proof: `tests/bench/rests.py` counts exceptions among dense spectra.
 """
 
 import numpy as np
 from numba import njit
 
-WIDER = 1.5  # growth of the variance of the average from level to level; at 2 the result changes by 3 %
-MARGIN = 1.1  # on what is found: 8 % too little has been seen, among 6237 dense spectra
+from . import cohesive_law
+from .layer import Modes
+
+WIDTH = 0.6  # of the averaging Gaussian, times 1/q: the one that meets dense spectra best (`tests/bench/rests.py`)
+WIDER = 1.5  # growth of the variance from one level of averaging to the next; at 2 the result changes by 3 %
+FINER = 1.19  # ratio of wavenumbers on one level: four to an octave; the result is flat in q
+MARGIN = 1.1  # factor of the result: of 6237 dense spectra one exceeds the estimate by 8 %
+THIN = 4.0  # variance, in spacings squared, from which on every second place suffices: the average is 2 spacings wide
 
 
-@njit(cache=True, nogil=True)
-def safe_friction(tangents, k, n, covers_cell):
-    """The friction gamma (1/time, unit mass) above which no wave grows as an oscillation; 0.0 where J is symmetric.
+def safe_damping(scene, u, active, first=0) -> float:
+    """The damping, over critical, above which no wave of the contact grows as an oscillation.
 
-    That is |Im mu|/|Re mu|^1/2, the largest over waves and places. tangents: J on the patch, (4, m) GPa/nm, rows as of
-    `cohesive_law.tangents`; k: K, (3, modes) GPa/nm, rows xx, zz, c; n: nodes of the cell; covers_cell: whether the
-    patch is the whole cell, so that averages go round its ends.
-
-    Each level of averaging serves the waves whose 0.6/q lies between its width and the next. Places are thinned out
-    once the average is twice as wide as they are apart.
+    It is 0 where all nodes are alike: there every mode is a wave, and the stability analysis knows them all.
+    u (2, m) nm; active, bool (m,), the nodes within the window; first: index of the first of these m nodes in the cell.
     """
-    m = tangents.shape[1]
-    field = tangents.copy() if covers_cell else np.zeros((4, 2 * m))
-    if not covers_cell:
-        field[:, m // 2 : m // 2 + m] = tangents
-    highest, worst, variance, wider, apart = n // 2, 0.0, 0.0, 0.25, 1
+    m = u.shape[1]
+    tangents = cohesive_law.tangent(scene, u[0], scene.profile[first : first + m] + u[1]) * active
+    if m == scene.nodes and cohesive_law.alike(tangents):
+        return 0.0
+    modes = Modes.of(scene)
+    return safe_friction(tangents, modes.stiffness, scene.nodes) / modes.critical
+
+
+def safe_friction(tangents, stiffness, nodes) -> float:
+    """The friction gamma, 1/time at unit mass, above which no wave grows as an oscillation; 0.0 where J is symmetric.
+
+    gamma^2 = max (Im mu)^2/|Re mu| over waves and places. tangents: J on the patch, (4, m) GPa/nm, rows as of
+    `cohesive_law.tangents`; stiffness: K, (3, modes) GPa/nm, rows xx, zz, c, of a cell of so many `nodes`. Averages go
+    round the ends of a patch that is the whole cell.
+
+    Level by level the average widens. Each level serves the waves whose WIDTH/q lies between its width and the next.
+    """
+    m, highest = tangents.shape[1], nodes // 2
+    field = np.zeros((4, m if m == nodes else 2 * m))
+    start = (field.shape[1] - m) // 2
+    field[:, start : start + m] = tangents
+    longest = WIDTH * nodes / (2.0 * np.pi)  # WIDTH/q of the cell's longest wave, in spacings
+    worst, variance, wider, apart = 0.0, 0.0, 0.25, 1
     while True:
-        lowest = int(0.6 * n / (2.0 * np.pi * np.sqrt(wider))) + 1 if field.shape[1] >= 6 else 0
-        p = highest
-        while p >= lowest:
-            worst = max(worst, _largest(field, k[0, p], k[1, p], k[2, p]))
-            p = min(p - 1, int(p / 1.19))  # four wavenumbers to an octave
+        lowest = int(longest / np.sqrt(wider)) + 1 if field.shape[1] >= 6 else 0
+        worst = max(worst, _largest(field, stiffness, lowest, highest, FINER))
         highest = lowest - 1
         if highest < 0:
-            return MARGIN * np.sqrt(worst)
-        while variance > 4.0 * apart**2:
+            return MARGIN * float(np.sqrt(worst))
+        while variance > THIN * apart**2:
             field, apart = np.ascontiguousarray(field[:, ::2]), 2 * apart
-        passes = int(np.ceil((wider - variance) / (0.5 * apart**2)))
-        for _ in range(passes):
-            field = _smoothed(field, 0.5 * (wider - variance) / (passes * apart**2))
+        more = (wider - variance) / apart**2
+        passes = int(np.ceil(2.0 * more))  # of a variance of 1/2 at most: weights 1/4, 1/2, 1/4
+        _average(field, 0.5 * more / passes, passes)
         variance, wider = wider, WIDER * wider
 
 
 @njit(cache=True, nogil=True)
-def _smoothed(field, share):
-    """Every place averaged with that share of each of its two neighbours; the last neighbours the first."""
-    out, count = np.empty_like(field), field.shape[1]
+def _average(field, share, passes):
+    """So many times, in place: every place of field (4, places) gets that share of both neighbours' values.
+
+    The last place is next to the first.
+    """
+    last = field.shape[1] - 1
     for c in range(4):
-        for i in range(count):
-            out[c, i] = (1.0 - 2.0 * share) * field[c, i] + share * (field[c, i + 1 - count] + field[c, i - 1])
-    return out
+        for _ in range(passes):
+            first, before = field[c, 0], field[c, last]
+            for i in range(last + 1):
+                value, after = field[c, i], field[c, i + 1] if i < last else first
+                field[c, i] = value + share * (before - 2.0 * value + after)
+                before = value
 
 
 @njit(cache=True, nogil=True)
-def _largest(field, k_xx, k_zz, k_c):
-    """Largest (Im mu)^2/|Re mu| of decaying waves with that stiffness, over the places of field (4, places)."""
-    worst = 0.0
-    for i in range(field.shape[1]):
-        xx, xz, zx, zz = field[0, i] - k_xx, field[1, i], field[2, i], field[3, i] - k_zz
-        mean, half = 0.5 * (xx + zz), 0.5 * (xx - zz)
-        # mu = mean +- D^1/2 with D = half^2 + (xz + i k_c) (zx - i k_c)
-        real, imaginary = half * half + xz * zx + k_c * k_c, k_c * (zx - xz)
-        size = np.hypot(real, imaginary)
-        turning, root = 0.5 * (size - real), np.sqrt(max(0.5 * (size + real), 0.0))
-        decay = root - mean if root > -mean else -mean - root  # of the slower one that decays
-        if decay > 0.0 and turning > worst * decay:
-            worst = turning / decay
+def _largest(field, k, lowest, highest, finer):
+    """Largest (Im mu)^2/|Re mu| of decaying waves from `highest` to `lowest`, over the places of field (4, places)."""
+    worst, p = 0.0, highest
+    while p >= lowest:
+        for i in range(field.shape[1]):
+            xx, xz, zx, zz = field[0, i] - k[0, p], field[1, i], field[2, i], field[3, i] - k[1, p]
+            mean, half, k_c = 0.5 * (xx + zz), 0.5 * (xx - zz), k[2, p]
+            # mu = mean +- D^1/2 with D = half^2 + (xz + i k_c) (zx - i k_c)
+            real, imaginary = half * half + xz * zx + k_c * k_c, k_c * (zx - xz)
+            size = np.hypot(real, imaginary)
+            turning, root = 0.5 * (size - real), np.sqrt(max(0.5 * (size + real), 0.0))
+            decay = root - mean if root > -mean else -mean - root  # of the slower one that decays
+            if decay > 0.0 and turning > worst * decay:
+                worst = turning / decay
+        p = min(p - 1, int(p / finer))
     return worst

@@ -64,6 +64,13 @@ class Modes:
         self.compliance = _inverse(self.stiffness)
         self.stiffness.flags.writeable = self.compliance.flags.writeable = False
 
+    @cached_property
+    def critical(self):
+        """2 k_min^1/2, the friction, 1/time at unit mass, that is critical for the slowest mode of the layer."""
+        k_xx, k_zz, k_c = self.stiffness
+        least = 0.5 * (k_xx + k_zz) - np.hypot(0.5 * (k_xx - k_zz), k_c)
+        return 2.0 * float(np.sqrt(least.min()))
+
     @staticmethod
     def of(scene, nodes=None):
         """The Modes of a scene, kept for the scenes used last; nodes: so many instead, 1 for the uniform mode alone."""

@@ -6,11 +6,10 @@ outside the patch. By Parseval's theorem its Euclidean inner product is that of 
 
 import numpy as np
 
-from .cohesive_law import add_product
+from .cohesive_law import add_product, alike
 from .flutter import safe_friction
 
 SKEWER = 0.05  # of critical: change of the safe damping, estimated, from which on it is computed anew
-ALIKE = 1e-7  # difference of J between nodes, over its largest, below which they count as alike: well above round-off
 
 
 class Linearised:
@@ -83,7 +82,7 @@ class Linearised:
             if change <= SKEWER * self.surface.critical * np.sqrt(np.abs(self.J).max()):
                 return known
         contact = self.contact
-        friction = safe_friction(self.J, contact.modes.stiffness, contact.nodes, contact.covers_cell)
+        friction = safe_friction(self.J, contact.modes.stiffness, contact.nodes)
         return friction / self.surface.critical, skew
 
     def waves(self):
@@ -91,8 +90,7 @@ class Linearised:
 
         shown(i, q): the disturbance, complex (size,), of mu[i, q]; None if these nodes cannot show it.
         """
-        J = self.J
-        if not self.contact.covers_cell or np.ptp(J, axis=1).max() > ALIKE * np.abs(J).max():
+        if not self.contact.covers_cell or not alike(self.J):
             return None
         (a, b), (c, d) = self._blocks()
         mean, half = 0.5 * (a + d), 0.5 * (a - d)

@@ -22,9 +22,7 @@ class Surface:
 
     def __init__(self, problem):
         self.problem, self.contact = problem, problem.contact
-        k_xx, k_zz, k_c = self.contact.modes.stiffness
-        least = 0.5 * (k_xx + k_zz) - np.hypot(0.5 * (k_xx - k_zz), k_c)
-        self.critical = 2.0 * float(np.sqrt(least.min()))
+        self.critical = self.contact.modes.critical
         self.stiffness, self.compliance = self.contact.cell.stiffness, self.contact.cell.compliance
         self.count, self.patch = self.contact.count, self.contact.part
         self._field, self._u, self._spectrum, self._forward, self._backward = transforms(self.count)

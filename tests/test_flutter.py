@@ -1,0 +1,57 @@
+"""The damping above which no wave flutters: closed forms for uniform tangents, and the values of a run's frames."""
+
+import numpy as np
+import pytest
+
+from solver import Scene, load_path
+from solver.mechanics.flutter import FINER, MARGIN, safe_damping, safe_friction
+from solver.mechanics.layer import Modes
+
+CELL = Scene(nodes=128, width=312.5)
+
+
+def uniform(xx, xz, zx, zz, m):
+    return np.repeat(np.array([[xx], [xz], [zx], [zz]]), m, axis=1)
+
+
+def test_uniform_tangents_flutter_at_the_damping_of_their_most_critical_wave():
+    """lambda^2 + gamma lambda = mu has a root on the imaginary axis at gamma^2 = (Im mu)^2/|Re mu|."""
+    k_xx, k_zz, k_c = Modes.of(CELL).stiffness
+    xx, xz, zx, zz = -1.0, 0.8, -0.6, -0.4  # GPa/nm
+    gamma = 0.0
+    for q in range(k_xx.size):
+        mu = np.linalg.eigvals([[xx - k_xx[q], xz + 1j * k_c[q]], [zx - 1j * k_c[q], zz - k_zz[q]]])
+        gamma = max([gamma, *np.abs(mu.imag[mu.real < 0.0]) / np.sqrt(-mu.real[mu.real < 0.0])])
+    # not every wavenumber is looked at, but within a factor FINER of each one is
+    found = safe_friction(uniform(xx, xz, zx, zz, 128), Modes.of(CELL).stiffness, 128) / MARGIN
+    assert gamma / FINER <= found <= gamma * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("m", [128, 40])
+def test_symmetric_tangents_never_flutter(m):
+    rng = np.random.default_rng(3)
+    xx, xz, zz = rng.normal(size=(3, m))
+    assert safe_friction(np.array([xx, xz, xz, zz]), Modes.of(CELL).stiffness, 128) == 0.0
+
+
+def test_flutter_does_not_depend_on_where_a_patch_begins():
+    """Averages of the whole cell go round its ends."""
+    rng = np.random.default_rng(4)
+    tangents = rng.normal(size=(4, 128)) * np.hanning(128) ** 4
+    moved = np.roll(tangents, 64, axis=1)
+    found = [safe_friction(t, Modes.of(CELL).stiffness, 128) for t in (tangents, moved)]
+    assert found[0] == pytest.approx(found[1], rel=1e-12) and found[0] > 0.0
+
+
+def test_the_safe_damping_of_a_frame_is_that_of_its_displacements():
+    """The run computes it again only where T_x(u_z) - T_z(u_x) has changed by a twentieth: hence the tolerance."""
+    frames = [frame for frame in load_path(Scene()) if not frame.repeated]
+    active = [(frame.T != 0.0).any(axis=0) for frame in frames]
+    found = [safe_damping(f.scene, f.u, a, f.first) for f, a in zip(frames, active, strict=True)]
+    assert found == pytest.approx([frame.safe_damping for frame in frames], abs=0.05)
+    assert max(found) == pytest.approx(0.55, abs=0.01)  # measured at commit bca590a
+
+
+def test_a_flat_whose_nodes_are_all_alike_hides_no_wave():
+    frame = [*load_path(Scene(surface="flat", u_x_max=1.0, nodes=64, width=156.25))][-1]
+    assert safe_damping(frame.scene, frame.u, np.ones(64, bool)) == 0.0
