@@ -205,3 +205,15 @@ def test_work_does_not_mind_a_patch_that_grows():
     assert len({f.u.shape for f in frames}) > 1
     work = work_of(scene, frames)
     assert np.abs(work.defect).max() < 1e-5 * np.abs(work.top).max()
+
+
+@pytest.mark.parametrize("delta_bar", [-0.5, -0.4])
+def test_in_a_jump_where_a_held_load_takes_over_the_dead_weight_does_work(delta_bar):
+    """The dead weight does work over the whole jump of delta, which no trapezoid of U_x shows."""
+    scene = Scene(hold="load", delta_bar=delta_bar, u_x_max=0.5)
+    frames = list(load_path(scene))
+    k = next(k for k, f in enumerate(frames) if f.stage == "shear")
+    assert [event.kind for event in frames[k].slips] == ["control"]
+    work, way = work_of(scene, frames), frames[k].delta - frames[k - 1].delta
+    assert work.top[k] - work.top[k - 1] == pytest.approx(frames[k].L * way, rel=1e-6)
+    assert abs(np.diff(work.defect[k - 1 : k + 1])) < 1e-9 * abs(work.top[k])

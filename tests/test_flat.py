@@ -7,6 +7,8 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from solver import Scene, load_path
+from solver.mechanics.cohesive_law import tangent, traction
+from solver.mechanics.layer import Modes
 
 
 class OneNode:
@@ -82,3 +84,22 @@ def test_pressed_contact_comes_to_the_end_of_its_run(values):
     assert max(f.residual for f in frames) <= scene.tolerance
     loads = [slip.load for f in frames if f.stage == "shear" for slip in f.slips]
     assert np.diff(loads).min(initial=np.inf) > 0.5 * scene.spacing
+
+
+@pytest.mark.parametrize(
+    "values", [{"nu": 0.49}, {"height": 0.3}, {"nodes": 128, "width": 312.5, "E": 5.0, "nu": 0.49, "phi_ratio": 0.0}]
+)
+@pytest.mark.parametrize("du_z", [0.1, 0.05])
+def test_waves_that_need_all_nodes_are_the_located_end_of_a_branch(values, du_z):
+    """The uniform state is unstable where a 2 x 2 block of K - J is singular for some wave: known in closed form."""
+    scene = Scene(surface="flat", u_x_max=0.0, du_z=du_z, **values)
+    first = next(event for f in load_path(scene) for event in f.slips)
+    assert (first.kind, first.located) == ("bifurcation", True)
+    (k_xx, k_zz, k_c), C_zz = Modes.of(scene).stiffness, Modes.of(scene).compliance[1, 0]
+
+    def margin(gap):
+        J_xx, _, _, J_zz = tangent(scene, 0.0, gap)
+        return (J_zz - k_zz + k_c**2 / (k_xx - J_xx)).max()
+
+    gap = brentq(margin, 2.0 * scene.delta_n, 9.0 * scene.delta_n, xtol=1e-13)  # attraction is steepest at 2 delta_n
+    assert first.load == pytest.approx(C_zz * traction(scene, 0.0, gap)[1] - gap, abs=1e-6)

@@ -282,6 +282,20 @@ def test_frames_under_a_held_pull_rest_under_that_pull(values):
         assert growth(scene, frame, held=True) < 1e-6
 
 
+@pytest.mark.parametrize(
+    "values",
+    [{"delta_bar": -0.5}, {"delta_bar": -0.4}, {"delta_bar": -0.6, "phi_ratio": 0.3}, {"delta_bar": -0.5, "E": 200.0}],
+)
+def test_a_jump_where_a_held_load_takes_over_is_an_event(values):
+    """A saddle under the held load: delta jumps at U_x = 0, and CSV, JSON and the energy balance need the event."""
+    before, after = list(load_path(Scene(hold="load", u_x_max=0.0, **values)))[-2:]
+    assert (after.stage, after.U_x) == ("shear", 0.0) and abs(after.delta - before.delta) > 0.5
+    (event,) = after.slips
+    assert (event.stage, event.load, event.kind, event.located) == ("shear", 0.0, "control", True)
+    # just before the jump: the last frame of the approach
+    assert (event.F_bar, event.L_bar, event.A_bar) == pytest.approx((before.F_bar, before.L_bar, before.A_bar))
+
+
 def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
     """All nodes alike: T_z(u_x, gap) = p_0 gives the gap for every u_x, and U_z follows without deflection's change."""
     scene = SMALL.changed(surface="flat", phi_ratio=0.1, hold="load", delta_bar=0.05, u_x_max=30.0)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..run.frame import Frame
+from ..run.frame import STAGES, Frame
 from ..run.summary import whole_surface
 from ..scene import Scene
 
@@ -68,11 +68,10 @@ def layer_energy(scene, frame):
 
 def _top(here, there, after):
     """Work of the top between two frames, nN: F dU_x + L d(delta)."""
-    sideways = _integral(here, there, after, "U_x", "F")
+    if STAGES[there.stage][0] == "delta":
+        return _integral(here, there, after, "delta", "L")
     # a load that is held is the same before and after a slip, whatever delta does meanwhile
-    held = here.delta != there.delta and here.U_x != there.U_x
-    normal = _trapezoid(here, there, "delta", "L") if held else _integral(here, there, after, "delta", "L")
-    return sideways + normal
+    return _integral(here, there, after, "U_x", "F") + _trapezoid(here, there, "delta", "L")
 
 
 def _trapezoid(here, there, along, force):

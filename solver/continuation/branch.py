@@ -251,7 +251,7 @@ class _Arc:
             last = side
         away = mode.x * np.copysign(1.0, dot(mode.x, after[1] - older[0][1]))  # the way the state moves
         away *= LIMITS.start * self.unit / max(np.abs(away).max(), 1e-300)
-        return LimitPoint(*ends[1], state.active, away, mode.kind)
+        return LimitPoint(*ends[1], state.active, away, mode.kind, mode.hidden)
 
     def _fold(self, points):
         """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""

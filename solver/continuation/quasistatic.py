@@ -29,45 +29,51 @@ class QuasiStatic:
         """The Increment from `state` to load `target`, nm; raises NotConverged. May change the state's secant pairs."""
         slips = []  # [(the problem it began in, Slip)]
         while len(slips) <= SLIPS:
-            if state.unsure:
-                state = self._released(state)
-            state.secants = state.secants or self.corrector.secants()
-            self.corrector.begin(state)
-            found = continue_branch(self.corrector, self.judge, state, target)
-            if isinstance(found, LimitPoint):
+            reached = self._judged(state) if state.unsure else state
+            if isinstance(reached, State):
+                reached = self._continued(reached, target)
+            if isinstance(reached, LimitPoint):
                 before, problem = state, self.problem
-                state = self._through(found)
-                if problem is not self.problem or self._ended(before, found, state):
-                    slip = Slip(found.load, found.v, found.active, found.kind, found.located, state)
+                state = self._through(reached)
+                if problem is not self.problem or self._ended(before, reached, state):
+                    slip = Slip(reached.load, reached.v, reached.active, reached.kind, reached.located, state)
                     slips.append((problem, slip))
-                if state.load < target:
+                if state.unsure or state.load < target:
                     continue
             else:
-                state = found
+                state = reached
             wide = self._grown(state)
             if wide is None or state.load > target:
                 return Increment(state, tuple(self._carried(*slip) for slip in slips))
-            self.problem, state = wide
-            self.corrector = Corrector(self.problem)
+            self._solve(wide[0])
+            state = wide[1]
         raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")
+
+    def _continued(self, state, target):
+        """The State at load `target` on the branch of `state`, or the LimitPoint before it."""
+        state.secants = state.secants or self.corrector.secants()
+        self.corrector.begin(state)
+        return continue_branch(self.corrector, self.judge, state, target)
 
     def _ended(self, before, end, after):
         """Whether the branch of the State `before` ended in the LimitPoint `end`, or was merely lost, and goes on."""
         return end.located or slipped(self.problem, before, end.load, after)
 
-    def _released(self, state):
-        """The state itself, if it rests under the loading to come; else the State in which the motion from it rests."""
+    def _judged(self, state):
+        """The State itself, if it is stable under the load that takes over; else the LimitPoint from which it moves."""
         mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
             return replace(state, unsure=False, mode=mode)
-        away = mode.x * (BRANCH.start * self.problem.unit / np.abs(mode.x).max())
-        return self._through(LimitPoint(state.load, state.v, state.active, away, mode.kind))
+        kind = mode.kind if mode.hidden else "control"
+        return LimitPoint(state.load, state.v, state.active, self._away(mode), kind, mode.hidden)
+
+    def _away(self, mode):
+        return mode.x * (BRANCH.start * self.problem.unit / np.abs(mode.x).max())
 
     def _grown(self, state):
         """(problem of more unknowns, the same State there) if such are needed, else None."""
-        hidden = state.mode.hidden
-        grown = self.problem.grown(state.v, state.active, state.load, hidden)
-        return grown and (grown[0], replace(State.at_rest(state.load, *grown[1:]), unsure=hidden))
+        grown = self.problem.grown(state.v, state.active, state.load)
+        return grown and (grown[0], State.at_rest(state.load, *grown[1:]))
 
     def _carried(self, problem, slip):
         """A Slip of `problem` in the unknowns of the present one, which may have grown from it."""
@@ -78,7 +84,16 @@ class QuasiStatic:
 
     def _through(self, end):
         """The State in which the motion from the end of a branch comes to rest."""
+        if end.hidden:  # the wave that grows there shows on all nodes only
+            problem, v, active = self.problem.grown(end.v, end.active, end.load, True)
+            self._solve(problem)
+            away = self._away(self.judge.rightmost(problem, v, active))
+            end = replace(end, v=v, active=active, away=away)
         problem, state = motion_to_rest(self.problem, self.judge, self.damping, end, self.closed, self.film)
         if problem is not self.problem:
-            self.problem, self.corrector = problem, Corrector(problem)
-        return state
+            self._solve(problem)
+        return replace(state, unsure=state.mode.hidden)
+
+    def _solve(self, problem):
+        """From now on solve another problem, grown from the last one."""
+        self.problem, self.corrector = problem, Corrector(problem)

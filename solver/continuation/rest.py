@@ -17,6 +17,8 @@ import numpy as np
 
 from .inverse import Inverse, Space
 
+ROUND_OFF = 1e-9  # of an eigenvalue, imaginary parts below which it counts as real
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -45,7 +47,7 @@ LIMITS = Limits()
 class Mode:
     """The disturbance of an equilibrium that grows fastest, its unknowns x (size,), and what the next look starts from.
 
-    growth, 1/time; mu, GPa/nm. hidden: a wave grows that one node for all cannot show.
+    growth, 1/time; mu, GPa/nm. hidden: a wave grows that one node for all cannot show; x is then the uniform mode.
     """
 
     growth: float
@@ -65,7 +67,7 @@ class Mode:
     @property
     def kind(self):
         """What it is the onset of, as of `state.LimitPoint`, unless the load has a maximum there."""
-        return "flutter" if abs(self.mu.imag) > 1e-9 * abs(self.mu) else "bifurcation"
+        return "flutter" if abs(self.mu.imag) > ROUND_OFF * abs(self.mu) else "bifurcation"
 
 
 class Judge:
@@ -156,15 +158,17 @@ def _dense(here, friction):
 
 
 def _of_waves(here, mu, shown, friction):
-    """The Mode where every mode is a wave, arguments as of `Linearised.waves`: the fastest that can be shown."""
+    """The Mode where every mode is a wave, arguments as of `Linearised.waves`."""
     rates = rate(mu, friction)
     fastest = np.unravel_index(np.argmax(rates), mu.shape)
-    x, hidden = shown(*fastest), False
+    growth, x = float(rates[fastest]), shown(*fastest)
+    hidden = x is None and growth > LIMITS.unstable
     if x is None:
-        hidden = bool(rates[fastest] > LIMITS.unstable)
-        fastest = int(np.argmax(rates[:, 0])), 0
-        x = shown(*fastest)
-    return Mode(float(rates[fastest]), complex(mu[fastest]), here.seen(_largest_phase(x)), hidden)
+        x = shown(int(np.argmax(rates[:, 0])), 0)
+    fastest = complex(mu[fastest])
+    if abs(fastest.imag) <= ROUND_OFF * np.abs(mu).max():
+        fastest = complex(fastest.real)
+    return Mode(growth, fastest, here.seen(_largest_phase(x)), hidden)
 
 
 def _near_zero(here, inverse, friction, radius, scale, start, fine, space):

@@ -214,7 +214,7 @@ class _Passage:
             return None  # that far they may lead to other rests than the motion
         # while an oscillation goes on, landings often lead to the same state
         self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
-        if not self.mode.rests:
+        if not (self.mode.rests or self.mode.hidden):
             return None
         known = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
         return State.at_rest(self.load, v, active, **known)

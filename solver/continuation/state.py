@@ -68,7 +68,8 @@ class LimitPoint:
     """The end of a branch: the load, the unknowns there, and where the motion starts.
 
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
-    real mode does, but not at a fold; "lost", where the branch could not be followed: the motion decides if it ends.
+    real mode does, but not at a fold; "control", where another load takes over under which the state is unstable;
+    "lost", where the branch could not be followed: the motion decides if it ends. hidden: as of `rest.Mode`.
     """
 
     load: float  # nm
@@ -76,6 +77,7 @@ class LimitPoint:
     active: np.ndarray
     away: np.ndarray  # (size,): the motion starts from rest at v + away
     kind: str
+    hidden: bool = False
 
     @property
     def located(self):

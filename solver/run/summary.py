@@ -29,13 +29,15 @@ def changing(frames):
 def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """A run in a few numbers: A_0 and slips after the approach; U_s (nm), F_s and A_s at the first slip in shear.
 
-    Each is None where there is none. L_min, the least load during retraction, is there in a run with unloading only.
-    Forces are over w E of their own increment. scene: that of the end of the run. Of one that was carried on, `events`
-    name what changes along it, `E_s` is the E of F_s, and `changes` says from which increment of all on it has what.
+    Each is None where there is none. A jump where a held load takes over ("control") counts among the slips, but is not
+    the first one. L_min, the least load during retraction, is there in a run with unloading only. Forces are over w E
+    of their own increment. scene: that of the end of the run. Of one that was carried on, `events` name what changes
+    along it, `E_s` is the E of F_s, and `changes` says from which increment of all on it has what.
     """
     names = changing(frames)
     after = [f for f in frames if f.stage != "approach"]
-    found, event = next(((f, event) for f in after if f.stage == "shear" for event in f.slips), (None, None))
+    sheared = ((f, event) for f in after if f.stage == "shear" for event in f.slips if event.kind != "control")
+    found, event = next(sheared, (None, None))
     told = {
         "converged": _converged(scene, frames),
         "evaluations": sum(f.evaluations for f in frames),
