@@ -10,7 +10,9 @@ from scipy.optimize import brentq
 from toys import CUBIC, Node, Toy, cubic, lattice, spiral
 
 from solver.continuation.corrector import Corrector
+from solver.continuation.fold import Fold, FoldOptions, fold_near
 from solver.continuation.gfmd import Gfmd
+from solver.continuation.inverse import Solves
 from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import Replay
@@ -526,3 +528,63 @@ def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
     done = QuasiStatic(toy, 1.0, 2.0).increment(state, 0.05)
     assert abs(done.state.v[0]) > 0.9
     assert abs(0.05 + done.state.v[0] - done.state.v[0] ** 3) < 1e-11
+
+
+# folds
+
+
+def fold_guess(problem, load, v, way):
+    return Fold.of(load, np.array(v, float), np.ones(1, bool), np.array(way, float))
+
+
+def test_a_fold_is_found_from_a_state_off_it():
+    """s = v^3 - v has its maximum 2/(3 sqrt 3) at v = -1/sqrt 3, and bends by -2 sqrt 3 there."""
+    toy = cubic()
+    fold = fold_near(toy, fold_guess(toy, 0.2, [-0.9], [1.0]))
+    assert fold.load == pytest.approx(CUBIC.fold, abs=1e-9)  # the default sharpness
+    assert fold.v[0] == pytest.approx(CUBIC.at, abs=1e-4)  # its square is the error of the load
+    assert fold.bend == pytest.approx(-2.0 * 3.0**0.5, rel=0.05)  # as of a state within `alike` of the fold
+    assert fold.residual <= toy.tolerance
+
+
+def test_a_fold_of_an_interaction_without_potential_has_both_null_vectors():
+    toy = spiral(growth=1.5, turn=0.3)
+    r = np.linspace(0.4, 0.6, 200_001)  # its first fold is at 0.54
+    top = np.argmax([toy.load(x) for x in r])
+    at = toy.at_rest(toy.load(r[top] - 0.05), [0.4, 0.2])
+    way = toy.at_rest(at.load + 1e-3, at.v).v - at.v
+    fold = fold_near(toy, fold_guess(toy, at.load, at.v, way), FoldOptions(accuracy=1e-9, state=1e-9, alike=1e-9))
+    assert fold.load == pytest.approx(toy.load(r[top]), abs=1e-9)
+    assert np.hypot(*fold.v) == pytest.approx(r[top], abs=1e-5)  # between values of r
+    A = toy.linearised(fold.v, fold.active).matrix()
+    assert np.abs(A @ fold.phi).max() < 1e-8 and np.abs(A.T @ fold.psi).max() < 1e-8
+    assert fold.psi @ toy.direction == pytest.approx(1.0)
+    for arc in (-1e-3, 1e-3):  # beside it the load falls with bend/2 arc^2
+        v = toy.at_rest(fold.load + 0.5 * fold.bend * arc**2, fold.v + arc * fold.phi).v
+        assert np.abs(v - fold.v - arc * fold.phi).max() < 3e-5  # the square of the arc, times its curvature
+
+
+def test_no_fold_is_found_where_there_is_none():
+    toy = lattice((0.3, 0.0))  # 2 pi A/period < 1: it slides smoothly
+    assert fold_near(toy, fold_guess(toy, 1.0, [0.8], [1.0])) is None
+
+
+def test_a_minimum_of_the_load_is_no_fold():
+    assert fold_near(cubic(), fold_guess(cubic(), -0.3, [0.6], [1.0])) is None
+
+
+def test_a_fold_is_left_unchanged_by_the_search():
+    toy = cubic()
+    guess = fold_guess(toy, 0.2, [-0.9], [1.0])
+    before = guess.v.copy(), guess.phi.copy()
+    fold_near(toy, guess)
+    assert np.array_equal(guess.v, before[0]) and np.array_equal(guess.phi, before[1])
+
+
+def test_dense_solves_step_in_where_iterations_do_not_converge():
+    toy = spiral()
+    v = np.array([1.0, 0.3])
+    solves = Solves(toy.linearised(v, np.ones(1, bool)), products=1)
+    matrix, f = toy.linearised(v, np.ones(1, bool)).matrix(), np.array([1.0, 2.0])
+    assert matrix @ solves(f, accuracy=1e-12) == pytest.approx(f, abs=1e-12)
+    assert matrix.T @ solves(f, transposed=True, accuracy=1e-12) == pytest.approx(f, abs=1e-12)

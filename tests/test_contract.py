@@ -93,6 +93,40 @@ def test_the_tangent_is_the_slope_of_the_residual(problem):
     assert problem.linearised(v, active).tangent(w) == pytest.approx(slope, abs=1e-7 * np.abs(slope).max())
 
 
+def test_the_dense_tangent_and_the_transposed_one_are_the_tangent(problem):
+    v, active = state(problem)
+    here, (w, x) = problem.linearised(v, active), np.random.default_rng(1).normal(size=(2, problem.size))
+    largest = np.abs(here.tangent(w)).max()
+    assert x @ here.tangent(w) == pytest.approx(w @ here.transposed(x), abs=1e-12 * problem.size * largest)  # round-off
+    assert here.matrix() @ w == pytest.approx(
+        here.tangent(w), abs=1e-9 * largest
+    )  # kernels come from another transform
+
+
+def test_slopes_are_the_change_of_the_tangent(problem):
+    """Central differences over 1e-5 nm: their error is 1e-10 of the third derivative, and 1e-16/1e-5 by round-off."""
+    v, active = state(problem)
+    way, right, left = 0.1 * np.random.default_rng(1).normal(size=(3, problem.size))
+    ahead, behind = (left @ problem.linearised(v + h * way, active).tangent(right) for h in (1e-5, -1e-5))
+    slopes = problem.linearised(v, active).slopes(right, left)
+    # `slopes` itself takes differences over 1e-3 units
+    assert slopes @ way == pytest.approx((ahead - behind) / 2e-5, rel=1e-4, abs=1e-8)
+
+
+def test_right_eigenvectors_are_mirrored_to_left_ones_where_the_interaction_is_symmetric(problem):
+    v, active = state(problem)
+    here = problem.linearised(v, active)
+    if hasattr(here, "J"):
+        here.J[1] = here.J[2]
+    elif not np.array_equal(here.matrix(), here.matrix().T):
+        return  # a toy whose interaction has no potential
+    values, vectors = np.linalg.eig(here.matrix())
+    right = vectors[:, np.abs(values.imag).argmin()].real
+    left = here.mirrored(right)
+    value = values[np.abs(values.imag).argmin()].real
+    assert here.transposed(left) == pytest.approx(value * left, abs=1e-7 * np.abs(left).max())  # round-off of `eig`
+
+
 def test_a_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
     v, active = state(problem)
     inverse = problem.preconditioner(v, active)

@@ -6,6 +6,7 @@ anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length
 rest         the only judge of whether an equilibrium is a rest of the motion; if not, which mode grows, and how fast
 inverse      solves with the tangent of an equilibrium; spaces in which modes are looked for
+fold         the end of a branch where its load has a maximum: found near a guess, with both null vectors
 branch       a branch followed to the load asked for, or to its end before that
 motion       the damped motion from the end of a branch to the next rest
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion

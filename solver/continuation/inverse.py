@@ -2,6 +2,7 @@
 
 import numpy as np
 from numba import njit
+from scipy.linalg import lu_factor, lu_solve
 
 from .anderson import dot
 
@@ -13,9 +14,10 @@ FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16
 class Inverse:
     """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
 
-    def __init__(self, size):
+    def __init__(self, size, most=MOST):
+        """most: products in all solves."""
         self.product = self._smooth = None
-        self.size, self.rows = size, 0
+        self.size, self.rows, self._most = size, 0, most
         self._z, self._q = np.empty((2, FIRST, size))
 
     def of_tangent(self, product, smooth):
@@ -24,7 +26,7 @@ class Inverse:
         return self
 
     def solve(self, b, accuracy=ACCURACY):
-        """w (size,) with A w = b, to |A w - b| <= accuracy |b| or as near as MOST products lead."""
+        """w (size,) with A w = b, to |A w - b| <= accuracy |b| or as near as the products lead."""
         return self.reduced(b, accuracy)[0]
 
     def reduced(self, b, accuracy=ACCURACY):
@@ -32,7 +34,7 @@ class Inverse:
         w, r = np.zeros(self.size), b.copy()
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
-        while dot(r, r) > bound and self.rows < MOST:
+        while dot(r, r) > bound and self.rows < self._most:
             z = r.copy() if self._smooth is None else self._smooth(r)
             if self.rows == len(self._z):
                 self._z, self._q = (np.concatenate([pairs, np.empty_like(pairs)]) for pairs in (self._z, self._q))
@@ -41,6 +43,65 @@ class Inverse:
             self.rows += 1
             _share(self._z, self._q, self.rows - 1, self.rows, w, r)
         return w, r
+
+
+class NotSolved(ArithmeticError):
+    """A linear solve does not converge, and has too many unknowns to be done densely."""
+
+
+class Solves:
+    """x with M x = f, or M^T x = f: M is dR/dv of a Linearised, bordered by a column and a row (size,) if given.
+
+    Iterations keep their products for the next solve; where they do not converge, LAPACK factorises M.
+    """
+
+    def __init__(self, linearised, column=None, row=None, products=MOST):
+        """products: most iterations for all solves of one kind."""
+        self.linearised, self.column, self.row, self._lu = linearised, column, row, None
+        self._most, self._by_iterations = products, {}
+
+    def __call__(self, f, transposed=False, guess=None, accuracy=ACCURACY):
+        """x for f, to accuracy times the length of f; guess: where iterations begin. Raises NotSolved."""
+        return self.reduced(f, transposed, guess, accuracy)[0]
+
+    def reduced(self, f, transposed=False, guess=None, accuracy=ACCURACY):
+        """The same x, and f - M x."""
+        product, wanted = self._transposed if transposed else self._product, accuracy * np.linalg.norm(f)
+        if self._lu is None:
+            x, r = (np.zeros_like(f), f) if guess is None else (guess, f - product(guess))
+            if (size := np.linalg.norm(r)) > wanted:
+                more, r = self._inverse(transposed, f.size).reduced(r, wanted / size)
+                x = x + more
+            if np.linalg.norm(r) <= 10.0 * wanted:
+                return x, r
+            self._lu = self._factors()
+        x = lu_solve(self._lu, f, trans=int(transposed), check_finite=False)
+        x = x + lu_solve(self._lu, f - product(x), trans=int(transposed), check_finite=False)
+        return x, f - product(x)
+
+    def _inverse(self, transposed, size):
+        if transposed not in self._by_iterations:
+            product = self._transposed if transposed else self._product
+            self._by_iterations[transposed] = Inverse(size, self._most).of_tangent(product, None)
+        return self._by_iterations[transposed]
+
+    def _product(self, x):
+        if self.column is None:
+            return self.linearised.tangent(x)
+        return np.append(self.linearised.tangent(x[:-1]) + x[-1] * self.column, self.row @ x[:-1])
+
+    def _transposed(self, x):
+        if self.column is None:
+            return self.linearised.transposed(x)
+        return np.append(self.linearised.transposed(x[:-1]) + x[-1] * self.row, self.column @ x[:-1])
+
+    def _factors(self):
+        A = self.linearised.matrix()
+        if A is None:
+            raise NotSolved("a linear solve does not converge")
+        if self.column is not None:
+            A = np.block([[A, self.column[:, None]], [self.row[None], np.zeros((1, 1))]])
+        return lu_factor(A, check_finite=False)
 
 
 class Space:

@@ -24,6 +24,18 @@ class Linearised(Protocol):
     def tangent(self, w):
         """dR/dv w, (size of the problem,), a new array."""
 
+    def transposed(self, w):
+        """(dR/dv)^T w, (size of the problem,), a new array."""
+
+    def mirrored(self, w):
+        """The left null vector of dR/dv, of any length, that a symmetric interaction has for the right one w."""
+
+    def slopes(self, right, left):
+        """<left, dR/dv right> differentiated by the unknowns, (size of the problem,), a new array."""
+
+    def matrix(self):
+        """dR/dv, dense, or None where it is too large to be factorised."""
+
     def inverse(self, solve: Callable, f):
         """(x, K x), (N,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w. K x is exact even if
         `solve` is not. For N > `rest.LIMITS.most`."""
@@ -81,7 +93,7 @@ class Problem(Protocol):
         """(problem, v, active) with more unknowns, if these are needed, or asked for by `hidden`; else None."""
 
     def linearised(self, v, active) -> Linearised:
-        """The problem linearised at an equilibrium; valid until the next call."""
+        """The problem linearised at an equilibrium; a later call leaves it valid."""
 
     def motion(self) -> Dynamics:
         """The motion whose rests are the equilibria."""

@@ -2,25 +2,29 @@
 
 A small disturbance x (2, n) nm of all n nodes of the cell, flattened, obeys x'' = (J - K) x - gamma x', with J zero
 outside the patch. By Parseval's theorem its Euclidean inner product is that of Fourier modes of unit mass.
+The compliance C is symmetric, J is not: (C J - 1)^T = J^T C - 1.
 """
 
 import numpy as np
 
 from .cohesive_law import add_product, alike
+from .dense import MOST, fill
 from .flutter import safe_friction
 
 SKEWER = 0.05  # of critical: change of the safe damping, estimated, from which on it is computed anew
+BESIDE = 1e-3  # units along a disturbance, for the change of J: the error is the square, round-off 1e-13
 
 
 class Linearised:
     """The Linearised of `continuation.problem`, at one equilibrium v of an `equilibrium.Equilibrium`.
 
-    Attributes: J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; size, of a disturbance.
+    Attributes: u (2, m) nm; J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; size, of a disturbance.
     """
 
     def __init__(self, surface, v, active):
         self.surface, self.contact, self.m = surface, surface.contact, surface.contact.size
-        self.J = self.contact.tangents(surface.problem.surface(v), active)
+        self.u, self.active = surface.problem.surface(v), active
+        self.J = self.contact.tangents(self.u, active)
         self.size = 2 * surface.count
 
     @property
@@ -31,6 +35,45 @@ class Linearised:
     def tangent(self, w):
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
         return self.contact.product(self.J, w.reshape(2, -1))[0].reshape(-1) - w
+
+    def transposed(self, w):
+        """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""
+        out = -w[: 2 * self.m]
+        add_product(self.J[[0, 2, 1, 3]], self.by_traction(w), out.reshape(2, -1))
+        return out
+
+    def by_traction(self, w):
+        """<w, R> differentiated by the tractions, (2, m) nm/GPa; a buffer; counts as a force evaluation."""
+        return self.contact.comply(w[: 2 * self.m].reshape(2, -1))
+
+    def mirrored(self, w):
+        """The left null vector (problem size,) of dR/dv with the right one w, if J were symmetric: J w."""
+        return self.pull(w).reshape(-1)
+
+    def pull(self, w):
+        """J w, (2, m), of unknowns w (problem size,); a new array."""
+        out = np.zeros((2, self.m))
+        add_product(self.J, w[: 2 * self.m].reshape(2, -1), out)
+        return out
+
+    def slopes(self, right, left):
+        """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
+        way = right[: 2 * self.m].reshape(2, -1)
+        h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), 1e-300)
+        change = self.contact.tangents(self.u + h * way, self.active)
+        change -= self.contact.tangents(self.u - h * way, self.active)
+        out = np.zeros((2, self.m))
+        add_product(change[[0, 2, 1, 3]] / (2.0 * h), self.by_traction(left), out)
+        return np.append(out, [0.0] * (right.size - out.size))
+
+    def matrix(self):
+        """dR/dv, dense (problem size, problem size); None beyond `dense.MOST` nodes."""
+        if self.m > MOST:
+            return None
+        out, cell = np.empty((2 * self.m,) * 2), self.contact.cell
+        kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
+        fill(kernels, np.arange(self.m), self.J, out)
+        return -out
 
     def product(self, x, layered=None):
         """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""

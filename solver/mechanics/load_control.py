@@ -43,6 +43,26 @@ class HeldLinearised(Linearised):
         out[self.m :] += w[-1]
         return np.append(out, problem.scale * problem.pressure_of(self.J, w))
 
+    def transposed(self, w):
+        """As of Linearised; w (problem size,)."""
+        return np.append(super().transposed(w), w[self.m : -1].sum())
+
+    def by_traction(self, w):
+        """As of Linearised; the height's residual is the pressure's."""
+        out = super().by_traction(w)
+        out[1] += self.surface.problem.scale * w[-1] / self.surface.count
+        return out
+
+    def mirrored(self, w):
+        """As of Linearised: C J w + w[-1] is w, and its mirror image carries the height as a pressure."""
+        return np.append(super().mirrored(w), w[-1] * self.surface.count / self.surface.problem.scale)
+
+    def matrix(self):
+        """As of Linearised."""
+        inner, column = super().matrix(), np.repeat([0.0, 1.0], self.m)
+        rise = self.surface.problem.scale / self.surface.count * self.J[2:].ravel()
+        return None if inner is None else np.block([[inner, column[:, None]], [rise, 0.0]])
+
     def _unknowns(self, field):
         return np.append(super()._unknowns(field), field[1].mean())  # the layer bears the same load
 

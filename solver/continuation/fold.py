@@ -1,0 +1,134 @@
+"""A fold of a branch, the maximum of its load, by a Newton iteration for (v, s) with both null vectors.
+
+Along a branch dv = phi da and ds = g da, with the arc a = <c, v>: A phi + g R_s = 0, <c, phi> = 1, A = dR/dv. At a fold
+g = 0, so that phi is a null vector of A. The left one is psi, with A^T psi + g c = 0, <R_s, psi> = 1: it gives
+dg = -<psi, dA phi>. The bordered matrix [[A, R_s], [c^T, 0]] is regular at a fold. Newton's steps solve R = 0 and
+g = 0; they use one such matrix while the state hardly moves.
+Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibria, doi:10.1137/1.9780898719543, ch. 3.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .inverse import MOST, NotSolved, Solves
+from .problem import Problem
+
+
+@dataclass(frozen=True)
+class FoldOptions:
+    """How a fold is searched for; a "unit" is the problem's `unit`. The state is also solved to `problem.tolerance`."""
+
+    load: float = 1e-9  # units, last Newton step of the load: the accuracy asked for
+    state: float = 3e-5  # units, last step of the state: its square is the error of the load
+    # of the linear solves: a step leaves that part of the error. 1e-3 takes as many evaluations, in fewer steps
+    accuracy: float = 1e-2
+    alike: float = 0.05  # units from where the matrix was formed, within which it serves: steps then gain a digit
+    longest: float = 0.3  # units, of one step; from longer ones punches reached the folds of other branches
+    farthest: float = 1.5  # units from the guess: beyond, it is another fold
+    steps: int = 15  # most Newton steps; folds that exist took 10 at most in the slider box
+    window: int = 0  # changes of the active nodes, at most; by default they stay those of the guess
+    products: int = MOST  # most products of iterative solves with one matrix, before it is factorised
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A maximum of the load along a branch: at v + arc phi the load is that of the fold + bend/2 arc^2."""
+
+    load: float  # nm
+    v: np.ndarray  # (size,)
+    active: np.ndarray
+    phi: np.ndarray  # (size,) the right null vector of dR/dv; its largest component is 1 or -1
+    bend: float = np.nan  # 1/nm, negative; as of a state within `FoldOptions.alike`, and so is
+    psi: np.ndarray | None = None  # (size,) the left null vector, <R_s, psi> = 1; None: not known
+    residual: float = np.inf  # nm, of v
+
+    @staticmethod
+    def of(
+        load: float, v: np.ndarray, active: np.ndarray, way: np.ndarray, bend: float = np.nan, **more: Any
+    ) -> "Fold":
+        """A Fold on the way `way` (size,), any length, with the second derivative of the load along that way."""
+        largest = np.abs(way).max()
+        return Fold(load, v, active, way / largest, bend / largest**2, **more)
+
+
+class Bordered:
+    """The tangent at v, bordered by R_s and by c = phi, with both null vectors.
+
+    Attributes: here, the Linearised; solves, with the bordered matrix; phi, psi (size,) and g, as above, with phi of
+    length 1 and g as of R_s of length 1; slopes (size,), the derivative of <psi, A phi> by the state.
+    """
+
+    def __init__(self, problem: Problem, v, active, phi, psi=None, options: FoldOptions = FoldOptions()):
+        """phi, psi: guesses, any length; psi None: the one of a symmetric interaction."""
+        self.v, self.here = v.copy(), problem.linearised(v, active)
+        c = phi / np.linalg.norm(phi)
+        psi = self.here.mirrored(c) if psi is None else psi
+        self.load = problem.direction / np.linalg.norm(problem.direction)
+        psi = psi / (psi @ self.load)
+        self.solves = Solves(self.here, self.load, c, options.products)
+        unit, accuracy = np.append(np.zeros(v.size), 1.0), options.accuracy
+        right, rest = self.solves.reduced(unit, guess=np.append(c, 0.0), accuracy=accuracy)
+        lefts = accuracy * np.linalg.norm(psi)
+        self.psi = self.solves(unit, transposed=True, guess=np.append(psi, 0.0), accuracy=lefts)[:-1]
+        self.phi, self.g = right[:-1], right[-1] + self.psi @ rest[:-1]  # its error is the product of both vectors'
+        self.slopes = self.here.slopes(self.phi, self.psi)
+
+    def turned(self, here, phi, accuracy):
+        """(phi, g) of another Linearised nearby, from the last phi; one product."""
+        change = here.tangent(phi)
+        g = -(self.psi @ change)
+        return phi - self.solves(np.append(change + g * self.load, 0.0), accuracy=accuracy)[:-1], g
+
+
+def fold_near(problem: Problem, guess: Fold, options: FoldOptions = FoldOptions()) -> Fold | None:
+    """The Fold of a problem next to a guess, or None if there is none within reach.
+
+    The guess's phi must be about right; its psi may be None.
+    """
+    try:
+        return _search(problem, guess, options)
+    except (NotSolved, np.linalg.LinAlgError, FloatingPointError):
+        return None
+
+
+def _search(problem, guess, options):
+    v, load, active, unit = guess.v.copy(), guess.load, guess.active, problem.unit
+    phi, psi, r, changes = guess.phi, guess.psi, np.empty(problem.size), 0
+    matrix, last = None, (np.inf, np.inf)
+    for _ in range(options.steps):
+        worst = problem.residual(v, active, load, r)
+        sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
+        if sharp and worst <= problem.tolerance:
+            return _fold(problem, matrix, load, v, active, phi, worst)
+        if matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
+            matrix = Bordered(problem, v, active, phi, psi, options)
+            phi, psi, g = matrix.phi, matrix.psi, matrix.g
+        else:
+            phi, g = matrix.turned(problem.linearised(v, active), phi, options.accuracy)
+        dv, ds = _step(problem, matrix, phi, g, r, options.accuracy)
+        last = abs(ds), np.abs(dv).max()
+        part = min(1.0, options.longest * unit / max(last[1], 1e-300))
+        v, load = v + part * dv, load + part * ds
+        if not np.abs(v - guess.v).max() <= options.farthest * unit:  # nan fails it too
+            return None
+        again = problem.active(v, load, active) if changes < options.window else active
+        if again is not active:
+            active, matrix, changes = again, None, changes + 1
+    return None
+
+
+def _step(problem, matrix, phi, g, r, accuracy):
+    """(dv, ds) of Newton's step from the residual r and the test function g."""
+    dv = matrix.solves(np.append(-r, 0.0), accuracy=accuracy)[:-1]
+    part = (g - matrix.slopes @ dv) / (matrix.slopes @ phi)
+    return dv + part * phi, (part * g - matrix.psi @ r) / np.linalg.norm(problem.direction)
+
+
+def _fold(problem, matrix, load, v, active, phi, worst):
+    bend = -(matrix.slopes @ phi) / np.linalg.norm(problem.direction)
+    if not bend < 0.0:
+        return None
+    psi = matrix.psi / np.linalg.norm(problem.direction)
+    return Fold.of(load, v, active, phi, bend, psi=psi, residual=float(worst))
