@@ -1,25 +1,27 @@
-"""Calls on a dask cluster, in place of processes of this machine; needs the extra `cluster`, here and there."""
+"""Calls on a dask cluster, in place of processes of this machine; the extra `cluster` is needed on every worker too."""
 
+from collections.abc import Callable, Iterable, Iterator
 from queue import Empty, SimpleQueue
 from time import monotonic
 from traceback import format_exception
+from typing import Any
 
-from .isolated import Lost
+from .isolated import TRACEBACK, Lost
 
-PATIENCE = 10.0  # s for the scheduler to answer
-LOOK = 1.0  # s between two looks whether it is still there
+PATIENCE = 10.0  # s for the scheduler to answer; on a local network it takes milliseconds
+LOOK = 1.0  # s between two checks that the scheduler is still there
 LOST = "--scheduler {}: was lost; start it, and run again"
 
 
 class ClusterError(RuntimeError):
-    """The cluster is of no use; the message is one line that names it and says what to do."""
+    """The cluster cannot be used; the message is one line that names it and a remedy."""
 
 
-def outcomes(call, items, address, limit):
-    """Yield (index, call(item) or Lost) as they come, from workers that the scheduler at `address` knows then.
+def outcomes(call: Callable, items: Iterable[Any], address: str, limit: float) -> Iterator[tuple[int, Any]]:
+    """Yields (index, call(item) or Lost) in the order of completion, from the workers of the scheduler at `address`.
 
-    Those of a worker that is lost are made by another; when nothing has come for `limit` s, what is left counts as
-    hung. Raises ClusterError.
+    Dask repeats the calls of a lost worker on another. If no result arrives for `limit` s, the remaining calls are Lost
+    as 'hang'. Raises ClusterError.
     """
     try:
         from distributed import Client
@@ -33,27 +35,27 @@ def outcomes(call, items, address, limit):
         if not client.ncores():
             raise ClusterError(f"--scheduler {address}: no worker there; dask worker {address} --nthreads 1")
         futures = [client.submit(call, item, pure=False) for item in items]
-        found, waiting, heard = SimpleQueue(), {future.key: k for k, future in enumerate(futures)}, monotonic()
+        ended, waiting, last = SimpleQueue(), {future.key: k for k, future in enumerate(futures)}, monotonic()
         for future in futures:
-            future.add_done_callback(found.put)
+            future.add_done_callback(ended.put)
         while waiting:
             try:
-                future = found.get(timeout=LOOK)
+                future = ended.get(timeout=LOOK)
             except Empty:
                 if client.status != "running":
                     raise ClusterError(LOST.format(address)) from None
-                if monotonic() > heard + limit:
-                    for index in waiting.values():
-                        yield index, Lost("hang", f"no answer of the cluster within {limit:g} s")
+                if monotonic() > last + limit:
+                    hang = Lost("hang", f"no answer of the cluster within {limit:g} s")
+                    yield from ((index, hang) for index in waiting.values())
                     return
                 continue
             if future.status not in ("finished", "error"):
                 raise ClusterError(LOST.format(address))
-            heard = monotonic()
+            last = monotonic()
             yield waiting.pop(future.key), future.result() if future.status == "finished" else _lost(future.exception())
 
 
 def _lost(error):
-    if type(error).__module__.startswith("distributed."):  # KilledWorker and its like
+    if type(error).__module__.startswith("distributed."):  # such as KilledWorker
         return Lost("crash", str(error))
-    return Lost("error", "".join(format_exception(error, limit=-6)))
+    return Lost("error", "".join(format_exception(error, limit=TRACEBACK)))

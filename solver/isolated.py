@@ -1,8 +1,10 @@
-"""Calls in processes of their own, each with a limit of time: a call that hangs or crashes costs a process, no more."""
+"""Calls with a time limit in separate processes: a call that hangs or crashes costs a process and nothing else."""
 
 import os
+import pickle
 import signal
 import sys
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from inspect import isgenerator
@@ -12,51 +14,53 @@ from multiprocessing.connection import wait
 from threading import Event, RLock, Thread, local
 from time import monotonic
 from traceback import format_exc
+from typing import Any
 
-# The limit of `threads.one_thread` from the start: as many processes as cores, of which none makes threads in vain
+# Read by the libraries when they are loaded: processes as many as cores need no further threads.
 ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"
-# A plain fork copies threads' locks in whatever state they are. A server of forks has one thread, and holds what was
-# imported with `multiprocessing.set_forkserver_preload`: a process is there at once. Not every system bears it.
+# A plain fork copies the locks of threads in whatever state they are. The fork server has one thread, and has imported
+# what `multiprocessing.set_forkserver_preload` names, so a process starts at once. Other systems do not have it.
 START = "forkserver" if sys.platform == "linux" else "spawn"
-spawning = RLock()
+TRACEBACK = -6  # the innermost calls that a message shows: enough to find the cause
+starting = RLock()
 
 
 class Lost(Exception):
-    """A call without a result: kind 'hang', 'crash' or 'error', and what is known of it; of an error its traceback."""
+    """A call without a result: kind 'hang', 'crash' or 'error', and the reason; of an error its traceback."""
 
-    def __init__(self, kind, reason):
+    def __init__(self, kind: str, reason: str) -> None:
         super().__init__(kind, reason)
         self.kind, self.reason = kind, reason
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.reason
 
 
 class Caller:
-    """A process that makes one call at a time, and ends with this one; `end` it from any thread."""
+    """A process that makes one call at a time and ends with this one; any thread may `end` it."""
 
-    def __init__(self):
-        for name in ONE_THREAD:
-            os.environ.setdefault(name, "1")
+    def __init__(self) -> None:
         context = get_context(START)
         self._pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with theirs, _bare_main():  # their end is closed here, so that the pipe ends with the process
+        with theirs, _prepared():  # their end is closed here, so that the pipe ends with the process
             self.process.start()
 
-    def alive(self):
-        """Whether the process still is."""
+    def alive(self) -> bool:
+        """Whether the process is running."""
         return self.process.is_alive()
 
-    def call(self, function, *arguments, limit=inf, hear=None):
-        """function(*arguments), made in the process; raises Lost, and but for kind 'error' the process is gone then.
+    def call(
+        self, function: Callable, *arguments: Any, limit: float = inf, hear: Callable[[Any], Any] | None = None
+    ) -> Any:
+        """function(*arguments), computed in the process. Raises Lost; except for kind 'error' the process has ended.
 
-        All must be picklable, the function importable. limit: s until the result is here. Of a generator, hear(each)
+        Function, arguments and result must be picklable. limit: s until the result is here. Of a generator, hear(item)
         is called here for all it yields, and the result is what it returns.
         """
         due = monotonic() + limit
         try:
-            with suppress(BrokenPipeError, ConnectionError):  # heard below
+            with suppress(BrokenPipeError, ConnectionError):  # _answer reports it
                 self._pipe.send((function, arguments))
             while True:
                 kind, value = self._answer(due, limit)
@@ -70,8 +74,8 @@ class Caller:
         except (EOFError, OSError):  # the process ended, maybe in the middle of an answer
             self.end()
             raise Lost("crash", f"the process ended with exit code {self.process.exitcode}") from None
-        except Exception:  # what cannot be pickled
-            raise Lost("error", format_exc(limit=-6)) from None
+        except Exception:  # function or arguments cannot be pickled
+            raise Lost("error", format_exc(limit=TRACEBACK)) from None
 
     def _answer(self, due, limit):
         ready = wait([self._pipe, self.process.sentinel], None if due == inf else max(0.0, due - monotonic()))
@@ -80,51 +84,59 @@ class Caller:
         self.end()
         raise Lost("hang", f"no answer within {limit:g} s")
 
-    def end(self):
-        """Kill the process, whatever it does; a call that goes on raises Lost."""
+    def end(self) -> None:
+        """Kill the process, whatever it does; a call in progress raises Lost."""
         self.process.kill()
         self.process.join()
 
 
 @contextmanager
-def _bare_main():
-    """Hide `__main__`'s file while a process is spawned: it would import the start script, of a server all of it."""
+def _prepared():
+    """While a process starts: ONE_THREAD is set where it is not, and `__main__`'s file is hidden.
+
+    The new process inherits the variables. It would import the file, which may be the start script of a server.
+    """
     main = sys.modules["__main__"]
-    with spawning:
+    with starting:
         file = main.__dict__.pop("__file__", None)
+        added = {name: "1" for name in ONE_THREAD if name not in os.environ}
+        os.environ.update(added)
         try:
             yield
         finally:
+            for name in added:
+                del os.environ[name]
             if file is not None:
                 main.__file__ = file
 
 
-def outcomes(call, items, workers, limit):
-    """Yield (index, call(item) or Lost) as they come; call importable, items picklable, limit in seconds for each.
+def outcomes(call: Callable, items: Iterable[Any], workers: int | str, limit: float) -> Iterator[tuple[int, Any]]:
+    """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
 
-    workers: how many processes of this machine, or the address of a dask cluster's scheduler; then raises ClusterError.
+    workers: the number of processes on this machine, or the address of a dask cluster's scheduler; then raises
+    ClusterError. limit: s for each call.
     """
     with crew(workers) as outcomes_of:
         yield from outcomes_of(call, items, limit)
 
 
 @contextmanager
-def crew(workers):
-    """A function (call, items, limit) as `outcomes`, whose processes stay from one use to the next."""
+def crew(workers: int | str) -> Iterator[Callable[[Callable, Iterable[Any], float], Iterator[tuple[int, Any]]]]:
+    """A function (call, items, limit) as `outcomes`; its processes stay from one use to the next."""
     if isinstance(workers, str):
-        from . import cluster  # which makes use of what is here
+        from . import cluster  # it imports this module
 
         yield lambda call, items, limit: cluster.outcomes(call, items, workers, limit)
         return
     callers, own, over = [], local(), Event()
 
     def outcome(call, item, limit):
-        """In a thread with a process of its own, a new one after each that was lost."""
+        """Runs in a thread, which has its own process and starts another one for each that is lost."""
         try:
             if getattr(own, "caller", None) is None:
                 own.caller = Caller()
                 callers.append(own.caller)
-                if over.is_set():  # it has come too late to be ended with the others
+                if over.is_set():  # too late to be ended with the others
                     own.caller.end()
             return own.caller.call(call, item, limit=limit)
         except Lost as lost:
@@ -133,14 +145,14 @@ def crew(workers):
             return lost
 
     def outcomes_of(call, items, limit):
-        made = {threads.submit(outcome, call, item, limit): index for index, item in enumerate(items)}
-        for future in as_completed(made):
-            yield made[future], future.result()
+        futures = {threads.submit(outcome, call, item, limit): index for index, item in enumerate(items)}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
 
     with ThreadPoolExecutor(workers) as threads:
         try:
             yield outcomes_of
-        finally:  # nobody wants the rest
+        finally:  # the caller may have left before the last outcome
             over.set()
             threads.shutdown(wait=False, cancel_futures=True)
             for caller in list(callers):
@@ -148,37 +160,34 @@ def crew(workers):
 
 
 def _serve(pipe):
-    """The life of the process."""
+    """The main loop of the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
     Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
-            function, arguments = pipe.recv()
+            sent = pipe.recv_bytes()
         except EOFError:
             return
-        except Exception:  # what cannot be imported
-            pipe.send(("error", format_exc(limit=-6)))
-            continue
         try:
-            answer = "result", _made(function, arguments, pipe)
-        except Exception:
-            answer = "error", format_exc(limit=-6)
+            answer = "result", _result(*pickle.loads(sent), pipe)
+        except Exception:  # of the call, or its function cannot be imported
+            answer = "error", format_exc(limit=TRACEBACK)
         try:
             pipe.send(answer)
         except (BrokenPipeError, ConnectionError):
             return
-        except Exception:  # what cannot be pickled
-            pipe.send(("error", format_exc(limit=-6)))
+        except Exception:  # the result cannot be pickled
+            pipe.send(("error", format_exc(limit=TRACEBACK)))
 
 
-def _made(function, arguments, pipe):
-    made = function(*arguments)
-    while isgenerator(made):
+def _result(function, arguments, pipe):
+    result = function(*arguments)
+    while isgenerator(result):
         try:
-            pipe.send(("news", next(made)))
+            pipe.send(("news", next(result)))
         except StopIteration as end:
-            made = end.value
-    return made
+            result = end.value
+    return result
 
 
 def _end_with_parent():

@@ -1,28 +1,22 @@
-"""One thread for linear algebra while something is computed: for small matrices more only wait for each other."""
+"""One thread for linear algebra during a computation: on small matrices several threads wait for each other."""
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 
-import numpy as np  # noqa: F401  its library must be loaded before it is looked for
+import numpy as np  # noqa: F401  its BLAS must be loaded before the search
+import scipy.linalg  # noqa: F401  so must SciPy's own
 from threadpoolctl import ThreadpoolController
 
 
 @cache
-def _libraries():
-    """What controls each BLAS of this process; found once, as that takes milliseconds."""
-    return ThreadpoolController().select(user_api="blas").lib_controllers
+def _blas() -> ThreadpoolController:
+    """Controls each BLAS of this process; kept, as the search takes milliseconds."""
+    return ThreadpoolController().select(user_api="blas")
 
 
 @contextmanager
-def one_thread():
-    """Within it BLAS has one thread, and afterwards as many as before; also a decorator."""
-    limited = [(library, count) for library in _libraries() if (count := library.num_threads) != 1]
-    for library, _ in limited:
-        library.set_num_threads(1)
-    try:
+def one_thread() -> Iterator[None]:
+    """BLAS has one thread within this context and its former number afterwards; also a decorator."""
+    with _blas().limit(limits=1, user_api="blas"):
         yield
-    finally:
-        for library, count in limited:
-            library.set_num_threads(count)
-            if hasattr(library, "clear_controlling_thread"):  # of OpenBLAS: or no other thread could set a limit
-                library.clear_controlling_thread()

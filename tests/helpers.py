@@ -5,6 +5,7 @@ import signal
 import time
 
 import numpy as np
+from threadpoolctl import threadpool_info
 
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
@@ -30,6 +31,11 @@ def same(a, b, error):
 
 def tractions(nodes, seed=0):
     return np.random.default_rng(seed).normal(size=(2, nodes))
+
+
+def blas_threads():
+    """Numbers of threads of the BLAS libraries of this process, as a set."""
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
 
 
 def peculiar(item):

@@ -1,24 +1,24 @@
 """BLAS has one thread while something is computed, and afterwards as many as before."""
 
-import pytest
-from threadpoolctl import threadpool_info, threadpool_limits
+import os
 
-from solver import NotConverged, Scene, advance, cli, load_path
+import pytest
+from helpers import blas_threads
+from threadpoolctl import threadpool_limits
+
+from solver import NotConverged, Scene, advance, cli, load_path, summarize
 from solver.continuation.quasistatic import QuasiStatic
+from solver.isolated import ONE_THREAD, Caller
 from solver.threads import one_thread
 
 SCENE = Scene(surface="flat", phi_ratio=0.1, u_x_max=0.0, du_z=1.0)
-
-
-def threads():
-    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
 
 
 @pytest.fixture
 def two():
     """BLAS has two threads outside."""
     with threadpool_limits(2, user_api="blas"):
-        assert threads() == {2}  # where nothing could be limited, nothing would be shown
+        assert blas_threads() == {2}  # where nothing could be limited, nothing would be shown
         yield
 
 
@@ -28,31 +28,42 @@ class Watched(QuasiStatic):
     seen = None
 
     def increment(self, *given):
-        type(self).seen = threads()
+        type(self).seen = blas_threads()
         return super().increment(*given)
 
 
 def test_an_increment_has_one_thread_and_its_caller_as_many_as_before(two):
     for _ in load_path(SCENE, Watched):
-        assert Watched.seen == {1} and threads() == {2}
+        assert Watched.seen == {1} and blas_threads() == {2}
         Watched.seen = None
     advance(SCENE, None, 1.0, Watched)
-    assert Watched.seen == {1} and threads() == {2}
+    assert Watched.seen == {1} and blas_threads() == {2}
 
 
-def test_it_is_so_after_a_failure_too(two):
+def test_blas_threads_are_restored_after_a_failure(two):
     with pytest.raises(NotConverged), one_thread():
         with one_thread():
-            assert threads() == {1}
-        assert threads() == {1}
+            assert blas_threads() == {1}
+        assert blas_threads() == {1}
         raise NotConverged
-    assert threads() == {2}
+    assert blas_threads() == {2}
 
 
 def test_a_command_has_one_thread_for_all_it_does(two, monkeypatch, tmp_path):
     seen = []
-    monkeypatch.setattr(
-        cli, "summarize", lambda *given: seen.append(threads()) or {"converged": True, "safe_damping": 0.0}
-    )
+    monkeypatch.setattr(cli, "summarize", lambda *given: seen.append(blas_threads()) or summarize(*given))
     assert cli.main(["run", "--set", "surface=flat", "u_x_max=0", "du_z=1", "--csv", str(tmp_path / "csv")]) == 0
-    assert seen == [{1}] and threads() == {2}
+    assert seen == [{1}] and blas_threads() == {2}
+
+
+def test_a_process_for_calls_has_one_thread_and_leaves_the_environment_of_its_caller(monkeypatch):
+    """In the process the variables are set before its libraries are loaded."""
+    for name in ONE_THREAD:
+        monkeypatch.delenv(name, raising=False)
+    before = dict(os.environ)
+    caller = Caller()
+    try:
+        assert dict(os.environ) == before
+        assert caller.call(os.getenv, "OMP_NUM_THREADS") == "1" and caller.call(blas_threads) == {1}
+    finally:
+        caller.end()
