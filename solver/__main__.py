@@ -1,9 +1,42 @@
-"""`python -m solver`: the command line of `cli`."""
+"""`python -m solver`: the command line of `cli`, as a process of its own."""
 
+import os
 import sys
+
+from numba.core.event import Listener, install_listener
 
 from .cli import main
 
+CLOSED_PIPE = 141  # exit code, as shells report SIGPIPE
+
+
+class CompilingNotice(Listener):
+    """Reports on standard error that kernels are being compiled, once."""
+
+    shown = False
+
+    def on_start(self, event):
+        if not self.shown:
+            self.shown = True
+            print("Compiling the kernels: later runs start at once", file=sys.stderr, flush=True)
+
+    def on_end(self, event):
+        pass
+
+
+def run() -> int:
+    """Runs `cli.main` and returns the exit code, also where the reader of standard output ends early (`| head`)."""
+    sys.stdout.reconfigure(errors="replace")  # some terminals cannot show the Greek letters of units
+    try:
+        try:
+            with install_listener("numba:compile", CompilingNotice()):
+                return main()
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left to write has no reader
+        return CLOSED_PIPE
+
+
 if __name__ == "__main__":
-    sys.stdout.reconfigure(errors="replace")  # units in --help are Greek, which some terminals cannot show
-    sys.exit(main())
+    sys.exit(run())

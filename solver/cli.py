@@ -3,13 +3,16 @@
 import argparse
 import sys
 from collections import deque
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
+from textwrap import wrap
 from time import perf_counter
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from . import METHODS, NotConverged, NotFollowed, Scene, SceneError, __version__, load_path, summarize
+from . import METHODS, Frame, NotConverged, NotFollowed, Scene, SceneError, __version__, load_path, summarize
 from .cautions import cautions
 from .cluster import ClusterError
 from .command import (
@@ -19,47 +22,42 @@ from .command import (
     InputError,
     add_command,
     add_file,
-    check_writable,
+    caution,
     progress,
     scene_of,
-    settings,
     write,
 )
 from .derivatives import add_fit, add_sensitivities, add_spread
 from .files import write_csv, write_json, write_npz
 from .mapping import add_map
-from .presets import PresetError, preset, presets
+from .presets import PresetError, presets
 from .reports import add_accuracy, add_stability
 from .run.load_steps import load_steps_of
 from .run.shortcuts import account
+from .scene import CHOICES, PARAMETERS
 from .threads import one_thread
 
-# Small, and yet they stick, slip and stick again: they compile every kernel before the clock starts. Two, because
-# arrays of a part of the surface and of all of it differ in layout, and Numba compiles for each.
+# These small runs stick and slip: they load or compile every kernel before the clock starts. The patch of the first is
+# a part of the cell, that of the second all of it: arrays of another layout, for which Numba compiles again.
 WARM_UP = [
     Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0),
     Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0),
 ]
+COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
 NO_FIELD = np.empty((2, 0))
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports an error in one line, without the usage text."""
+    """Raises InputError for bad arguments, in place of printing the usage."""
 
-    def error(self, message):
-        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{self.prog}: {message}")
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """Runs the subcommand named in `argv` and returns the exit code."""
     try:
-        parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
-        parser.add_argument("--version", action="version", version=__version__)
-        commands = parser.add_subparsers(required=True, metavar="COMMAND")
-        for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread):
-            add(commands)
-        arguments = parser.parse_args(argv)
-        check_writable(arguments)
+        arguments = parser().parse_args(argv)
         with one_thread():
             return arguments.command(arguments)
     except (ClusterError, InputError, PresetError, SceneError) as error:
@@ -69,49 +67,71 @@ def main(argv=None):
         print(error, file=sys.stderr)
         return NOT_CONVERGED
     except NotFollowed as error:
-        print(f"{error}; derivatives are had of runs that are followed: change a parameter", file=sys.stderr)
+        print(f"{error}; this command needs a run that can be followed: change a parameter", file=sys.stderr)
         return NOT_CONVERGED
     except KeyboardInterrupt:
         print("Interrupted; run again to finish", file=sys.stderr)
         return INTERRUPTED
 
 
-def add_run(commands):
+def parser() -> Parser:
+    """The parser of all commands."""
+    parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread):
+        add(commands)
+    for name, listing in (("parameters", parameter_table), ("presets", preset_table)):
+        listed = commands.add_parser(name, help=f"list all {name}", description=f"Lists all {name}.")
+        listed.set_defaults(command=lambda _, listing=listing: print(listing()) or 0)
+    return parser
+
+
+def parameter_table() -> str:
+    """Every parameter with its range, default, unit and meaning."""
+    lines, indent = [], 12 * " "
+    for name, parameter in PARAMETERS.items():
+        default = getattr(Scene, name)
+        lines.append(f"{name:<11} {parameter.span}, default {default if name in CHOICES else f'{default:g}'}")
+        words = (f"{word}: {meaning}" for word, meaning in CHOICES.get(name, {}).items())
+        for text in (parameter.meaning, *words):
+            lines += wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + "  ")
+    file = "columns x, z in nm, for surface=measured; all of its length is used, or the middle part of a width given"
+    return "\n".join([*lines, "profile     the name of a file", *wrap(file, COLUMNS, initial_indent=indent)])
+
+
+def preset_table() -> str:
+    """Every preset with its title."""
+    return "\n".join(f"{name:<11} {known.label}" for name, known in presets().items())
+
+
+def add_run(commands: Any) -> None:
     """Adds `run` to the subcommands."""
     text = "Computes one experiment along its path, approach and then shear, and prints a summary."
-    parser = add_command(commands, "run", run, "compute one experiment", text, "\n\n" + preset_table())
-    parser.add_argument("--preset", metavar="NAME", help="start from a named experiment, listed below")
+    parser = add_command(commands, "run", run, "compute one experiment", text)
     parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
     add_file(parser, "csv", "the curves, a row per increment after the approach")
     add_file(parser, "npz", "the curves and the fields of these increments")
     add_file(parser, "json", "scene, version, method and summary")
 
 
-def preset_table():
-    """Every preset with its title, as text."""
-    lines = [f"  {name:<11} {known.label}" for name, known in presets().items()]
-    return "\n".join(["presets:", *lines])
-
-
-def run(arguments):
+def run(arguments: argparse.Namespace) -> int:
     """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
-    named = {} if arguments.preset is None else preset(arguments.preset).differences
-    scene = scene_of({name: str(value) for name, value in named.items()} | settings(arguments.set))
+    scene = scene_of(arguments.set, arguments.preset)
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
-    for sentence in cautions(scene):
-        print(f"Caution: {sentence}", file=sys.stderr, flush=True)
+    before = cautions(scene)
+    caution(before)
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     seconds = perf_counter() - start
     report = report_of(scene, frames, arguments.method, seconds, failure)
-    for sentence in sorted({*cautions(scene, safe_damping=report["safe_damping"])} - {*cautions(scene)}):
-        print(f"Caution: {sentence}", file=sys.stderr, flush=True)
-    after = [frame for frame in frames if frame.stage != "approach"]
+    caution(sentence for sentence in cautions(scene, safe_damping=report["safe_damping"]) if sentence not in before)
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames)))
+    after = [frame for frame in frames if frame.stage != "approach"]
     write(arguments.csv, write_csv, after)
     write(arguments.npz, write_npz, scene, after)
     write(arguments.json, write_json, report)
@@ -120,56 +140,65 @@ def run(arguments):
     return code
 
 
-def report_of(scene, frames, method, seconds, failure):
-    """What --json writes beside the version: scene, method and summary."""
-    report = {"method": method, "scene": asdict(scene)}
-    left_out = account(frames) if method == "fast" else {}
-    return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
+class Computed(NamedTuple):
+    """Frames up to the end or the failure, what failed, and the exit code."""
+
+    frames: list[Frame]
+    failure: str | None = None
+    code: int = 0
 
 
-def compute(scene, method, fields_too):
-    """(frames, failure, exit code) of the whole load path, frames up to the failure; u and T only if asked for."""
+def compute(scene: Scene, method: str, fields_too: bool) -> Computed:
+    """The whole load path. u and T are kept only if asked for: those of a long run may not fit into memory."""
     frames = []
     try:
         with progress(sum(step.increments + 1 for step in load_steps_of(scene)), " increments") as bar:
             for frame in load_path(scene, method=method):
-                if frames and not fields_too:  # a curve needs no fields; the last ones stay, for `account`
+                if frames and not fields_too:  # `account` reads the last ones
                     frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
                 frames.append(frame)
                 bar.update()
-                if not frame.residual <= scene.tolerance:  # a contract of load_path; nan fails it too
-                    return frames, unfinished(scene, frame), NOT_CONVERGED
+                if not frame.residual <= scene.tolerance:  # load_path promises this; nan fails it too
+                    return Computed(frames, unfinished(scene, frame), NOT_CONVERGED)
     except NotConverged as error:
-        return frames, str(error), NOT_CONVERGED
+        return Computed(frames, str(error), NOT_CONVERGED)
     except KeyboardInterrupt:
-        place = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
-        return frames, f"Interrupted {place}; run again to finish", INTERRUPTED
-    return frames, None, 0
+        position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
+        return Computed(frames, f"Interrupted {position}; run again to finish", INTERRUPTED)
+    return Computed(frames)
 
 
-def unfinished(scene, frame):
-    """The place and a remedy for a frame above tolerance."""
+def unfinished(scene: Scene, frame: Frame) -> str:
+    """The load and a remedy for a frame above tolerance."""
     return (
         f"Not converged at U_x = {frame.U_x:g} nm, delta = {frame.delta:g} nm: residual {frame.residual:.2g} nm,"
         f" tolerance = {scene.tolerance:g} nm; try a smaller du_x and du_z, or a larger tolerance"
     )
 
 
-def described(report, increments):
-    """The summary in a few lines for people."""
+def report_of(
+    scene: Scene, frames: Sequence[Frame], method: str, seconds: float, failure: str | None
+) -> dict[str, Any]:
+    """What --json writes beside the version: scene, method and summary."""
+    report = {"method": method, "scene": asdict(scene)}
+    left_out = account(frames) if method == "fast" else {}
+    return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
+
+
+def described(report: dict[str, Any], increments: int) -> str:
+    """The summary in three lines."""
 
     def shown(name, unit=""):
-        value = report.get(name)
+        value = report[name]
         return f"{name} = " + ("none" if value is None or value != value else f"{value:.6g}{unit}")
 
-    slips = report.get("slips", 0)
     first = "the contact sticks"
-    if report.get("U_s") is not None:
+    if report["U_s"] is not None:
         first = f"first at {shown('U_s', ' nm')}: {shown('F_s')}, {shown('A_s')}"
     elif "L_min" in report:
         first = f"pull-off at {shown('L_min')}"
     state = "converged" if report["converged"] else "NOT converged"
     return (
-        f"{report['method']}: {increments} increments {state}, {report.get('evaluations', 0)} evaluations,"
-        f" {report['seconds']:.3g} s\n{shown('A_0')}\n{slips} slips; {first}"
+        f"{report['method']}: {increments} increments {state}, {report['evaluations']} evaluations,"
+        f" {report['seconds']:.3g} s\n{shown('A_0')}\n{report['slips']} slips; {first}"
     )

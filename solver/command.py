@@ -1,63 +1,85 @@
-"""What the commands share: what is given to them, what they show while they work, and how they end."""
+"""What the commands share: their options, the scene, progress, the files they write, and exit codes."""
 
 import argparse
 import os
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from math import inf
 from pathlib import Path
+from typing import Any
 
+from .presets import preset
 from .profile import ProfileError, read_profile
-from .scene import CHOICES, PARAMETERS, Scene
+from .scene import PARAMETERS, Scene
 from .text import number_from_text, scene_from_text
 
-NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes
-FILES = ("csv", "npz", "json", "html")  # options that name a file to be written
+NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
+LISTS = "`python -m solver parameters` and `python -m solver presets` list what --set and --preset accept."
 
 
 class InputError(ValueError):
-    """Bad input on the command line; the message is one line that names it and says what is allowed."""
+    """Bad input on the command line; the message is one line that names it and what is allowed."""
 
 
-def add_command(commands, name, run, said, text, epilog=""):
-    """Adds the subcommand run(arguments) -> exit code, of a scene that --set gives, and returns its parser."""
-    parser = commands.add_parser(
-        name,
-        help=said,
-        description=text,
-        epilog=parameter_table() + epilog,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def add_command(commands: Any, name: str, run: Callable, summary: str, text: str, epilog: str = "") -> Any:
+    """Adds the subcommand run(arguments) -> exit code, which computes a scene, and returns its parser."""
+    parser = commands.add_parser(name, help=summary, description=text, epilog=f"{epilog} {LISTS}")
     setting = {"nargs": "+", "action": "extend", "default": [], "metavar": "NAME=VALUE"}
-    parser.add_argument("--set", **setting, help="parameters, listed below")
+    parser.add_argument("--set", **setting, help="parameters of the scene; the others have their defaults")
+    parser.add_argument("--preset", metavar="NAME", help="start from this named experiment; --set changes it")
     parser.set_defaults(command=run)
     return parser
 
 
-def add_file(parser, option, what, **how):
-    """Adds --option FILE, one of FILES."""
-    parser.add_argument(f"--{option}", metavar="FILE", help=f"write {what}", **how)
+def add_file(parser: argparse.ArgumentParser, option: str, content: str, **options: Any) -> None:
+    """Adds --option FILE."""
+    parser.add_argument(f"--{option}", type=_writable, metavar="FILE", help=f"write {content}", **options)
 
 
-def add_scheduler(parser):
+def add_scheduler(parser: argparse.ArgumentParser) -> None:
     """Adds --scheduler."""
-    said = "compute on a dask cluster, tcp://host:8786, whose workers have this version and one thread each"
-    parser.add_argument("--scheduler", metavar="ADDRESS", help=said)
+    text = "compute on a dask cluster, tcp://host:8786; its workers need this version and one thread each"
+    parser.add_argument("--scheduler", metavar="ADDRESS", help=text)
 
 
-def parameter_table():
-    """Every parameter with its range, default, unit and meaning, as text."""
-    lines = ["parameters:"]
-    for name, known in PARAMETERS.items():
-        if name in CHOICES:
-            span = " | ".join(known.choices)
-            meaning = f"{known.meaning}; " + "; ".join(f"{word}: {what}" for word, what in known.choices.items())
-        else:
-            span, meaning = known.span, known.meaning
-        lines.append(f"  {name:<11} {span}, default {getattr(Scene, name):{'' if name in CHOICES else 'g'}}: {meaning}")
-    lines += ["  profile     a file of x, z in nm for surface=measured, over all its length or over the width given"]
-    return "\n".join(lines)
+def within(low: float, high: float = inf, kind: type = int) -> Callable[[str], float]:
+    """A type for argparse: a number from `low` to `high`, finite."""
+
+    def read(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = None
+        if value is None or not low <= value <= high or value == inf:
+            span = f"{low:g} or more" if high == inf else f"{low:g} .. {high:g}"
+            raise argparse.ArgumentTypeError(f"{text}: allowed: {span}{', whole numbers' * (kind is int)}")
+        return value
+
+    return read
 
 
-def scene_of(texts):
-    """The Scene of {'name': 'text'}, where profile=FILE reads a measured surface; raises SceneError or InputError."""
+def _writable(file):
+    """A type for argparse: the name of a file that can be written; leaves an existing file unchanged."""
+    new = not os.path.lexists(file)
+    try:
+        with open(file, "ab"):
+            pass
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = getattr(error, "strerror", None) or error
+        message = f"{file!r}: {reason}; allowed: a writable file in an existing directory"
+        raise argparse.ArgumentTypeError(message) from None
+    if new:
+        os.remove(file)
+    return file
+
+
+def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
+    """The Scene of NAME=VALUE arguments, over a preset if one is named; profile=FILE reads a measured surface.
+
+    Prints how ambiguous numbers were read. Raises SceneError, PresetError or InputError.
+    """
+    start = preset(named).scene.differences() if named else {}
+    texts = {name: str(value) for name, value in start.items()} | settings(pairs)
     file, notes, profile = texts.pop("profile", None), [], None
     if file is not None:
         width = number_from_text("width", texts["width"]) if "width" in texts else None
@@ -71,8 +93,8 @@ def scene_of(texts):
     return scene
 
 
-def settings(pairs):
-    """{'name': 'text'} from NAME=VALUE arguments; raises InputError."""
+def settings(pairs: Sequence[str]) -> dict[str, str]:
+    """{'name': 'text'} of NAME=VALUE arguments; raises InputError."""
     texts = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
@@ -82,35 +104,25 @@ def settings(pairs):
     return texts
 
 
-def check_writable(arguments):
-    """Raises InputError where one of the FILES cannot be written; leaves what is there as it is."""
-    for option in FILES:
-        file = getattr(arguments, option, None)
-        if file is None:
-            continue
-        new = not os.path.lexists(file)
-        try:
-            with open(file, "ab"):
-                pass
-        except (OSError, ValueError) as error:  # ValueError: a null character in the name
-            reason = getattr(error, "strerror", None) or error
-            allowed = "allowed: a writable file in an existing directory"
-            raise InputError(f"--{option} {file!r}: {reason}; {allowed}") from None
-        if new:
-            os.remove(file)
+def caution(sentences: Iterable[str]) -> None:
+    """Prints cautions on standard error."""
+    for sentence in sentences:
+        print(f"Caution: {sentence}", file=sys.stderr, flush=True)
 
 
-def write(file, writer, *given):
-    """Has writer(file, *given) write a file, if one is named; raises InputError where it cannot."""
-    if file is not None:
-        try:
-            writer(file, *given)
-        except OSError as error:
-            raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+def write(file: str | None, writer: Callable, *content: Any) -> None:
+    """Calls writer(file, *content) if a file is named, and reports it; raises InputError where that fails."""
+    if file is None:
+        return
+    try:
+        writer(file, *content)
+    except OSError as error:
+        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+    print(f"wrote {file}", file=sys.stderr)
 
 
-def progress(total, unit):
-    """A bar of one line that wipes itself, on a terminal only."""
-    from tqdm import tqdm  # which a caller of functions does not need
+def progress(total: int, unit: str) -> Any:
+    """A progress bar on standard error, shown on a terminal only and wiped at the end."""
+    from tqdm import tqdm  # only commands need it
 
     return tqdm(total=total, unit=unit, leave=False, disable=None)

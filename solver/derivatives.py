@@ -1,117 +1,113 @@
-"""The commands that stand on derivatives of a run: `sensitivities`, `fit` and `spread`."""
+"""The commands that need derivatives of a run: `sensitivities`, `fit` and `spread`."""
 
-import sys
+import argparse
+from collections.abc import Callable
+from typing import Any
 
 from . import skeleton_of
-from .command import NOT_CONVERGED, InputError, add_command, add_file, scene_of, settings, write
+from .command import NOT_CONVERGED, InputError, add_command, add_file, caution, scene_of, settings, within, write
 from .files import write_json, write_rows
 
 AT_A_SLIP = ("U_s", "F_s", "L_s", "A_s")
 
 
-def _command(commands, name, *given):
-    """A subcommand with --json and --csv."""
-    parser = add_command(commands, name, *given)
+def _add(commands: Any, name: str, run: Callable, summary: str, text: str) -> argparse.ArgumentParser:
+    """Adds a subcommand with --json and --csv."""
+    parser = add_command(commands, name, run, summary, text)
     add_file(parser, "json", "every number")
     add_file(parser, "csv", "a table")
     return parser
 
 
-def add_sensitivities(commands):
+def add_sensitivities(commands: Any) -> None:
     """Adds `sensitivities` to the subcommands."""
     text = "Derivatives of every slip's U_s, F_s, L_s and A_s by every continuous parameter of an experiment."
-    _command(commands, "sensitivities", sensitivities, "what matters for when and how it slips", text)
+    _add(commands, "sensitivities", sensitivities, "what matters for when and how it slips", text)
 
 
-def sensitivities(arguments):
-    """Computes and prints them; returns the exit code."""
-    from .analysis.sensitivities import sensitivities as found_of  # what `run` does not need
+def sensitivities(arguments: argparse.Namespace) -> int:
+    """Computes the derivatives, writes the files asked for, prints those of the first slip; returns the exit code."""
+    from .analysis import sensitivities as analysis  # `run` does not need it
 
-    scene = scene_of(settings(arguments.set))
-    slips = found_of(skeleton_of(scene)).slips
-    told = [_told(scene, slip) for slip in slips]
-    rows = [
-        [number, slip.event.load, name, getattr(scene, name), *by["per_unit"].values(), *by["per_cent"].values()]
-        for number, (slip, one) in enumerate(zip(slips, told, strict=True), 1)
-        for name, by in one["by"].items()
-    ]
+    scene = scene_of(arguments.set, arguments.preset)
+    rows, slips = [], []
+    for k, slip in enumerate(analysis.sensitivities(skeleton_of(scene)).slips, 1):
+        per_cent, by = slip.per_cent(scene), {}
+        for name, per_unit in slip.by.items():
+            by[name] = {"per_unit": _named(per_unit), "per_cent": _named(per_cent[name])}
+            rows.append([k, slip.event.load, name, getattr(scene, name), *per_unit, *per_cent[name]])
+        slips.append({"event": slip.event.as_dict(), "by": by, "nodes": _named(slip.nodes)})
     if slips:
-        print(f"First slip at U_s = {slips[0].event.load:.6g} nm; change in % per % of the parameter:")
+        print(f"First slip at U_s = {rows[0][1]:.6g} nm; change in % per % of the parameter:")
         print(f"{'':12}" + "".join(f"{name:>10}" for name in AT_A_SLIP))
-        for name, by in told[0]["by"].items():
-            print(f"{name:12}" + "".join(f"{share:10.4f}" for share in by["per_cent"].values()))
+        for name, change in slips[0]["by"].items():
+            print(f"{name:12}" + "".join(f"{share:10.4f}" for share in change["per_cent"].values()))
     else:
-        print("It slides smoothly, without a slip: no U_s to change")
+        print("It slides smoothly, without a slip: there is no U_s")
     heading = ["slip", "U_x", "parameter", "value", *(f"d{name}" for name in AT_A_SLIP)]
     write(arguments.csv, write_rows, [*heading, *(f"{name} % per %" for name in AT_A_SLIP)], rows)
-    write(arguments.json, write_json, {"slips": told})
+    write(arguments.json, write_json, {"slips": slips})
     return 0
 
 
-def _told(scene, slip):
-    """A SlipSensitivity by plain names."""
-
-    def named(values):
-        return dict(zip(AT_A_SLIP, values.tolist(), strict=True))
-
-    shares = slip.per_cent(scene)
-    by = {name: {"per_unit": named(d), "per_cent": named(shares[name])} for name, d in slip.by.items()}
-    return {"event": slip.event.as_dict(), "by": by, "nodes": named(slip.nodes)}
+def _named(values: Any) -> dict[str, Any]:
+    """{U_s, F_s, L_s, A_s: row} of an array (4, ...)."""
+    return dict(zip(AT_A_SLIP, values.tolist(), strict=True))
 
 
-def add_fit(commands):
+def add_fit(commands: Any) -> None:
     """Adds `fit` to the subcommands."""
     text = "Fits parameters of an experiment to measured friction: F (and L, A) against U_x."
-    parser = _command(commands, "fit", fit, "parameters from a measurement", text)
-    parser.add_argument(
-        "file", metavar="FILE", help="a CSV with columns U_x and F_bar (or F in N/m), L_bar or L, A_bar"
-    )
+    parser = _add(commands, "fit", fit, "parameters from a measurement", text)
+    parser.usage = f"{parser.prog} FILE --free NAME [NAME ...] [options]"  # argparse would print FILE behind the names
+    columns = "a CSV with columns U_x and F_bar (or F in N/m), L_bar or L, A_bar"
+    parser.add_argument("file", metavar="FILE", help=columns)
     parser.add_argument("--free", nargs="+", required=True, metavar="NAME", help="parameters, scale_U, offset_U, ...")
-    parser.add_argument("--starts", type=int, default=3, metavar="N", help="from how many places, default 3")
+    starts = "number of starting points, default 3"
+    parser.add_argument("--starts", type=within(1), default=3, metavar="N", help=starts)
 
 
-def fit(arguments):
+def fit(arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
     from .analysis.fit import fit as fitted
     from .analysis.measurement import read_measurement
 
-    scene = scene_of(settings(arguments.set))
+    scene = scene_of(arguments.set, arguments.preset)
     try:
-        found = fitted(scene, read_measurement(arguments.file, scene), arguments.free, starts=arguments.starts)
+        result = fitted(scene, read_measurement(arguments.file, scene), arguments.free, starts=arguments.starts)
     except ValueError as error:  # MeasurementError among them
         raise InputError(str(error)) from None
-    for name, value in found.values.items():
-        print(f"{name:12} {value:12.6g} +- {found.errors[name]:.2g}")
-    print(f"chi^2 per degree of freedom {found.chi2:.3g}, {found.runs} runs followed")
-    for sentence in found.warnings:
-        print(f"Caution: {sentence}", file=sys.stderr)
-    write(arguments.csv, write_rows, ["U_x", "quantity", "measured", "model"], found.rows)
-    write(arguments.json, write_json, found.as_dict())
-    return 0 if found.reached else NOT_CONVERGED
+    for name, value in result.values.items():
+        print(f"{name:12} {value:12.6g} +- {result.errors[name]:.2g}")
+    print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs followed")
+    caution(result.warnings)
+    write(arguments.csv, write_rows, ["U_x", "quantity", "measured", "model"], result.rows)
+    write(arguments.json, write_json, result.as_dict())
+    return 0 if result.reached else NOT_CONVERGED
 
 
-def add_spread(commands):
+def add_spread(commands: Any) -> None:
     """Adds `spread` to the subcommands."""
-    text = "What a spread of parameters makes of the curves and of the static friction force."
-    parser = _command(commands, "spread", spread, "curves of parameters that are not known exactly", text)
+    text = "How uncertain parameters spread the curves and the static friction force."
+    parser = _add(commands, "spread", spread, "curves of parameters that are not known exactly", text)
     parser.add_argument("--of", nargs="+", required=True, metavar="NAME=SHARE", help="standard deviation: phi_n=10%%")
-    parser.add_argument("--draws", type=int, default=0, metavar="N", help="check by as many followed runs")
+    draws = "check by this many random draws, default 0"
+    parser.add_argument("--draws", type=within(0), default=0, metavar="N", help=draws)
 
 
-def spread(arguments):
+def spread(arguments: argparse.Namespace) -> int:
     """Computes the band, prints the interval of each slip; returns the exit code."""
     from .analysis.spread import deviations, spread_of
 
-    scene = scene_of(settings(arguments.set))
+    scene = scene_of(arguments.set, arguments.preset)
     try:
         of = deviations(scene, settings(arguments.of))
-        if arguments.draws < 0:
-            raise ValueError(f"--draws {arguments.draws}: allowed: 0 or more")
     except ValueError as error:
         raise InputError(str(error)) from None
-    found = spread_of(skeleton_of(scene), of, arguments.draws)
-    for sentence in found.sentences():
+    result = spread_of(skeleton_of(scene), of, arguments.draws)
+    for sentence in result.sentences():
         print(sentence)
-    write(arguments.csv, write_rows, ["branch", "U_x", "F_bar", "L_bar", "A_bar", "sd_F", "sd_L", "sd_A"], found.rows())
-    write(arguments.json, write_json, found.as_dict())
+    heading = ["branch", "U_x", "F_bar", "L_bar", "A_bar", "sd_F", "sd_L", "sd_A"]
+    write(arguments.csv, write_rows, heading, result.rows())
+    write(arguments.json, write_json, result.as_dict())
     return 0

@@ -1,27 +1,32 @@
-"""The files a run leaves behind: curves as CSV, curves and fields as NPZ, anything as strict JSON."""
+"""The files of a run: curves as CSV, curves and fields as NPZ, everything else as strict JSON."""
 
 import csv
 import json
+from collections.abc import Iterable, Sequence
 from math import inf, isfinite, nan
+from os import PathLike
+from typing import Any
 
 import numpy as np
 
 from . import __version__
+from .run.frame import Frame
 from .run.summary import changing
+from .scene import Scene
 
 COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
 
 
-def write_rows(file, heading, rows):
-    """A table."""
+def write_rows(file: str | PathLike, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Writes a table as CSV."""
     with open(file, "w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(heading)
         writer.writerows(rows)
 
 
-def write_csv(file, frames):
-    """A row per frame, numbers in full precision; at its end the parameters that change along the run, if any."""
+def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
+    """Writes a row per frame, numbers in full precision; the last columns are the parameters that change, if any."""
     names = changing(frames)
 
     def row(frame):
@@ -31,15 +36,15 @@ def write_csv(file, frames):
     write_rows(file, (*COLUMNS, "stage", *names), map(row, frames))
 
 
-def number(value):
+def number(value: Any) -> float:
     """A plain int or float, whose text is exact; booleans become 0 and 1."""
     return float(value) if isinstance(value, (float, np.floating)) else int(value)
 
 
-def write_npz(file, scene, frames):
-    """Curves, stage and what changes along the run (frames,), x (m,) nm, u and T (frames, 2, m).
+def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame]) -> None:
+    """Writes curves, stage and changing parameters (frames,), x (m,) nm, u (nm) and T (GPa) (frames, 2, m).
 
-    Nodes outside a frame's patch hold nan and 0.
+    At nodes outside a frame's patch u is nan and T is 0.
     """
     first = min((frame.first for frame in frames), default=0)
     last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
@@ -51,19 +56,19 @@ def write_npz(file, scene, frames):
     curves = {name: np.array([number(getattr(frame, name)) for frame in frames]) for name in COLUMNS}
     curves["stage"] = np.array([frame.stage for frame in frames], dtype=str)
     curves |= {name: np.array([getattr(frame.scene, name) for frame in frames]) for name in changing(frames)}
-    with open(file, "wb") as out:  # an open file, or NumPy would append .npz to the name that was asked for
+    with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
 
 
-def write_json(file, report):
-    """Strict JSON with the version: what is no number becomes null, infinity the text that `--set` takes for it."""
+def write_json(file: str | PathLike, report: dict[str, Any]) -> None:
+    """Writes strict JSON with the version; nan becomes null, infinity "inf", as `--set` takes it."""
     with open(file, "w", encoding="utf-8") as out:
         json.dump(plain({"version": __version__} | report), out, indent=2, allow_nan=False)
         out.write("\n")
 
 
-def plain(value):
-    """The same in types JSON knows."""
+def plain(value: Any) -> Any:
+    """The same in the types of JSON."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):

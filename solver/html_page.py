@@ -1,7 +1,10 @@
-"""A report as a page of its own: Bokeh's figures and pandas' tables, everything inline, no server, no network."""
+"""A report as an HTML page: Bokeh's figures and pandas' tables, everything inline, without server or network."""
 
+from collections.abc import Iterable
 from html import escape
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 CSS = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #222; background: #fff; max-width: 1120px; margin: 24px auto }
@@ -16,16 +19,16 @@ td:first-child, th:first-child, .words td { text-align: left }
 """
 
 
-def write_page(file, title, *parts):
-    """Write parts, HTML text or Bokeh models, one below the other; raises OSError."""
-    from bokeh.embed import components  # which a caller of `run` does not need
+def write_page(file: str | PathLike, title: str, *parts: Any) -> None:
+    """Writes the parts, HTML text or Bokeh models, one below the other; raises OSError."""
+    from bokeh.embed import components  # `run` does not need it
     from bokeh.settings import settings
 
-    # as INLINE, but without the widgets, and without what other packages in this process register with it
+    # INLINE would add the widgets and the resources that other packages of this process have registered
     library = (Path(settings.bokehjs_path()) / "js" / "bokeh.min.js").read_text(encoding="utf-8")
-    script, places = components([part for part in parts if not isinstance(part, str)])
-    places = iter(places)
-    body = "\n".join(part if isinstance(part, str) else next(places) for part in parts)
+    script, figures = components([part for part in parts if not isinstance(part, str)])
+    figures = iter(figures)
+    body = "\n".join(part if isinstance(part, str) else next(figures) for part in parts)
     with open(file, "w", encoding="utf-8") as out:
         out.write(
             f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>\n'
@@ -33,11 +36,11 @@ def write_page(file, title, *parts):
         )
 
 
-def table(frame, classes=None):
+def table(frame: Any, classes: str | None = None) -> str:
     """A DataFrame as an HTML table."""
     return frame.to_html(index=False, border=0, classes=classes)
 
 
-def items(lines):
+def items(lines: Iterable[str]) -> str:
     """Lines of text as an HTML list in small print."""
     return f'<ul class="notes">{"".join(f"<li>{escape(line)}</li>" for line in lines)}</ul>'

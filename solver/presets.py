@@ -1,12 +1,15 @@
-"""Named experiments, from presets.toml: those of the paper's figures and some that it leaves open."""
+"""Named experiments, from presets.toml: those of the paper's figures, and some that the paper leaves open."""
 
 import tomllib
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
+from typing import Any
 
-from .scene import Scene, SceneError
+from .scene import PARAMETERS, Scene, SceneError
+from .schema import name_remedy
 
 FILE = "presets.toml"
 TEXTS = ("title", "group", "look")
@@ -14,53 +17,46 @@ WORDS = (*TEXTS, "figure", "short")
 
 
 class PresetError(ValueError):
-    """A preset that does not exist or cannot be used; the message names preset and key, and says what is allowed."""
+    """A preset that does not exist or cannot be used; the message names preset and key, and what is allowed."""
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A named Scene: `title` for menus, under `group`; `look` says in a sentence what to look for.
+    """A named Scene: `title` for menus, under `group`; `look` is a sentence on what to look for.
 
-    figure: of the paper, or ""; short: its phenomenon in two words, where it is among the first to be shown, or "".
+    figure: of the paper, or "". short: the phenomenon in two words if the app shows it in its first row, or "".
     """
 
     name: str
     title: str
     group: str
-    figure: str
     look: str
     scene: Scene
+    figure: str = ""
     short: str = ""
 
     @property
-    def label(self):
+    def label(self) -> str:
         """Title and figure in a line."""
         return self.title + (f" ({self.figure})" if self.figure else "")
 
-    @property
-    def differences(self):
-        """{parameter: value} where the scene differs from the default one."""
-        default = Scene()
-        values = {f.name: getattr(self.scene, f.name) for f in fields(Scene)}
-        return {name: value for name, value in values.items() if value != getattr(default, name)}
-
 
 @cache
-def presets():
+def presets() -> Mapping[str, Preset]:
     """{name: Preset} in the order of the file, read-only. Raises PresetError."""
     text = resources.files(__package__).joinpath(FILE).read_text(encoding="utf-8")
     return MappingProxyType(read(text))
 
 
-def preset(name):
+def preset(name: str) -> Preset:
     """The Preset of that name; raises PresetError."""
     known = presets()
     if name not in known:
-        raise PresetError(f"preset {name!r}: allowed: {', '.join(known)}; use one of these names")
+        raise PresetError(f"preset {name!r}: allowed: {', '.join(known)}; {name_remedy(name, known)}")
     return known[name]
 
 
-def read(text):
+def read(text: str) -> dict[str, Preset]:
     """{name: Preset} from TOML: a table per preset, with its texts and parameters of Scene. Raises PresetError."""
     try:
         tables = tomllib.loads(text)
@@ -69,20 +65,18 @@ def read(text):
     return {name: _preset(name, table) for name, table in tables.items()}
 
 
-def _preset(name, table):
-    where = f"{FILE}, preset {name!r}"
+def _preset(name: str, table: Any) -> Preset:
+    position = f"{FILE}, preset {name!r}"
     if not isinstance(table, dict):
-        raise PresetError(f"{where}: {table!r} is not a table; write [{name}] above its keys")
+        raise PresetError(f"{position}: {table!r} is not a table; write [{name}] above its keys")
     for key in TEXTS:
         if not (isinstance(table.get(key), str) and table[key].strip()):
-            raise PresetError(f"{where}, key {key!r}: {table.get(key)!r}; give a text")
-    values = {key: value for key, value in table.items() if key not in WORDS}
-    allowed = [f.name for f in fields(Scene)]
-    for key in values:
-        if key not in allowed:
-            raise PresetError(f"{where}, key {key!r}: allowed: {', '.join((*WORDS, *allowed))}; use one of these")
+            raise PresetError(f"{position}, key {key!r}: {table.get(key)!r}; give a text")
+    for key in table:
+        if key not in (allowed := (*WORDS, *PARAMETERS)):
+            raise PresetError(f"{position}, key {key!r}: allowed: {', '.join(allowed)}; {name_remedy(key, allowed)}")
     try:
-        texts = [table["title"], table["group"], table.get("figure", ""), table["look"]]
-        return Preset(name, *texts, Scene(**values), table.get("short", ""))
+        scene = Scene(**{key: value for key, value in table.items() if key not in WORDS})
     except SceneError as error:
-        raise PresetError(f"{where}, key {error.name!r}: {error}") from None
+        raise PresetError(f"{position}, key {error.name!r}: {error}") from None
+    return Preset(name, scene=scene, **{key: table[key] for key in WORDS if key in table})

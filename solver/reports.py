@@ -1,6 +1,7 @@
-"""The commands that judge the solver: `accuracy`, of one scene, and `stability`, of many."""
+"""The commands that test the solver: `accuracy` on one scene, `stability` on many."""
 
-import math
+import argparse
+from typing import Any
 
 from .command import (
     NOT_CONVERGED,
@@ -10,30 +11,29 @@ from .command import (
     add_scheduler,
     progress,
     scene_of,
-    settings,
+    within,
     write,
 )
 from .files import write_json
 
 
-def add_accuracy(commands):
+def add_accuracy(commands: Any) -> None:
     """Adds `accuracy` to the subcommands."""
     text = "Error against run time of one experiment, by every method, swept over tolerance, steps, windows."
     parser = add_command(commands, "accuracy", accuracy, "error against run time", text)
     parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
-    parser.add_argument("--slips", type=int, metavar="N", help="end beyond slip N in shear, default 2 (quick 1)")
+    slips = "end beyond slip N in shear, default 2 (quick 1)"
+    parser.add_argument("--slips", type=within(1), metavar="N", help=slips)
     add_file(parser, "json", "every number")
     add_file(parser, "html", "the diagram as a page that opens offline")
 
 
-def accuracy(arguments):
+def accuracy(arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
     from .validation import accuracy_page, accuracy_text  # imported here because `run` does not need them
     from .validation.accuracy import measure
 
-    scene = scene_of(settings(arguments.set))
-    if arguments.slips is not None and arguments.slips < 1:
-        raise InputError(f"--slips {arguments.slips}: allowed: 1 or more")
+    scene = scene_of(arguments.set, arguments.preset)
     with progress(100, "%") as bar:
         for done, so_far in measure(scene, arguments.quick, arguments.slips):
             bar.update(int(100 * done) - bar.n)
@@ -44,37 +44,32 @@ def accuracy(arguments):
     return 0
 
 
-def add_stability(commands):
+def add_stability(commands: Any) -> None:
     """Adds `stability` to the subcommands."""
     text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
     parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
     parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
-    parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="those numbers only, without closed forms")
-    parser.add_argument("--limit", type=float, metavar="SECONDS", help="for one scene, 1 or more; 120 unless told")
+    parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="only these numbers, without closed forms")
+    limit = "time limit for one scene, 1 or more, default 120"
+    parser.add_argument("--limit", type=within(1, kind=float), metavar="SECONDS", help=limit)
     add_scheduler(parser)
     add_file(parser, "json", "every number")
     add_file(parser, "html", "the report as a page that opens offline")
     parser.set_defaults(command=stability)
 
 
-def stability(arguments):
-    """Computes the atlas, writes the files asked for, prints tables; 1 if anything came out as it must not."""
-    from .validation import (  # imported here because `run` does not need them
-        closed_forms,
-        conditioning,
-        stability_report,
-    )
+def stability(arguments: argparse.Namespace) -> int:
+    """Computes the atlas, writes the files asked for, prints tables; 1 if anything fails its check."""
+    from .validation import closed_forms, conditioning, stability_report  # `run` does not need them
     from .validation.atlas import cases
     from .validation.stability import LIMIT, atlas
 
-    limit = LIMIT if arguments.limit is None else arguments.limit
-    if not 1.0 <= limit < math.inf:
-        raise InputError(f"--limit {limit:g}: allowed: 1 or more seconds")
     asked = cases(arguments.quick)
-    if strange := set(arguments.scenes or ()) - {case.number for case in asked}:
-        raise InputError(f"--scenes {min(strange)}: allowed: 0 .. {len(asked) - 1}")
+    if unknown := set(arguments.scenes or ()) - {case.number for case in asked}:
+        raise InputError(f"--scenes {min(unknown)}: allowed: 0 .. {len(asked) - 1}")
     with progress(100, "%") as bar:
         asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
+        limit = arguments.limit or LIMIT
         results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n), limit)
     forms = closed_forms.closed_forms() if arguments.scenes is None else []
     report = results, forms, conditioning.conditioning()

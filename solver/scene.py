@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from .schema import Choice, Range, SceneError, number, parameters, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
-ROUNDINGS = 2.0  # round-off found in a residual over the estimate of `Scene.attainable`; measured on soft scenes
-LARGEST_RUN = 200_000  # increments; beyond this a run is a mistake, not an experiment
+ROUNDINGS = 2.0  # largest measured round-off of a residual over the estimate of `Scene.attainable`, on soft scenes
+LARGEST_RUN = 200_000  # increments; a longer run is a mistake: the finest step allowed over 200 nm
 SPACING = (0.05, 20.0)  # a/delta_t; finer lattices carry no friction, on coarser ones a node feels one site at most
 
 LOAD_PATH, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"
@@ -27,11 +27,11 @@ HOLDS = {"delta": "the indentation", "load": "the normal load reached by the app
 
 @dataclass(frozen=True)
 class Scene:
-    """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; defaults of our own where it gives none).
+    """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; our own defaults where it gives none).
 
     A number is declared by its default, lowest and highest value, unit, meaning and group; a word by its default,
-    choices, meaning and group. Raises SceneError when built with a value of the wrong type or outside its range, or
-    with an impossible combination.
+    choices, meaning and group. Raises SceneError for a value of the wrong type or outside its range, and for an
+    impossible combination.
     """
 
     delta_bar: float = number(0.0, -1.0, 100.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOAD_PATH)
@@ -97,7 +97,7 @@ class Scene:
             raise SceneError(name, getattr(self, name), allowed, remedy)
 
     def _refusals(self):
-        """(parameter, what is allowed, remedy) of each combination that cannot be."""
+        """(parameter, what is allowed, remedy) of each impossible combination."""
         if refused := SURFACES[self.surface].refused(self):
             yield refused
         if self.path == "unload" and self.hold == "load":
@@ -131,12 +131,12 @@ class Scene:
 
     @property
     def attainable(self) -> float:
-        """Smallest residual that double precision can tell from zero, nm: round-off of u, amplified by the interface.
+        """Smallest residual that double precision resolves, nm: round-off of u, amplified by the interface.
 
-        A displacement u is known to eps u, hence its traction to eps u times the interface's stiffness. These errors
-        are independent from node to node, so the layer multiplies them by the root mean square of its compliance over
-        all modes, (h/G) ((1 + 4 k)/nodes)^1/2 with k the number of waves longer than h. Flat on flat, all nodes share
-        one error, but it arises at a gap where the interface has a tenth of its largest stiffness.
+        A displacement u has the error eps u, its traction eps u times the interface's stiffness. These errors are
+        independent from node to node. The layer multiplies them by the root mean square of its compliance over all
+        modes, (h/G) ((1 + 4 k)/nodes)^1/2, with k the number of waves longer than h. Flat on flat, all nodes share one
+        error, but at a gap where the interface has a tenth of its largest stiffness.
         """
         stiffness = max(self.phi_n / self.delta_n**2, 2.0 * self.phi_t / self.delta_t**2)
         h, nu = self.height * self.width, self.nu
@@ -170,15 +170,17 @@ class Scene:
 
     @property
     def delta(self) -> float:
-        """Indentation depth aimed at, nm."""
+        """Indentation depth at the end of the approach, nm."""
         return self.delta_bar * self.delta_0
 
     @property
     def approach_increments(self) -> int:
+        """Increments from delta = -delta_0 to `delta`; the last one may be shorter."""
         return ceil((self.delta + self.delta_0) / (self.du_z * self.delta_n) - 1e-9)
 
     @property
     def shear_increments(self) -> int:
+        """Whole increments from U_x = 0 to at most u_x_max."""
         return floor(self.u_x_max / (self.du_x * self.delta_t) + 1e-9)
 
     def shear_at(self, k: int) -> float:
@@ -198,6 +200,11 @@ class Scene:
     def changed(self, **values: Any) -> "Scene":
         """The same scene with other values."""
         return replace(self, **values)
+
+    def differences(self, other: "Scene | None" = None) -> dict[str, Any]:
+        """{parameter: value} where this scene differs from another, by default from Scene(); without `measured`."""
+        other = other or Scene()
+        return {name: getattr(self, name) for name in PARAMETERS if getattr(self, name) != getattr(other, name)}
 
 
 PARAMETERS = parameters(Scene)  # {name: Range or Choice}

@@ -1,22 +1,24 @@
-"""What a parameter is: a range or choices, with unit and meaning, declared once, beside its field of Scene.
+"""A parameter: a range or choices with unit and meaning, declared beside its field of Scene.
 
-Command line, address, entries and drawer of the app, and all messages read these declarations.
+The command line, the page's address, the app's entries and all messages read these declarations.
 """
 
 import reprlib
+from collections.abc import Iterable
 from dataclasses import field, fields
+from difflib import get_close_matches
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
 
 class SceneError(ValueError):
-    """A parameter out of its range; the message names it, its value, the range and the remedy."""
+    """A parameter outside its range; the message gives its name, its value, the range and a remedy."""
 
     def __init__(self, name: str, value: object, allowed: str, remedy: str) -> None:
         self.name, self.value, self.allowed, self.remedy = name, value, allowed, remedy
         super().__init__(f"{name} = {reprlib.repr(value)}: {allowed}; {remedy}")
 
-    def __reduce__(self):  # by default it would be made from its message alone, and a worker that raises it be lost
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:  # by default pickle would pass the message alone
         return SceneError, (self.name, self.value, self.allowed, self.remedy)
 
 
@@ -30,7 +32,7 @@ class Range(NamedTuple):
     group: str
     whole: bool = False
     unbounded: bool = False  # infinity is allowed as well
-    beyond: str = ""  # why not less, for messages
+    beyond: str = ""  # why lower values are not allowed, for messages
 
     @property
     def span(self) -> str:
@@ -56,6 +58,11 @@ class Choice(NamedTuple):
     meaning: str
     group: str
 
+    @property
+    def span(self) -> str:
+        """The words as text."""
+        return " | ".join(self.choices)
+
     def checked(self, name: str, value: Any) -> str:
         """`value`, if it is one of the choices; raises SceneError."""
         if not isinstance(value, str) or value not in self.choices:
@@ -64,20 +71,27 @@ class Choice(NamedTuple):
 
 
 def as_number(value: Any) -> float:
-    """`value` as a float; nan for what is not a number, texts and truth values among it."""
+    """`value` as a float; nan for texts, truth values and everything else that is not a number."""
     try:
         return nan if isinstance(value, (bool, str, bytes)) else float(value)
     except (TypeError, ValueError, OverflowError):
         return nan
 
 
+def name_remedy(name: str, allowed: Iterable[str]) -> str:
+    """What to do about a name that is not allowed: the most similar allowed one, if there is one."""
+    by_lower = {other.lower(): other for other in allowed}
+    similar = get_close_matches(name.lower(), by_lower, 1)
+    return f"did you mean {by_lower[similar[0]]}?" if similar else "use one of these names"
+
+
 def number(default: float, *declared: Any, **more: Any) -> Any:
-    """A dataclass field that holds a number; the arguments are those of Range."""
+    """A dataclass field that holds a number; the other arguments are those of Range."""
     return field(default=default, metadata={"parameter": Range(*declared, **more)})
 
 
 def word(default: str, *declared: Any) -> Any:
-    """A dataclass field that holds one of several words; the arguments are those of Choice."""
+    """A dataclass field that holds one of several words; the other arguments are those of Choice."""
     return field(default=default, metadata={"parameter": Choice(*declared)})
 
 

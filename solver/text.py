@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from .scene import CHOICES, LIMITS, PARAMETERS, Scene, SceneError
+from .schema import Range, name_remedy
 from .surfaces import Profile
 
 NUMBER = re.compile(r"(?P<mantissa>[+-]?(?:\d+[.,]?\d*|[.,]\d+|inf))(?P<exponent>(?:[eE][+-]?\d+)?) ?(?P<unit>.*)")
-THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # the comma of 1,234 may part thousands; that of 0,123 does not
-UNITS = {  # that may follow a number of that unit, and what they are of it
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # 1,234 may mean 1234 or 1.234; 0,123 is unambiguous
+UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
     "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1, "m": 1e9},
     "GPa": {"GPa": 1.0, "MPa": 1e-3, "TPa": 1e3, "Pa": 1e-9},
     "N/m": {"N/m": 1.0, "J/m²": 1.0, "J/m2": 1.0, "mN/m": 1e-3, "mJ/m²": 1e-3, "mJ/m2": 1e-3},
@@ -17,59 +18,52 @@ UNITS = {  # that may follow a number of that unit, and what they are of it
     "δₜ": {"δₜ": 1.0, "delta_t": 1.0},
     "δ₀": {"δ₀": 1.0, "delta_0": 1.0},
 }
+SAME = str.maketrans({"−": "-", "∞": "inf", "μ": "µ"})  # the last: Greek mu, and the micro sign
+DIGITS = 12  # of a converted value: 0.07 TPa is 70 GPa, not 70.00000000000001
 
 
-def number_from_text(name, text, notes=None, known=None, whole=None):
-    """The number that `text` gives for parameter `name`, within its range or not; raises SceneError where it is none.
+def number_from_text(
+    name: str, text: str, notes: list[str] | None = None, limits: Range | None = None, whole: float | None = None
+) -> float:
+    """The number that `text` gives for parameter `name`; it may lie outside the range.
 
-    '−0.5' with a true minus, '0,3' with a decimal comma (said in the list `notes`), '70 GPa', '2.5 µm' with a unit.
-    known: a Range to name in messages, narrower than that of Scene. whole: the length in nm that the parameter is a
-    part of; then a length may be given as well, '4 nm' of 10 nm for 0.4.
+    Accepts a true minus ('−0.5'), a decimal comma ('0,3', reported in the list `notes`) and a unit ('2.5 µm').
+    limits: a Range to name in messages, narrower than that of Scene. whole: the length in nm that the parameter is a
+    fraction of; the text may then give a length, '4 nm' of 10 nm for 0.4. Raises SceneError.
     """
-    given = " ".join(str(text).split())  # thin spaces as well
-    for other, usual in (("−", "-"), ("∞", "inf"), ("μ", "µ")):  # the last: Greek mu, and the micro sign
-        given = given.replace(other, usual)
-    found = NUMBER.fullmatch(given)
-    known = known or LIMITS[name]
-    units = _units(known, whole)
-    if found and THOUSANDS.fullmatch(found["mantissa"]):
-        other = given.replace(",", "")
-        raise SceneError(
-            name, text, f"{given.replace(',', '.')} or {other}? allowed: {known.span}", "write a decimal point"
-        )
-    if not found or found["unit"] not in {"", *units}:
-        unit = f", alone or with its unit ({', '.join(units)})" if known.unit else ""
-        raise SceneError(name, text, f"allowed: {known.span}", f"give a number in that range{unit}")
-    value = float(found["mantissa"].replace(",", ".") + found["exponent"])
+    given = " ".join(str(text).split()).translate(SAME)  # split: at thin spaces as well
+    limits = limits or LIMITS[name]
+    match = NUMBER.fullmatch(given)
+    units = UNITS.get(limits.unit, {limits.unit: 1.0})
+    if whole:
+        units = units | {unit: nm / whole for unit, nm in UNITS["nm"].items()}
+    if match and THOUSANDS.fullmatch(match["mantissa"]):
+        allowed = f"{given.replace(',', '.')} or {given.replace(',', '')}? allowed: {limits.span}"
+        raise SceneError(name, text, allowed, "write a decimal point")
+    if not match or match["unit"] not in {"", *units}:
+        unit = f", alone or with its unit ({', '.join(units)})" if limits.unit else ""
+        raise SceneError(name, text, f"allowed: {limits.span}", f"give a number in that range{unit}")
+    value = float(match["mantissa"].replace(",", ".") + match["exponent"])
     if "," in given and notes is not None:
         notes.append(f"{name} = {given}: the comma was read as a decimal point, {value:g}.")
-    return float(f"{value * units[found['unit']]:.12g}") if found["unit"] else value  # 0.07 TPa is 70 GPa
-
-
-def _units(known, whole):
-    """{unit: what it is of the Range's own} that may follow a number; whole: as of `number_from_text`."""
-    lengths = {unit: nm / whole for unit, nm in UNITS["nm"].items()} if whole else {}
-    return UNITS.get(known.unit, {known.unit: 1.0}) | lengths
+    return float(f"{value * units[match['unit']]:.{DIGITS}g}") if match["unit"] else value
 
 
 def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, notes: list[str] | None = None) -> Scene:
     """A Scene from {'name': 'text'}, as the command line gives it; raises SceneError.
 
-    profile: a measured Profile; the scene then shows it, over its own length, unless `pairs` say otherwise.
-    notes: a list that takes what is to be said of how a text was read.
+    profile: a measured Profile; the scene then has this surface and its length, unless `pairs` say otherwise.
+    notes: a list that collects how ambiguous texts were read.
     """
     values: dict[str, Any] = {"surface": "measured", "width": profile.length, "measured": profile} if profile else {}
     for name, text in pairs.items():
         if name not in PARAMETERS:
-            raise SceneError("name", name, f"allowed: {', '.join(PARAMETERS)}", "use one of these names")
+            raise SceneError("name", name, f"allowed: {', '.join(PARAMETERS)}", name_remedy(name, PARAMETERS))
         values[name] = text if name in CHOICES else number_from_text(name, text, notes)
     return Scene(**values)
 
 
-def changes(scene):
+def changes(scene: Scene) -> str:
     """'name=value ...' of what differs from the default, as `--set` takes it; a measured profile as profile=FILE."""
-    usual = Scene()
-    values = {name: getattr(scene, name) for name in PARAMETERS if getattr(scene, name) != getattr(usual, name)}
-    if scene.measured:
-        values["profile"] = "FILE"
+    values = scene.differences() | ({"profile": "FILE"} if scene.measured else {})
     return " ".join(f"{name}={value}" for name, value in values.items())

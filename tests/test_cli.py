@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 import re
 import subprocess
 import sys
@@ -10,13 +11,16 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numba
 import numpy as np
 import pytest
+from numba.core.event import install_listener
 
 import solver.cli as cli
 from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
+from solver.__main__ import CLOSED_PIPE, CompilingNotice
 from solver.continuation import gfmd
-from solver.scene import CHOICES
+from solver.scene import CHOICES, PARAMETERS
 
 ROOT = Path(__file__).parents[1]
 SMALL = ("nodes=64", "width=160", "u_x_max=2")
@@ -54,14 +58,22 @@ def rows(file):
         return list(csv.DictReader(text))
 
 
+def wrote(err):
+    """The files that a command reports on standard error; it may print nothing else."""
+    assert all(line.startswith("wrote ") for line in err.splitlines()), err
+    return [Path(line.removeprefix("wrote ")) for line in err.splitlines()]
+
+
 def strict(file):
     return json.loads(file.read_text(), parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
 
 
 @pytest.mark.slow
-def test_a_run_succeeds_with_a_summary_and_a_silent_error_stream(written):
+def test_a_run_succeeds_with_a_summary_and_names_the_files_it_wrote(written):
+    """With a cold cache a line on compiling comes first."""
     assert written.process.returncode == 0
-    assert written.process.stderr == ""
+    lines = [line for line in written.process.stderr.splitlines() if not line.startswith("Compiling")]
+    assert lines == [f"wrote {file}" for file in (written.csv, written.npz, written.json)]
     for word in ("A_0", "F_s", "A_s", "slips", "evaluations", " s\n"):
         assert word in written.process.stdout
 
@@ -162,7 +174,7 @@ def test_a_decimal_comma_and_a_unit_are_read_and_the_comma_is_said(call, tmp_pat
     small = "nodes=64", "width=0.16 µm", "u_x_max=0", "delta_bar=−0,5"
     code, out, err = call("run", "--set", *small, "--json", tmp_path / "j")
     scene = strict(tmp_path / "j")["scene"]
-    assert (code, err, scene["width"], scene["delta_bar"]) == (0, "", 160.0, -0.5)
+    assert (code, scene["width"], scene["delta_bar"]) == (0, 160.0, -0.5) and wrote(err) == [tmp_path / "j"]
     assert "decimal point, -0.5" in out and "µm" not in out
 
 
@@ -230,7 +242,7 @@ def test_a_measured_profile_is_read_told_and_written(call, tmp_path):
     file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
     settings = (f"profile={file}", "nodes=64", "du_z=0.5", "du_x=0.5", "u_x_max=2")
     code, out, err = call("run", "--set", *settings, "--json", tmp_path / "j")
-    assert (code, err) == (0, "")
+    assert code == 0 and wrote(err) == [tmp_path / "j"]
     assert out.count("profile: ") == 4 and "a tilt of" in out
     scene = strict(tmp_path / "j")["scene"]
     again = Scene(**scene | {"measured": Profile(**scene["measured"])})
@@ -280,7 +292,7 @@ def test_no_convergence_exits_with_one_the_place_and_what_was_computed(call, tmp
     code, _, err = call(
         "run", "--set", *SMALL, "--csv", tmp_path / "c", "--npz", tmp_path / "n", "--json", tmp_path / "j"
     )
-    assert (code, err) == (1, message + "\n")
+    assert code == 1 and err.splitlines()[-1] == message and len(err.splitlines()) == 4  # after three files
     assert [float(row["U_x"]) for row in rows(tmp_path / "c")] == [0.1 * k for k in range(5)]
     report = strict(tmp_path / "j")
     assert report["converged"] is False
@@ -340,10 +352,76 @@ def test_progress_is_drawn_on_a_terminal_only(call, monkeypatch):
         assert not stream.getvalue().split("\r")[-1].strip()  # it is wiped
 
 
-def test_help_lists_every_parameter(call):
-    code, out, _ = call("run", "--help")
-    assert code == 0
-    assert all(name in out for name in (*LIMITS, *CHOICES))
+def test_parameters_lists_every_parameter_with_its_range_in_100_columns(call):
+    code, out, _ = call("parameters")
+    assert code == 0 and max(map(len, out.splitlines())) <= 100
+    for name, parameter in PARAMETERS.items():
+        assert re.search(rf"^{name} +{re.escape(parameter.span)}, default ", out, re.M), name
+    assert all(f" {word}: " in out for words in CHOICES.values() for word in words)
+
+
+@pytest.mark.parametrize("name", ["run", "accuracy", "stability", "map", "sensitivities", "fit", "spread"])
+def test_the_help_of_a_command_fits_100_columns_and_a_screen(call, monkeypatch, name):
+    monkeypatch.setenv("COLUMNS", "100")
+    code, out, _ = call(name, "--help")
+    assert code == 0 and max(map(len, out.splitlines())) <= 100 and len(out.splitlines()) <= 45
+
+
+@pytest.mark.parametrize(
+    ("setting", "meant"),
+    [("e=70", "E"), ("delta_baar=1", "delta_bar"), ("surfce=flat", "surface"), ("u_max=3", "u_x_max")],
+)
+def test_an_unknown_parameter_is_answered_with_the_most_similar_one(call, setting, meant):
+    code, _, err = call("run", "--set", setting)
+    assert code == 2 and err.endswith(f"; did you mean {meant}?\n")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("run",),
+        ("accuracy",),
+        ("sensitivities",),
+        ("map", "--csv"),
+        ("fit", "f", "--free", "E"),
+        ("spread", "--of", "E=1%"),
+    ],
+)
+def test_every_command_that_computes_a_scene_knows_the_presets(call, tmp_path, arguments):
+    files = [tmp_path / "map.csv"] if arguments[-1] == "--csv" else []
+    code, _, err = call(*arguments, *files, "--preset", "fig9")
+    assert code == 2 and err.startswith("preset 'fig9': allowed: fig6, ")
+
+
+def test_fit_takes_its_arguments_in_the_order_that_its_usage_prints(call):
+    _, out, _ = call("fit", "--help")
+    assert out.startswith("usage: python -m solver fit FILE --free NAME [NAME ...] [options]\n")
+    code, _, err = call("fit", "nowhere.csv", "--free", "E", "nu", "--set", "E=50")
+    assert code == 2 and "nowhere.csv" in err and "required" not in err
+
+
+def test_a_reader_that_ends_early_leaves_no_traceback():
+    """`parameters | head -n 0`: the pipe is closed before anything is written to it."""
+    command = [sys.executable, "-m", "solver", "parameters"]
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "wb") as closed:
+        process = subprocess.run(command, cwd=ROOT, stdout=closed, stderr=subprocess.PIPE, text=True, timeout=120)
+    assert (process.stderr, process.returncode) == ("", CLOSED_PIPE)
+
+
+def test_compiling_is_reported_once_and_only_where_something_is_compiled(capsys):
+    @numba.njit
+    def double(x):
+        return x + x
+
+    with install_listener("numba:compile", CompilingNotice()):
+        double(1)
+        first = capsys.readouterr()
+        double(1)  # compiled already
+        double(1.0)  # another type: compiled again
+    assert (first.out, first.err.count("\n")) == ("", 1) and "Compiling" in first.err
+    assert capsys.readouterr() == ("", "")
 
 
 def test_ci_runs_exactly_the_test_command_of_the_readme():

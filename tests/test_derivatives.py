@@ -67,7 +67,7 @@ def test_a_spread_is_printed_and_its_band_written(call, tmp_path):
         (("fit", "nowhere.csv", "--free", "E"), "nowhere.csv"),
         (("spread", "--of", "phi_n=-1"), "phi_n=-1"),
         (("spread", "--of", "nodes=1"), "nodes"),
-        (("spread", "--of", "phi_n=1%", "--draws", "-1"), "--draws -1"),
+        (("spread", "--of", "phi_n=1%", "--draws", "-1"), "--draws: -1"),
         (("sensitivities", "--set", "E=-1"), "E = -1"),
     ],
 )

@@ -1,6 +1,8 @@
 """Named experiments: the app's file is valid, each of them runs, and the command line knows them."""
 
+import importlib
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -27,7 +29,7 @@ def test_every_figure_has_its_presets():
 def test_preset_holds_only_what_differs_from_the_default(name):
     table = tomllib.loads((ROOT / "solver" / "presets.toml").read_text(encoding="utf-8"))[name]
     known = preset(name)
-    assert known.differences == {key: value for key, value in table.items() if key not in WORDS}
+    assert known.scene.differences() == {key: value for key, value in table.items() if key not in WORDS}
     assert known.look.endswith(".") and known.look.count(". ") == 0  # one sentence
 
 
@@ -120,11 +122,19 @@ def test_run_with_an_unknown_preset_lists_the_names_in_one_line(capsys):
     assert all(name in err for name in ("'fig9'", *NAMES))
 
 
-def test_help_lists_the_presets(capsys):
-    with pytest.raises(SystemExit):
-        cli.main(["run", "--help"])
+def test_presets_are_listed_with_their_titles(capsys):
+    assert cli.main(["presets"]) == 0
     out = capsys.readouterr().out
-    assert all(f"{name} " in out for name in NAMES)
+    assert all(line.startswith(name) for name, line in zip(NAMES, out.splitlines(), strict=True))
+    assert all(known.title in out for known in presets().values())
+
+
+def test_what_the_file_of_presets_refers_to_exists():
+    text = (ROOT / "solver" / "presets.toml").read_text(encoding="utf-8")
+    names = re.findall(r"\b(solver(?:\.\w+)*)\.(\w+)", text)
+    assert len(names) >= 3
+    for module, name in names:
+        assert hasattr(importlib.import_module(module), name), (module, name)
 
 
 @pytest.fixture
@@ -138,6 +148,6 @@ def anew():
 @pytest.mark.usefixtures("anew")
 def test_a_broken_file_of_presets_is_one_line(monkeypatch, capsys):
     monkeypatch.setattr("solver.presets.FILE", "scene.py")
-    assert cli.main(["run"]) == 2
+    assert cli.main(["run", "--preset", "fig6"]) == 2
     err = capsys.readouterr().err
     assert err.count("\n") == 1 and "scene.py" in err

@@ -8,7 +8,6 @@ from app.service import packing, tasks
 from app.service.pool import LATER
 from app.service.wanted import Wanted
 from solver import Scene
-from solver.scene import PARAMETERS
 
 SCANNED = 1200  # characters of a link beyond which a QR code is too fine for a phone at the back of a room
 LONG = 60.0  # s that a file may take
@@ -70,5 +69,5 @@ def python_lines(legs):
 
 def _arguments(scene, usual):
     """["name=value", ...] of what differs between two scenes, but for the profile of a measured surface."""
-    known = {name: getattr(scene, name) for name in PARAMETERS if getattr(scene, name) != getattr(usual, name)}
-    return [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in known.items()]
+    values = scene.differences(usual)
+    return [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in values.items()]

@@ -20,7 +20,7 @@ from solver import NotConverged, Scene, load_path
 from solver.analysis.maps import Axis, Map, Tile, worked_off
 from solver.analysis.maps.point import touches
 from solver.analysis.maps.run import computed
-from solver.command import scene_of, settings
+from solver.command import scene_of
 from solver.isolated import Lost, crew
 
 WANTED = 1e-3  # nm, of U_s
@@ -117,7 +117,7 @@ def main():
     parser.add_argument("--checks", type=int, default=60)
     parser.add_argument("--json", metavar="FILE")
     arguments = parser.parse_args()
-    grid = Map(scene_of(settings(arguments.set)), Axis.of(arguments.x), Axis.of(arguments.y))
+    grid = Map(scene_of(arguments.set), Axis.of(arguments.x), Axis.of(arguments.y))
     points, seconds = explored(grid, arguments.workers)
     rows = list(checked(grid, points, arguments.checks))
     found = summary(points, seconds, rows)
