@@ -15,7 +15,7 @@ HERE = Path(solver.__file__).parent
 ROOMS = ["mechanics", "continuation", "run", "following"]
 CORE = ["schema.py", "scene.py", "surfaces.py", "text.py", "profile.py", *ROOMS]
 REPORTS = {"analysis", "validation"}
-NUMERICS = {"numpy", "numba", "pyfftw"}
+NUMERICS = {"numpy", "scipy", "numba", "pyfftw"}
 STANDARD = sys.stdlib_module_names
 
 
