@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solver import Scene
+from solver import Scene, load_path
 from solver.analysis.peeling import edges, peel_asymmetry
 from solver.run.frame import contact_area, forces
 
@@ -149,3 +149,11 @@ def test_peel_asymmetry_is_none_without_edges():
     free, full = (SimpleNamespace(T=np.full((2, 100), value), first=0) for value in (-1.0, 1.0))
     for other in (free, full, tent((10, 20))):
         assert np.isnan(peel_asymmetry(SCENE, full, other)) and np.isnan(peel_asymmetry(SCENE, free, other))
+
+
+def test_frames_compare_and_hash_by_identity_and_print_in_a_line():
+    """As `in`, sets and an interactive session need it: arrays have no truth value, and a printed frame took 23 kB."""
+    first, second = list(load_path(Scene(surface="flat", phi_ratio=0.1, u_x_max=0.0, du_z=1.0)))[:2]
+    assert first == first and first != second and first in [second, first] and len({first, second, first}) == 2
+    assert repr(first).startswith("Frame(stage='approach', index=0, ") and len(repr(first)) < 400
+    assert "F_bar=" in repr(first) and "array" not in repr(first)

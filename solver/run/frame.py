@@ -1,6 +1,6 @@
 """What an increment reports: displacements and tractions of the patch, the forces, the contact area."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -47,22 +47,22 @@ class SlipEvent:
         return {"stage": self.stage, load: self.load} | numbers | {"kind": self.kind, "located": self.located}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frame:
-    """One converged increment (paper Eq. 6 for the forces).
+    """One converged increment (paper Eq. 6 for the forces). Frames are equal only if they are the same object.
 
     u, T: (2, m) displacement (nm) and traction on the layer (GPa) of the patch, whose first node is `first`; read-only.
     F_bar, L_bar: forces over w E; A_bar: length in contact over w.
     """
 
-    scene: Scene  # it was computed with: of a run carried on (`carry`), not the same for all
+    scene: Scene = field(repr=False)  # it was computed with: of a run carried on (`carry`), not the same for all
     stage: str  # of the load path: as of `load_steps.LoadStep`
     index: int  # of the increment within its stage
     U_x: float  # nm
     delta: float  # nm
     first: int
-    u: NDArray[np.float64]
-    T: NDArray[np.float64]
+    u: NDArray[np.float64] = field(repr=False)
+    T: NDArray[np.float64] = field(repr=False)
     F_bar: float
     L_bar: float
     A_bar: float
