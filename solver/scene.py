@@ -15,8 +15,8 @@ ROUNDINGS = 2.0  # largest measured round-off of a residual over the estimate of
 LARGEST_RUN = 200_000  # increments; a longer run is a mistake: the finest step allowed over 200 nm
 SPACING = (0.05, 20.0)  # a/delta_t; finer lattices carry no friction, on coarser ones a node feels one site at most
 
-LOAD_PATH, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"
-KINDS = {name: surface.meaning for name, surface in SURFACES.items()}
+LOAD_PATH, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"  # groups of parameters
+SHAPES = {name: shape.meaning for name, shape in SURFACES.items()}
 PATHS = {
     "shear": "approach, then shear",
     "unload": "approach, retraction and approach again at U_x = 0",
@@ -54,7 +54,7 @@ class Scene:
         1e-8, 1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame", LOAD_PATH
     )
 
-    surface: str = word("circular", KINDS, "undeformed profile of the surface", SURFACE)
+    surface: str = word("circular", SHAPES, "undeformed profile of the surface", SURFACE)
     radius: float = number(2.5, 0.1, 1e3, "w", "radius R of the protrusion over the width w", SURFACE)
     amplitude: float = number(
         5.0, 1e-3, 1e4, "nm", "amplitude of the wave, half its height from crest to trough", SURFACE

@@ -1,9 +1,9 @@
-"""The undeformed surface of the layer: every kind is a Surface, whose `gap` gives the gap g0 (nm) of a Scene's nodes.
+"""The undeformed surface of the layer: the `gap` of every Shape gives g0 (nm) at a Scene's nodes.
 
 Gaps are periodic over w; at delta = 0 the undeformed surfaces just touch. For punch and wave g0 = 0 is the lowest point
-of the continuous profile (the lowest node is higher unless one stands on a crest), for other kinds the lowest node.
-The largest gap stands at the ends of the cell, so that contact spreads across them last of all. A measured profile is
-not moved: `read_profile` puts its deepest valley there, which means over the node spacing may fill.
+of the continuous profile: the lowest node is higher unless it lies on a crest. For other shapes it is the lowest node.
+The largest gap lies at the ends of the cell, so contact spreads across them last. A measured profile is not moved:
+`read_profile` puts its deepest valley there, which means over the node spacing may fill.
 """
 
 from collections.abc import Callable
@@ -16,16 +16,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from .schema import as_number
 
+Floats = NDArray[np.float64]
+
 STEEPEST = 0.3  # slope of a wave or a measured profile; beyond it slopes are not small: 1 - cos of the angle is 5 %
-FEWEST_NODES = 8  # to a wavelength of a wave
-SHORTEST = 4  # node spacings to the cut-off wavelength
-FEWEST_POINTS = 16  # of a measured profile
-LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the widths a cell may have
-EVEN = 1e-6  # of the spacing: points off by no more count as equidistant
+FEWEST_NODES = 8  # to a wavelength of a wave: linear between them, its slope is right to 3 %
+SHORTEST = 4  # node spacings to the cut-off wavelength: two to half a wave
+FEWEST_POINTS = 16  # of a measured profile: two waves of FEWEST_NODES
+LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
+EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
 
 class ProfileError(ValueError):
-    """A profile of no use; the message names the line, if there is one, and the reason; `line` is its number."""
+    """An unusable profile; the message gives the reason and the number of the line, if there is one, as `line`."""
 
     def __init__(self, reason: str, line: int | None = None) -> None:
         self.line = line
@@ -36,35 +38,35 @@ class ProfileError(ValueError):
 class Profile:
     """A measured profile: heights z (nm) at equal distances over one period (nm), kept as bytes of float64.
 
-    heights: any sequence of numbers, or those bytes; cheap to hash and to send. notes: what was done to the data.
-    Raises ProfileError unless they are FEWEST_POINTS or more finite numbers, the length is within LENGTHS, and slopes,
-    that from the last point to the first of the next period too, are up to STEEPEST.
+    heights: any sequence of numbers, or those bytes, which are cheap to hash and to send. notes: how the data were
+    processed. Raises ProfileError unless they are FEWEST_POINTS or more finite numbers, the length is within LENGTHS,
+    and no slope exceeds STEEPEST, from the last point to the first of the next period either.
     """
 
     length: float
     heights: ArrayLike = field(repr=False)
     notes: tuple[str, ...] = field(default=(), compare=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "length", _length(self.length))
         if not isinstance(self.heights, bytes):
             object.__setattr__(self, "heights", _heights(self.heights))
         object.__setattr__(self, "notes", tuple(self.notes))
         if len(self.heights) % 8:
-            raise ProfileError(f"heights = {len(self.heights)} bytes: allowed: 8 to each, of float64; give numbers")
+            raise ProfileError(f"heights = {len(self.heights)} bytes: allowed: 8 for each float64; give numbers")
         if self.z.size < FEWEST_POINTS:
             raise ProfileError(f"heights: {self.z.size} points; allowed: {FEWEST_POINTS} or more; give more of them")
         if not np.isfinite(self.z).all():
             k = int(np.argmin(np.isfinite(self.z)))
             raise ProfileError(f"heights[{k}] = {self.z[k]:g}: allowed: finite numbers, in nm; leave it out")
-        with np.errstate(over="ignore"):  # a slope of infinity is too steep as well
+        with np.errstate(over="ignore"):  # an infinite slope is too steep as well
             slope = np.abs(np.diff(self.z, append=self.z[0])).max() / (self.length / self.z.size)
-        if slope > STEEPEST * (1.0 + 4.0 * EVEN):  # distances as read were off by EVEN
+        if slope > STEEPEST * (1.0 + 4.0 * EVEN):  # distances may have been off by EVEN
             reason = f"heights: the largest slope is {slope:.3g}; allowed: up to {STEEPEST:g}; smooth or rescale them"
             raise ProfileError(reason)
 
     @property
-    def z(self) -> NDArray[np.float64]:
+    def z(self) -> Floats:
         """Heights, nm, (points,); read-only."""
         return np.frombuffer(cast(bytes, self.heights), "<f8")
 
@@ -89,11 +91,11 @@ def _heights(values):
     return heights.tobytes()
 
 
-def averaged(x, z, points):
-    """Means (points,) of the profile linear between x, z (n,), each over the spacing around one of equidistant places.
+def averaged(x: Floats, z: Floats, points: int) -> Floats:
+    """Means (points,) of the profile linear between x, z (n,), each over the spacing around an equidistant position.
 
-    Waves shorter than the new spacing are averaged away, where sampling would alias them into long ones. The last of
-    x, z is the first of the next period.
+    Waves shorter than the new spacing are averaged away; sampling would alias them into long ones. The last point is
+    the first of the next period.
     """
     x, level = x - x[0], z.mean()
     z, gaps = z - level, np.diff(x)
@@ -106,18 +108,18 @@ def averaged(x, z, points):
     return level + np.diff(sums) / spacing
 
 
-def circular(scene):
+def circular(scene: Any) -> Floats:
     """(x - w/2)^2 / (2R), the protrusion of the paper."""
     from_middle = (np.arange(scene.nodes) - scene.nodes / 2) * scene.spacing  # even to the last bit
     return from_middle**2 / (2.0 * scene.radius * scene.width)
 
 
-def flat(scene):
-    """No gap at all."""
+def flat(scene: Any) -> Floats:
+    """0."""
     return np.zeros(scene.nodes)
 
 
-def wave(scene):
+def wave(scene: Any) -> Floats:
     """amplitude (1 + cos(2 pi waves x/w)), twice the amplitude from crest to trough."""
     k = (np.arange(scene.nodes) * scene.waves) % scene.nodes
     k = np.minimum(k, scene.nodes - k)  # even to the last bit
@@ -125,7 +127,7 @@ def wave(scene):
 
 
 def _wave_refused(scene):
-    """See `Surface.refused`."""
+    """See `Shape.refused`."""
     most = scene.nodes // FEWEST_NODES
     if scene.waves > most:
         return "waves", f"allowed: 1 .. {most}, {FEWEST_NODES} nodes to a wavelength", "lower it, or enlarge nodes"
@@ -135,14 +137,14 @@ def _wave_refused(scene):
     return None
 
 
-def rough(scene):
-    """Self-affine: C(q) ~ q^(-1-2H) from roll-off to cut-off, flat below, none above; random phases.
+def rough(scene: Any) -> Floats:
+    """Self-affine: C(q) ~ q^(-1-2H) from roll-off to cut-off, constant below, 0 above; random phases.
 
     The sum of cosines with amplitudes sqrt(C) at q = 2 pi k/w, scaled to the exact rms slope. Mode k has the same phase
     at any cut-off and number of nodes.
     """
     k = np.arange(1, int(1.0 / scene.cut_off + 1e-9) + 1)
-    # made from the generator's raw bits, so that every NumPy gives the same
+    # from the generator's raw bits, which are the same in every version of NumPy
     phases = 2.0 * np.pi * (np.random.Philox(key=scene.seed).random_raw(k.size) >> np.uint64(11)) * 2.0**-53
     amplitude = np.maximum(k, 1.0 / scene.roll_off) ** (-0.5 - scene.hurst)
     slope = np.sqrt(0.5 * np.sum((2.0 * np.pi * k / scene.width * amplitude) ** 2))
@@ -161,8 +163,8 @@ def _rough_refused(scene):
     return None
 
 
-def measured(scene):
-    """Highest z less z, as the profile's summits face the substrate; linear between its points.
+def measured(scene: Any) -> Floats:
+    """Highest z minus z: the profile's summits face the substrate; linear between its points.
 
     With fewer nodes than points, each node has the mean over the node spacing.
     """
@@ -189,29 +191,29 @@ def _measured_refused(scene):
 
 
 @dataclass(frozen=True)
-class Surface:
-    """One kind of surface, as `surface=` names it.
+class Shape:
+    """A value of the parameter `surface`.
 
-    gap: from a Scene to g0 of its nodes, nm, (nodes,). parameters: the fields of Scene that only this kind reads.
-    refused: from a Scene to (parameter, what is allowed, remedy) where it cannot be built, else None.
+    gap: from a Scene to g0 of its nodes, nm, (nodes,). parameters: the fields of Scene that only this shape reads.
+    refused: from a Scene to (parameter, what is allowed, remedy) if it cannot be built, else None.
     """
 
     meaning: str
-    gap: Callable[[Any], NDArray[np.float64]]
+    gap: Callable[[Any], Floats]
     parameters: tuple[str, ...] = ()
     refused: Callable[[Any], tuple[str, str, str] | None] = lambda scene: None
 
 
 SURFACES = {
-    "circular": Surface("the paper's cylindrical punch", circular, ("radius",)),
-    "flat": Surface("flat on flat", flat),
-    "wave": Surface("a cosine", wave, ("amplitude", "waves"), _wave_refused),
-    "rough": Surface("self-affine", rough, ("rms_slope", "hurst", "roll_off", "cut_off", "seed"), _rough_refused),
-    "measured": Surface("a profile from a file", measured, ("measured",), _measured_refused),
+    "circular": Shape("the paper's cylindrical punch", circular, ("radius",)),
+    "flat": Shape("flat on flat", flat),
+    "wave": Shape("a cosine", wave, ("amplitude", "waves"), _wave_refused),
+    "rough": Shape("self-affine", rough, ("rms_slope", "hurst", "roll_off", "cut_off", "seed"), _rough_refused),
+    "measured": Shape("a profile from a file", measured, ("measured",), _measured_refused),
 }
 
 
 @lru_cache(maxsize=8)
-def undeformed_gap(scene: Any) -> NDArray[np.float64]:
-    """g0 of every node, nm, (nodes,); kept, to be copied."""
+def undeformed_gap(scene: Any) -> Floats:
+    """g0 of every node, nm, (nodes,). The array is kept: copy it before changing it."""
     return SURFACES[scene.surface].gap(scene)

@@ -236,7 +236,7 @@ def test_a_width_that_is_none_or_beyond_the_profile_is_refused(width):
         (100.0, [], "heights: 0 points; allowed: 16 or more"),
         (100.0, b"", "heights: 0 points; allowed: 16 or more"),
         (100.0, np.zeros(FEWEST_POINTS - 1), "heights: 15 points; allowed: 16 or more"),
-        (100.0, b"abc", "heights = 3 bytes: allowed: 8 to each, of float64"),
+        (100.0, b"abc", "heights = 3 bytes: allowed: 8 for each float64"),
         (100.0, [0.0] * 5 + [np.nan] * 20, r"heights\[5\] = nan: allowed: finite numbers"),
         (100.0, np.full(20, -np.inf).tobytes(), r"heights\[0\] = -inf: allowed: finite numbers"),
         (100.0, [0.0, 2.0] * 10, "the largest slope is 0.4; allowed: up to 0.3; smooth or rescale"),
