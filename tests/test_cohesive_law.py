@@ -40,8 +40,8 @@ def test_traction_is_the_sum_over_springs(scene):
 def test_compiled_law_equals_its_python_source():
     scene, u = Scene(), np.random.default_rng(0).uniform(-3.0, 3.0, (2, 50))
     compiled, interpreted = np.empty((2, WORK, 50))
-    window_sums(u, np.zeros(50), law_constants(scene), compiled)
-    window_sums.py_func(u, np.zeros(50), law_constants(scene), interpreted)
+    window_sums(*u, np.zeros(50), law_constants(scene), compiled)
+    window_sums.py_func(*u, np.zeros(50), law_constants(scene), interpreted)
     assert interpreted == pytest.approx(compiled, rel=1e-13)
 
 

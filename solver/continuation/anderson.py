@@ -31,8 +31,8 @@ class Secants:
 
         smooth (array -> array): applied to the part of r that the pairs do not span; by default that is added as it is.
         """
-        move, rest = np.empty_like(r), r.copy()
-        _split(self.du, self.dr, self.gram, self.rows, self.slot, r, REGULARISATION, FORGET, move, rest)
+        move, rest, work = np.zeros_like(r), r.copy(), np.empty((self.rows + 2, self.rows))
+        _split(self.du, self.dr, self.gram, self.slot, r, REGULARISATION, FORGET, work, move, rest)
         move += rest if smooth is None else smooth(rest)
         return move
 
@@ -67,13 +67,17 @@ def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
 
 
 @njit(cache=True, nogil=True)
-def _split(du, dr, gram, rows, slot, r, eps, forget, move, rest):
-    """move = -sum c_j du_j and rest = r - sum c_j dr_j, with the c that make |rest| least."""
-    c = _coefficients(dr, gram, rows, slot, r, eps, forget)
-    move[:] = 0.0
+def _split(du, dr, gram, slot, r, eps, forget, work, move, rest):
+    """Subtract sum c_j du_j from move and sum c_j dr_j from rest, with the c that make |r - sum c_j dr_j| least.
+
+    work (rows + 2, rows): scratch, as an allocation in a kernel takes longer to compile than the rest of it.
+    """
+    rows = work.shape[1]
+    c, scale = work[rows], work[rows + 1]
+    _coefficients(dr, gram, slot, r, eps, forget, work, c, scale)
     for j in range(rows):
-        _subtract(move, c[j], du[j])
-        _subtract(rest, c[j], dr[j])
+        _subtract(move, c[j] * scale[j], du[j])
+        _subtract(rest, c[j] * scale[j], dr[j])
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -83,9 +87,9 @@ def _subtract(total, c, row):
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def _coefficients(dr, gram, rows, slot, r, eps, forget):
-    """Least-squares coefficients of r in the rows of dr: Cholesky of the normalised, regularised Gram matrix."""
-    upper, y, d = np.empty((rows, rows)), np.empty(rows), np.empty(rows)
+def _coefficients(dr, gram, slot, r, eps, forget, upper, y, d):
+    """Least-squares coefficients y d of r in the rows of dr: Cholesky of the normalised, regularised Gram matrix."""
+    rows = y.size
     for i in range(rows):
         d[i] = 1.0 / np.sqrt(gram[i, i]) if gram[i, i] > 0.0 else 0.0
         y[i] = dot(dr[i], r) * d[i]
@@ -107,7 +111,6 @@ def _coefficients(dr, gram, rows, slot, r, eps, forget):
         y[i] /= upper[i, i]
         for k in range(i):
             y[k] -= upper[k, i] * y[i]
-    return y * d
 
 
 @njit(cache=True, nogil=True)

@@ -37,7 +37,7 @@ def law_constants(scene):
     )
 
 
-@njit(cache=True, nogil=True, fastmath=_fast)
+@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def exponential(x, power):
     """x = exp(x) in place, to round-off, x kept within +-700; power: scratch of the same length.
 
@@ -59,25 +59,23 @@ def exponential(x, power):
         x[i] *= power[i]
 
 
-@njit(cache=True, nogil=True, fastmath=_fast)
-def window_sums(u, profile, law, work):
-    """Fill the first rows of work (WORK, m): sums of 1, dt and dt^2 times exp(-dt^2), then exp(-dn), then dn.
+@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+def window_sums(u_x, u_z, profile, law, work):
+    """Fill rows of work (WORK, m): exp(-dn), sums of 1, dt and dt^2 times exp(-dt^2), and dn.
 
-    u: (2, m) nm; profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
+    u_x, u_z, profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
     """
     a, window, m = law[4], law[5], profile.size
-    s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
-    r, up, down, ahead, behind = work[5], work[6], work[7], work[8], work[9]
+    e, s0, up, s1, s2, dn, r = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
+    down, ahead, behind = work[7], work[8], work[9]
     for i in range(m):
-        x = u[0, i] / law[3]
+        x = u_x[i] / law[3]
         r[i] = x - a * np.floor(x / a + 0.5)
-        dn[i] = max((profile[i] + u[1, i]) / law[2], DEEPEST)
+        dn[i] = max((profile[i] + u_z[i]) / law[2], DEEPEST)
         e[i] = -dn[i]
         s0[i] = -r[i] * r[i]
         up[i] = 2.0 * a * r[i]
-    exponential(e, down)
-    exponential(s0, down)
-    exponential(up, down)
+    exponential(work[:3].reshape(-1), work[7:].reshape(-1))
     shrink = np.exp(-a * a)
     for i in range(m):
         down[i] = shrink / up[i]
@@ -100,25 +98,28 @@ def window_sums(u, profile, law, work):
             s2[i] += front * front * g + back * back * h
 
 
-@njit(cache=True, nogil=True, fastmath=_fast)
+@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+def _tractions(work, active, law, T_x, T_z):
+    e, s0, s1, dn = work[0], work[1], work[3], work[5]
+    for i in range(active.size):
+        force = e[i] if active[i] else 0.0
+        T_x[i] = law[1] * s1[i] * force
+        T_z[i] = -law[0] * dn[i] * s0[i] * force
+
+
 def tractions(u, profile, active, law, work, out):
-    """Traction of every node, GPa, out: (2, m) with rows T_x, T_z; active bool (m,): the others get zero."""
-    window_sums(u, profile, law, work)
-    for i in range(profile.size):
-        force = work[3, i] if active[i] else 0.0
-        out[0, i] = law[1] * work[1, i] * force
-        out[1, i] = -law[0] * work[4, i] * work[0, i] * force
+    """Traction of every node, GPa, out: (2, m) with rows T_x, T_z; active bool (m,): the others get zero.
 
-
-@njit(cache=True, nogil=True, fastmath=_fast)
-def tangents(u, profile, active, law, work, out):
-    """Tangent of every node, GPa/nm, out: (4, m) with rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z.
-
-    Not symmetric: NP1 has no potential.
+    Kernels get rows, so that slices of wider buffers have the type of whole arrays, and they are compiled once.
     """
-    window_sums(u, profile, law, work)
-    s0, s1, s2, e, dn = work[0], work[1], work[2], work[3], work[4]
-    for i in range(profile.size):
+    window_sums(u[0], u[1], profile, law, work)
+    _tractions(work, active, law, out[0], out[1])
+
+
+@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+def _tangents(work, active, law, out):
+    e, s0, s1, s2, dn = work[0], work[1], work[3], work[4], work[5]
+    for i in range(active.size):
         force = e[i] if active[i] else 0.0
         out[0, i] = -law[1] * (s0[i] - 2.0 * s2[i]) * force / law[3]
         out[1, i] = -law[1] * s1[i] * force / law[2]
@@ -126,13 +127,26 @@ def tangents(u, profile, active, law, work, out):
         out[3, i] = -law[0] * (1.0 - dn[i]) * s0[i] * force / law[2]
 
 
+def tangents(u, profile, active, law, work, out):
+    """Tangent of every node, GPa/nm, out: (4, m) with rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z.
+
+    Not symmetric: NP1 has no potential.
+    """
+    window_sums(u[0], u[1], profile, law, work)
+    _tangents(work, active, law, out)
+
+
 @njit(cache=True, nogil=True)
-def add_product(J, x, out):
-    """out += J x, (2, m) each; J: (4, m) as of `tangents`."""
-    for i in range(x.shape[1]):
-        a, b = x[0, i], x[1, i]
-        out[0, i] += J[0, i] * a + J[1, i] * b
-        out[1, i] += J[2, i] * a + J[3, i] * b
+def _add_product(J, x, z, out_x, out_z):
+    for i in range(x.size):
+        a, b = x[i], z[i]
+        out_x[i] += J[0, i] * a + J[1, i] * b
+        out_z[i] += J[2, i] * a + J[3, i] * b
+
+
+def add_product(J, w, out):
+    """out += J w, (2, m) each; J: (4, m) as of `tangents`."""
+    _add_product(J, w[0], w[1], out[0], out[1])
 
 
 def alike(tangents) -> bool:

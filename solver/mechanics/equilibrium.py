@@ -49,8 +49,8 @@ class Equilibrium:
 
     def residual(self, v, active, s, out):
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
-        u = self.surface(v)
-        return _residual(u, self.contact.response(u, active), *self.top(v, s), out)
+        displaced_x, displaced_z = self.contact.response(self.surface(v), active)
+        return _residual(v, displaced_x, displaced_z, *self.top(v, s), out)
 
     def traction(self, v, active):
         """T (2, m), GPa; a new array."""
@@ -106,11 +106,11 @@ class Equilibrium:
 
 
 @njit(cache=True, nogil=True)
-def _residual(u, g, load_x, load_z, out):
-    largest, total, m = 0.0, 0.0, u.shape[1]
+def _residual(v, displaced_x, displaced_z, top_x, top_z, out):
+    largest, total, m = 0.0, 0.0, displaced_x.size
     for i in range(m):
-        out[i] = load_x + g[0, i] - u[0, i]
-        out[m + i] = load_z + g[1, i] - u[1, i]
+        out[i] = top_x + displaced_x[i] - v[i]
+        out[m + i] = top_z + displaced_z[i] - v[m + i]
         largest = max(largest, abs(out[i]), abs(out[m + i]))
         total += out[i] + out[m + i]
     return largest if np.isfinite(total) else np.inf  # a maximum passes over nan

@@ -52,8 +52,8 @@ def _inverse(blocks):
 class Modes:
     """The layer's stiffness and compliance at every wavenumber of the periodic cell, coupling dropped at Nyquist.
 
-    From width and height, nm, and E, GPa. Attributes: stiffness (GPa/nm) and compliance (nm/GPa), (3, nodes//2 + 1) in
-    rows xx, zz, c.
+    From width and height, nm, and E, GPa. Attributes, not to be written to: stiffness (GPa/nm) and compliance (nm/GPa),
+    (3, nodes//2 + 1) in rows xx, zz, c. (Flagged read-only they would be another type, for which kernels compile anew.)
     """
 
     def __init__(self, nodes, width, height, E, nu):
@@ -62,7 +62,6 @@ class Modes:
         if nodes % 2 == 0:
             self.stiffness[2, -1] = 0.0
         self.compliance = _inverse(self.stiffness)
-        self.stiffness.flags.writeable = self.compliance.flags.writeable = False
 
     @cached_property
     def critical(self):
