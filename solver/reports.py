@@ -60,9 +60,11 @@ def add_stability(commands: Any) -> None:
 
 def stability(arguments: argparse.Namespace) -> int:
     """Computes the atlas, writes the files asked for, prints tables; 1 if anything fails its check."""
-    from .validation import closed_forms, conditioning, stability_report  # `run` does not need them
-    from .validation.atlas import cases
+    from .validation.atlas import cases  # `run` does not need these
+    from .validation.closed_forms import closed_forms
+    from .validation.conditioning import conditioning
     from .validation.stability import LIMIT, atlas
+    from .validation.stability_report import Report
 
     asked = cases(arguments.quick)
     if unknown := set(arguments.scenes or ()) - {case.number for case in asked}:
@@ -71,9 +73,8 @@ def stability(arguments: argparse.Namespace) -> int:
         asked = [case for case in asked if arguments.scenes is None or case.number in arguments.scenes]
         limit = arguments.limit or LIMIT
         results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n), limit)
-    forms = closed_forms.closed_forms() if arguments.scenes is None else []
-    report = results, forms, conditioning.conditioning()
-    print(stability_report.text(*report))
-    write(arguments.json, write_json, stability_report.data(*report))
-    write(arguments.html, stability_report.write_page, *report)
-    return NOT_CONVERGED if stability_report.failed(*report) else 0
+    report = Report(results, closed_forms() if arguments.scenes is None else [], conditioning())
+    print(report.text())
+    write(arguments.json, write_json, report.data())
+    write(arguments.html, report.write_page)
+    return NOT_CONVERGED if report.failed else 0

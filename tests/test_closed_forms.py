@@ -6,9 +6,10 @@ import pytest
 
 from solver import Scene
 from solver.mechanics.layer import compliance, stiffness
+from solver.validation import extended
+from solver.validation.adhesion import PULL_OFF_JKR, load_maugis, pull_off_maugis, repulsive_jkr
 from solver.validation.closed_forms import closed_forms
-from solver.validation.conditioning import conditioning, printed
-from solver.validation.cylinder import PULL_OFF_JKR, load_maugis, pull_off_maugis, repulsive_jkr
+from solver.validation.conditioning import conditioning
 from solver.validation.extended import displacement, springs
 
 
@@ -79,7 +80,7 @@ def test_stiffness_and_compliance_agree_with_sixty_digits(y, nu, E):
 def test_long_double_reference_is_finer_than_float64(y):
     """The reference of `conditioning` and of the atlas: held against 60 digits itself."""
     for nu in (0.0, 0.4999):
-        reference = printed(np.array([y / 25.0], np.longdouble), 25.0, 70.0, nu)[:2, 0]
+        reference = extended.stiffness(np.array([y / 25.0], np.longdouble), 25.0, 70.0, nu)[:2, 0]
         # at nu = 0.4999 and q h = 1e-3, D cancels to 1e-4 of its terms; the rest is rounding of the inputs' products
         lost = 1.0 if y > 0.05 else 1e3
         digits = exact(np.longdouble(y) / 25.0, 25.0, 70.0, nu)[0][:2]

@@ -18,9 +18,9 @@ from solver.isolated import Lost, outcomes
 from solver.mechanics.cohesive_law import traction
 from solver.validation import stability
 from solver.validation.atlas import AXES, REFUSED, Case, cases, scene_fields
-from solver.validation.extended import recheck
+from solver.validation.recheck import recheck
 from solver.validation.spectrum import friction, growth
-from solver.validation.stability_report import data, failed
+from solver.validation.stability_report import Report
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=8.0)
 
@@ -217,15 +217,17 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     scene = Scene(surface="flat", nodes=16, width=40.0, height=20.0)
     u = np.array([np.full(16, 0.5 * scene.spacing), np.zeros(16)])
     saddle = replace(frame, first=0, u=u, T=np.ones((2, 16)), U_x=0.5 * scene.spacing, delta=0.0, slips=())
-    kept, found = stability.Sample(), {"probed": ["nodes"], "verdict": "wrong"}
-    kept.see(saddle)
-    assert "unstable, disturbances grow" in stability._unstable(scene, kept, found)
-    assert stability.unstable([found]) == (1, 0, 1)
-    report = data([found], [], [])
-    assert report["regions"]["nodes"]["unstable"] == 1 and failed([found], [], [])
-    said, kept = {}, stability.Sample()
-    kept.see(replace(saddle, safe_damping=2.0 * scene.damping))  # a frame that says itself that it may flutter
-    assert stability._unstable(scene, kept, said) is None and stability.unstable([said]) == (0, 1, 1)
+    sample = stability.Sample()
+    sample.take(saddle)
+    wrong, numbers = stability.stable(scene, sample)
+    assert "unstable, disturbances grow" in wrong.reason
+    report = Report([{"probed": ["nodes"]} | wrong._asdict() | numbers], [], [])
+    assert report.all.frames == {"unstable": 1, "said": 0, "judged": 1} and report.failed
+    assert report.data()["regions"]["nodes"]["unstable"] == 1
+    sample = stability.Sample()
+    sample.take(replace(saddle, safe_damping=2.0 * scene.damping))  # a frame that reports possible flutter itself
+    wrong, numbers = stability.stable(scene, sample)
+    assert wrong is None and (numbers["unstable"], numbers["said"]) == (0, 1)
 
 
 def test_a_number_outside_the_atlas_is_refused(capsys):

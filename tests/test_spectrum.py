@@ -8,7 +8,6 @@ import pytest
 from scipy.optimize import brentq
 
 from solver import Scene, load_path
-from solver.validation import spectrum
 from solver.validation.extended import displacement, springs
 from solver.validation.spectrum import (
     Critical,
@@ -131,15 +130,3 @@ def test_little_damping_lets_a_pressed_punch_flutter(pressed):
     assert found.growth == pytest.approx(0.0132, abs=2e-4) and found.kind == "flutter"
     assert growth(with_damping(scene, 1.0), frame) < 0.0
     assert growth(scene, frame, held=True) == pytest.approx(found.growth, rel=0.1)  # short waves: the top keeps still
-
-
-@pytest.mark.thorough
-@pytest.mark.slow
-@pytest.mark.parametrize("damping", [0.1, 0.15, 1.0])
-def test_the_motion_finds_what_dense_eigenvalues_do(pressed, monkeypatch, damping):
-    scene, frame = with_damping(pressed[0], damping), pressed[1]
-    exact = growth(scene, frame)
-    monkeypatch.setattr(spectrum, "MOST_NODES", 8)
-    assert growth(scene, frame, exact=True) == exact
-    assert growth(scene, frame) == pytest.approx(exact, abs=0.05 * friction(scene))
-    assert growth(scene, frame) < exact + 1e-9 or exact < 0.0

@@ -9,8 +9,7 @@ from solver.mechanics.contact import patch
 from solver.run.loadpath import BULGE
 from solver.run.shortcuts import ALL
 from solver.surfaces import averaged
-from solver.validation.cylinder import PULL_OFF_JKR
-from solver.validation.wave import PSI, hard, johnson, pull_off, repulsive
+from solver.validation.adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
 
 ROUGH = Scene(surface="rough")
 SMALL_ROUGH = Scene(surface="rough", nodes=256, width=625.0, rms_slope=0.06, cut_off=0.1, seed=2, du_z=0.2, du_x=0.2)

@@ -1,11 +1,11 @@
 """The scenes of the stability atlas: stiff and extreme values one at a time, in pairs, and in random corners.
 
-A scene is given in coordinates that say what is extreme: those of AXES, with delta_t = 1 nm and coarse steps of the
-load, so that a short run sees approach, first slips and some sliding.
+Scenes are given in coordinates that show what is extreme: those of AXES, with delta_t = 1 nm and coarse increments, so
+that a short run contains the approach, first slips and some sliding.
 """
 
 from dataclasses import dataclass, fields
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -39,62 +39,50 @@ CENTRE = {
 }
 BASES = ({}, {"surface": "flat"}, {"nodes": 1024}, {"delta_bar": 0.3, "nodes": 255})
 PAIR_BASES = ({}, {"delta_bar": 0.5, "nodes": 97}, {"surface": "flat"})
-RANDOM = 950
-QUICK = {"single": 35, "pair": 40, "random": 25}
+RANDOM = 950  # with them the atlas has some 2,300 scenes
+QUICK = {"single": 35, "pair": 40, "random": 25}  # scenes of the quick atlas; of other kinds QUICK_OTHER
+QUICK_OTHER = 20
 COARSEST = LIMITS["tolerance"].high
 SEED = 20190610
-SHEAR = 40  # increments of the shear; at coarse steps some 8 lattice periods of the default
-# Parameters outside their range, or impossible together: each must be refused.
+SHEAR = 40  # increments of the shear; at coarse increments some 8 lattice periods of the default
+
+
+def _each(values):
+    """One point for each value of each name."""
+    return tuple({name: value} for name, some in values.items() for value in some)
+
+
+# Parameters outside their range, or impossible together. The solver must reject each.
+REFUSED_ALONE = {
+    "nu": (0.5, 0.49999, -0.1),
+    "E": (0.0, 1e7, float("nan"), float("inf")),
+    "phi_ratio": (-1.0, 101.0),
+    "delta_bar": (101.0, -1.5),
+    "height": (0.0,),
+    "radius": (0.0, float("inf")),
+    "nodes": (3, 32768, 12.5),
+    "spacing": (0.01, 50.0),
+    "normal": (1e-3,),
+    "step": (0.0, 100.0),
+    "tolerance": (0.0, 1e-15),
+    "window_n": (1.0,),
+    "surface": ("bumpy", "measured"),
+}
 REFUSED = (
-    {"nu": 0.5},
-    {"nu": 0.49999},
-    {"nu": -0.1},
-    {"E": 0.0},
-    {"E": 1e7},
-    {"E": float("nan")},
-    {"E": float("inf")},
-    {"phi_ratio": -1.0},
-    {"phi_ratio": 101.0},
-    {"delta_bar": 101.0},
-    {"delta_bar": -1.5},
-    {"height": 0.0},
-    {"radius": 0.0},
-    {"radius": float("inf")},
-    {"nodes": 3},
-    {"nodes": 32768},
-    {"nodes": 12.5},
-    {"spacing": 0.01},
-    {"spacing": 50.0},
-    {"normal": 1e-3},
-    {"step": 0.0},
-    {"step": 100.0},
-    {"tolerance": 0.0},
-    {"tolerance": 1e-15},
-    {"window_n": 1.0},
+    *_each(REFUSED_ALONE),
     {"du_x": 1e-3, "u_x_max": 1e4},
-    {"surface": "bumpy"},
     {"surface": "wave", "amplitude": 1e3},
     {"surface": "wave", "waves": 100},
     {"surface": "rough", "cut_off": 1e-3},
     {"surface": "rough", "rms_slope": 1.0},
-    {"surface": "measured"},
 )
-# Ranges of the Scene that are not axes: each of them once, alone and on a stiff and a soft layer.
+# Ranges of the Scene that are not axes: each once on every one of OTHER_BASES.
 OTHERS = (
-    {"tolerance": 1e-12},
-    {"tolerance": 1e-3},
-    {"window_n": 4.0},
-    {"window_n": 40.0},
-    {"window_t": 4.0},
-    {"window_t": 20.0},
-    {"phi_n": 1e-3},
-    {"phi_n": 1e3},
-    {"scale": 1e-2},
-    {"scale": 1e2},
+    *_each({"tolerance": (1e-12, 1e-3), "window_n": (4.0, 40.0), "window_t": (4.0, 20.0)}),
+    *_each({"phi_n": (1e-3, 1e3), "scale": (1e-2, 1e2)}),
     {"delta_bar": 30.0, "step": 10.0},
 )
-
-
+OTHER_BASES = ({}, {"E": 1e6}, {"E": 1e-2}, {"surface": "flat"}, {"delta_bar": 1.0, "nodes": 61})
 # Waves (`slope`: their steepest) and rough surfaces from hardly any to the steepest and longest: each on every base.
 SHAPES = (
     {"surface": "wave", "amplitude": 1e-3, "waves": 1},
@@ -149,22 +137,22 @@ class Case:
 
     number: int
     kind: str
-    probed: tuple  # names of what is extreme
+    probed: tuple  # names of the extreme parameters
     values: dict
 
-    def scene(self):
-        """The Scene; raises SceneError where it is refused."""
+    def scene(self) -> Scene:
+        """The Scene; raises SceneError where it is rejected."""
         return Scene(**self.values)
 
     @property
-    def line(self):
-        """What `python -m solver run` needs to compute it."""
+    def line(self) -> str:
+        """The options with which `python -m solver run` computes it."""
         defaults = {f.name: f.default for f in fields(Scene)}
         changed = (f"{name}={value}" for name, value in self.values.items() if value != defaults[name])
         return "--set " + " ".join(changed)
 
 
-def scene_fields(surface="circular", scale=1.0, **point):
+def scene_fields(surface: str = "circular", scale: float = 1.0, **point) -> dict:
     """Scene fields of a point: coordinates of AXES (CENTRE where not given), `scale` = delta_t in nm, Scene fields."""
     at = CENTRE | {name: point.pop(name) for name in list(point) if name in CENTRE}
     du = 0.1 * at["step"]
@@ -181,25 +169,32 @@ def scene_fields(surface="circular", scale=1.0, **point):
     return plain | values | point
 
 
-def cases(quick=False):
+def cases(quick: bool = False) -> list[Case]:
     """Every Case of the atlas, about 2,300, or a tenth of them, spread evenly, the same ones each time."""
-    chosen = {"single": _singles(), "pair": _pairs(), "random": _corners(), "other": _others(), "refused": _refused()}
-    chosen |= {"shape": _shapes(), "loading": _loadings()}
+    points = {
+        "single": (((name,), base | {name: v}) for base in BASES for name, values in AXES.items() for v in values),
+        "pair": _pairs(),
+        "random": _corners(),
+        "other": ((tuple(other), base | other) for base, other in product(OTHER_BASES, OTHERS)),
+        "refused": ((tuple(point), point) for point in REFUSED),
+        "shape": ((("surface", *base), _steep(base | shape)) for base, shape in product(SHAPE_BASES, SHAPES)),
+        "loading": (((*base, *load), base | load) for base, load in product(LOADING_BASES, LOADINGS)),
+    }
+    chosen = {kind: list(some) for kind, some in points.items()}
     if quick:
-        chosen = {kind: _thinned(list(points), QUICK.get(kind, 20)) for kind, points in chosen.items()}
-    points = [(kind, probed, scene_fields(**point)) for kind, group in chosen.items() for probed, point in group]
-    points += list(_remedied(points))
-    return [Case(k, *point) for k, point in enumerate(points)]
+        chosen = {kind: _thinned(some, QUICK.get(kind, QUICK_OTHER)) for kind, some in chosen.items()}
+    found = [(kind, probed, scene_fields(**point)) for kind, some in chosen.items() for probed, point in some]
+    return [Case(k, *point) for k, point in enumerate([*found, *_remedied(found)])]
 
 
 def _remedied(points):
-    """Again, with the tolerance they ask for, the scenes whose own is below the round-off of so soft a layer."""
+    """The scenes whose tolerance is below the round-off of so soft a layer, with the tolerance that they ask for."""
     for kind, probed, values in points:
         if kind == "refused":
             continue
         try:
             least = Scene(**values | {"tolerance": COARSEST}).attainable
-        except SceneError:  # refused for something else
+        except SceneError:  # rejected for another reason
             continue
         if least > values.get("tolerance", Scene.tolerance):
             yield "remedied", (*probed, "tolerance"), values | {"tolerance": min(float(f"{1.1 * least:.2g}"), COARSEST)}
@@ -209,20 +204,15 @@ def _thinned(points, most):
     return [points[k] for k in np.unique(np.linspace(0, len(points) - 1, most).round().astype(int))]
 
 
-def _singles():
-    for base in BASES:
-        for name, values in AXES.items():
-            yield from (((name,), base | {name: value}) for value in values)
-
-
 def _pairs():
-    """Both extremes and one value between for every two axes; 16384 nodes on the first base only, for they are dear."""
+    """Both extremes and one value between for every two axes; 16384 nodes, which are expensive, on the first base."""
     for base in PAIR_BASES:
         few = {name: (v[0], v[len(v) // 3], v[-1]) for name, v in AXES.items()}
         if base:
             few = {name: (v[0], v[-1]) for name, v in AXES.items()} | {"nodes": (8, 509)}
-        for one, two in combinations(AXES, 2):
-            yield from (((one, two), base | {one: a, two: b}) for a in few[one] for b in few[two])
+        for first, second in combinations(AXES, 2):
+            for a, b in product(few[first], few[second]):
+                yield (first, second), base | {first: a, second: b}
 
 
 def _corners():
@@ -247,24 +237,10 @@ def _drawn(random, name, values):
     return round(value) if name == "nodes" else float(f"{value:.4g}")
 
 
-def _others():
-    for base in ({}, {"E": 1e6}, {"E": 1e-2}, {"surface": "flat"}, {"delta_bar": 1.0, "nodes": 61}):
-        yield from ((tuple(other), base | other) for other in OTHERS)
-
-
-def _shapes():
-    for base in SHAPE_BASES:
-        for shape in SHAPES:
-            point = base | shape
-            if "slope" in point:
-                wavelength = point.get("nodes", CENTRE["nodes"]) * CENTRE["spacing"] / point["waves"]
-                point["amplitude"] = float(f"{0.999 * point.pop('slope') * wavelength / (2.0 * np.pi):.4g}")
-            yield ("surface", *base), point
-
-
-def _loadings():
-    yield from (((*base, *loading), base | loading) for base in LOADING_BASES for loading in LOADINGS)
-
-
-def _refused():
-    yield from ((tuple(point), point) for point in REFUSED)
+def _steep(point):
+    """The point with the amplitude of a wave whose steepest `slope` is given."""
+    if "slope" not in point:
+        return point
+    wavelength = point.get("nodes", CENTRE["nodes"]) * CENTRE["spacing"] / point["waves"]
+    amplitude = float(f"{0.999 * point['slope'] * wavelength / (2.0 * np.pi):.4g}")
+    return {name: value for name, value in point.items() if name != "slope"} | {"amplitude": amplitude}

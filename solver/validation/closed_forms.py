@@ -1,41 +1,27 @@
-"""What the solver can be held against on paper: closed forms, each with the error reached and the one allowed."""
+"""Problems with published solutions, each with the error reached and the one allowed."""
 
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from ..mechanics import cohesive_law
 from ..mechanics.layer import Convolution, Modes, compliance, stiffness
 from ..run.loadpath import load_path
 from ..run.shortcuts import ALL
 from ..scene import Scene
-from .cylinder import cylinder
+from .adhesion import adhesion
 from .extended import displacement, springs
-from .wave import wave
+from .form import Form, relative
 
 
-@dataclass(frozen=True)
-class Row:
-    """One closed form: relative error reached, the largest allowed, and why that much."""
-
-    name: str
-    error: float
-    tolerance: float
-    reason: str
-    source: str
-
-    @property
-    def held(self):
-        return bool(self.error <= self.tolerance)
-
-
-def closed_forms():
-    """Every closed form as a Row."""
+def closed_forms() -> list[Form]:
+    """Every Form."""
     return [
         *prandtl_tomlinson(),
         periodic_series(),
-        *(Row(*row) for row in (*cylinder(), *wave())),
+        *adhesion(),
         carbone_mangialardi(),
         *navier(),
         *special_modes(),
@@ -46,13 +32,7 @@ def closed_forms():
     ]
 
 
-def relative(computed, expected):
-    """Largest deviation over the largest expected magnitude."""
-    expected = np.asarray(expected, float)
-    return float(np.abs(np.asarray(computed, float) - expected).max() / np.abs(expected).max())
-
-
-def prandtl_tomlinson():
+def prandtl_tomlinson() -> list[Form]:
     """Flat on flat: load U(u) = u - T(u) h/G of one node; its maximum is the fold, where the force drops."""
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=18.0, damping=inf, tolerance=1e-12)
     flexibility = scene.height * scene.width / scene.shear_modulus
@@ -63,34 +43,24 @@ def prandtl_tomlinson():
     def load(u):
         return u + pull(u) * flexibility
 
-    top = _bisected(lambda u: load(u + 1e-5) - load(u - 1e-5), 0.0, 0.5 * scene.spacing)
-    fold = load(top)
+    top = brentq(lambda u: load(u + 1e-5) - load(u - 1e-5), 0.0, 0.5 * scene.spacing, xtol=1e-15)
     shear = [f for f in load_path(scene.changed(du_x=0.01)) if f.stage == "shear"]
     events = [event for f in shear for event in f.slips]
-    expected = fold + scene.spacing * np.arange(len(events))
-    k = next(i for i, f in enumerate(shear) if f.slip)
-    u = _bisected(lambda u: shear[k].U_x - load(u), 0.5 * scene.spacing, scene.spacing + top)
-    drop = (events[0].F_bar - shear[k].F_bar) * scene.E
-    source = "Prandtl 1928; Tomlinson 1929"
-    return (
-        Row("Prandtl-Tomlinson: load at every fold", relative([e.load for e in events], expected), 1e-9,
-            "1e-5 nm differences locate the maximum, where the load is level", source),
-        Row("Prandtl-Tomlinson: drop of the force at the first fold", relative(drop, pull(top) - pull(u)), 1e-6,
-            "the force at the fold changes as the square root of the load's error", source),
-        Row("Prandtl-Tomlinson: where it lands", relative(shear[k].u[0].max(), u), 1e-10,
-            "tolerance 1e-12 nm", source),
-    )  # fmt: skip
+    expected = load(top) + scene.spacing * np.arange(len(events))
+    after = next(f for f in shear if f.slip)
+    u = brentq(lambda u: after.U_x - load(u), 0.5 * scene.spacing, scene.spacing + top, xtol=1e-15)
+    drop = (events[0].F_bar - after.F_bar) * scene.E
+    source, level = "Prandtl 1928; Tomlinson 1929", "1e-5 nm differences locate the maximum, where the load is level"
+    root = "the force at the fold changes as the square root of the load's error"
+    places, force = relative([e.load for e in events], expected), relative(drop, pull(top) - pull(u))
+    return [
+        Form("Prandtl-Tomlinson: load at every fold", places, 1e-9, level, source),
+        Form("Prandtl-Tomlinson: drop of the force at the first fold", force, 1e-6, root, source),
+        Form("Prandtl-Tomlinson: where it lands", relative(after.u[0].max(), u), 1e-10, "tolerance 1e-12 nm", source),
+    ]
 
 
-def _bisected(function, low, high):
-    """Where a function that is positive at `low` and negative at `high` passes through zero, to round-off."""
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if function(middle) > 0.0 else (low, middle)
-    return 0.5 * (low + high)
-
-
-def periodic_series():
+def periodic_series() -> Form:
     """T(x) of springs in registry: 4 pi^1.5 phi_t delta_t/a^2 sum_m m exp(-(pi m delta_t/a)^2) sin(2 pi m x/a)."""
     worst = 0.0
     for a in (1.5, 2.0, 2.44, 3.0, 5.0):
@@ -99,12 +69,11 @@ def periodic_series():
         terms = m * np.exp(-((np.pi * m / a) ** 2)) * np.sin(2 * np.pi * m * x / a)
         series = -4.0 * np.pi**1.5 / a**2 * terms.sum(axis=0)
         worst = max(worst, relative(cohesive_law.traction(scene, x, np.zeros_like(x))[0], series))
-    return Row("springs in registry: periodic series", worst, 1e-12,
-               "window_t = 8 cuts springs of exp(-64); at a = 1.5 six digits cancel in the sum's extremes",
-               "Poisson's summation of paper Eq. 2")  # fmt: skip
+    reason = "window_t = 8 cuts springs of exp(-64); at a = 1.5 six digits cancel in the sum's extremes"
+    return Form("springs in registry: periodic series", worst, 1e-12, reason, "Poisson's summation of paper Eq. 2")
 
 
-def carbone_mangialardi():
+def carbone_mangialardi() -> Form:
     """u_z of a bonded frictionless layer under p cos qx, for q h from 0.03 to 300."""
     E, height, worst = 70.0, 25.0, 0.0
     q = np.geomspace(0.03, 300.0, 80) / height
@@ -114,11 +83,11 @@ def carbone_mangialardi():
         below = 5 + 2 * y**2 - 4 * nu * (3 - 2 * nu) + (3 - 4 * nu) * np.cosh(2 * y)
         expected = 2 * (1 - nu**2) / (E * q) * above / below
         worst = max(worst, float(np.abs(compliance(q, height, E, nu)[1] / expected - 1).max()))
-    return Row("bonded layer: frictionless compliance", worst, 1e-14, "a few roundings of each factor",
-               "Carbone & Mangialardi 2008, J. Mech. Phys. Solids 56")  # fmt: skip
+    source = "Carbone & Mangialardi 2008, J. Mech. Phys. Solids 56"
+    return Form("bonded layer: frictionless compliance", worst, 1e-14, "a few roundings of each factor", source)
 
 
-def navier():
+def navier() -> list[Form]:
     """K of the layer from Navier's equations as an initial-value problem over its height: magnitudes, sign of K_c."""
     worst, coupling = 0.0, 0.0
     for nu in (0.0, 0.3, 0.45):
@@ -127,19 +96,18 @@ def navier():
             k_xx, k_zz, k_c = (float(k[0]) for k in stiffness(np.array([q]), 30.0, 70.0, nu))
             worst = max(worst, abs(K[0, 0] / k_xx - 1.0), abs(K[1, 1] / k_zz - 1.0))
             coupling = max(coupling, abs(K[0, 1] + 1j * k_c) / k_xx, abs(K[1, 0] - 1j * k_c) / k_xx)
-    reason = "the propagator grows as exp(q h) = 20 and is inverted"
-    source = "plane strain, Navier; sign convention of solver/__init__.py"
-    return (
-        Row("layer: K_xx, K_zz from Navier's equations", float(worst), 1e-11, reason, source),
-        Row("layer: K_c and its sign from Navier's equations", float(coupling), 1e-11, reason, source),
-    )
+    reason, source = "the propagator grows as exp(q h) = 20 and is inverted", "Navier; signs of solver/__init__.py"
+    return [
+        Form("layer: K_xx, K_zz from Navier's equations", float(worst), 1e-11, reason, source),
+        Form("layer: K_c and its sign from Navier's equations", float(coupling), 1e-11, reason, source),
+    ]
 
 
 def _propagated(q, height, E, nu):
     """K (2, 2) complex, GPa/nm: tractions on the lower surface for unit displacements of it, the top held.
 
-    State (u_x, u_z, s_xz, s_zz) of the mode exp(i q x): its derivative along z is a constant matrix, from Hooke's law
-    and equilibrium; the traction on the layer's lower side is -(s_xz, s_zz).
+    State (u_x, u_z, s_xz, s_zz) of the mode exp(i q x), plane strain: its derivative along z is a constant matrix, from
+    Hooke's law and equilibrium. The traction on the layer's lower side is -(s_xz, s_zz).
     """
     mu = E / (2.0 * (1.0 + nu))
     lam = 2.0 * mu * nu / (1.0 - 2.0 * nu)
@@ -153,40 +121,34 @@ def _propagated(q, height, E, nu):
         ]
     )
     scale = np.array([1.0, 1.0, mu * q, mu * q])  # numbers of one size
-    step = rate * (height / 64.0) / scale[:, None] * scale
-    term = total = np.eye(4, dtype=complex)
-    for k in range(1, 25):
-        term = term @ step / k
-        total = total + term
-    over = np.linalg.matrix_power(total, 64)
+    over = expm(rate * height / scale[:, None] * scale)
     return np.linalg.solve(over[:2, 2:], over[:2, :2]) * mu * q
 
 
-def special_modes():
+def special_modes() -> list[Form]:
     """q = 0 is shear and confined compression of the layer; at Nyquist each component answers alone."""
     scene = Scene(nodes=64, width=160.0, height=0.3, nu=0.3)
-    uniform, zigzag = np.ones((2, 64)), np.tile((1.0, -1.0), (2, 32))
-    zigzag[1] *= 2.0
+    uniform, zigzag = np.ones((2, 64)), np.tile((1.0, -1.0), (2, 32)) * [[1.0], [2.0]]
     G, h = scene.shear_modulus, scene.height * scene.width
-    expected = h / G, (1 - 2 * scene.nu) * h / (2 * G * (1 - scene.nu))
-    flat = relative(_applied(scene, uniform), np.array(expected)[:, None] * uniform)
+    expected = np.array([[h / G], [(1 - 2 * scene.nu) * h / (2 * G * (1 - scene.nu))]]) * uniform
     k_xx, k_zz, _ = stiffness(np.array([np.pi / scene.spacing]), h, scene.E, scene.nu)
-    alone = np.array([1.0 / k_xx, 1.0 / k_zz]) * zigzag
+    level, alone = relative(_response(scene, uniform), expected), np.array([1.0 / k_xx, 1.0 / k_zz]) * zigzag
     reason = "one product and a transform"
-    return (
-        Row("q = 0: h/G in shear, confined compression", flat, 1e-14, reason, "elementary"),
-        Row("Nyquist: no coupling, 1/K", relative(_applied(scene, zigzag), alone), 1e-14, reason, "convention"),
-    )
+    return [
+        Form("q = 0: h/G in shear, confined compression", level, 1e-14, reason, "elementary"),
+        Form("Nyquist: no coupling, 1/K", relative(_response(scene, zigzag), alone), 1e-14, reason, "convention"),
+    ]
 
 
-def _applied(scene, traction):
-    layer = Convolution(Modes.of(scene), scene.nodes)
-    layer.field[:] = traction
-    layer.apply()
-    return layer.product.copy()
+def _response(scene, traction, size=None):
+    """C T (2, size), nm, by the solver, of T (2, nodes) that vanishes beyond `size` nodes."""
+    response = Convolution(Modes.of(scene), size or scene.nodes)
+    response.field[:] = traction[:, :size]
+    response.apply()
+    return response.product.copy()
 
 
-def force_balance():
+def force_balance() -> list[Form]:
     """F/w and L/w are what the layer carries at its top: G/h (U_x - mean u_x) and K_zz(0) (mean u_z + delta)."""
     scene = Scene(nodes=256, width=625.0, delta_bar=0.2, nu=0.3, du_z=0.5, du_x=0.5, u_x_max=10.0, tolerance=1e-11)
     G, h = scene.shear_modulus, scene.height * scene.width
@@ -195,40 +157,37 @@ def force_balance():
     F = [G / h * (f.U_x - f.u[0].mean()) / scene.E for f in shear]
     L = [k_z * (f.u[1].mean() + f.delta) / scene.E for f in shear]
     reason = "tolerance 1e-11 nm over the mean displacement of 0.1 nm and more"
-    return (
-        Row("force balance: F at the top of the layer", relative([f.F_bar for f in shear], F), 1e-8, reason, "Eq. 6"),
-        Row("force balance: L at the top of the layer", relative([f.L_bar for f in shear], L), 1e-8, reason, "Eq. 6"),
-    )
+    return [
+        Form("force balance: F at the top of the layer", relative([f.F_bar for f in shear], F), 1e-8, reason, "Eq. 6"),
+        Form("force balance: L at the top of the layer", relative([f.L_bar for f in shear], L), 1e-8, reason, "Eq. 6"),
+    ]
 
 
-def mirrored():
+def mirrored() -> Form:
     """Pulled the other way, T_x changes its sign and the side of every node, T_z its side only."""
     T = np.random.default_rng(1).normal(size=(2, 130))
     scene = Scene(nodes=130, width=300.0, height=0.2, nu=0.2)
-    there = _applied(scene, np.array([-T[0, ::-1], T[1, ::-1]]))
-    here = _applied(scene, T)
-    error = relative(there, np.array([-here[0, ::-1], here[1, ::-1]]))
-    return Row("mirror: u_x odd, u_z even, whatever K_c", error, 1e-13, "two transforms", "symmetry")
+    mirror = np.array([[-1.0], [1.0]])
+    error = relative(_response(scene, mirror * T[:, ::-1]), mirror * _response(scene, T)[:, ::-1])
+    return Form("mirror: u_x odd, u_z even, whatever K_c", error, 1e-13, "two transforms", "symmetry")
 
 
-def full_sums():
+def full_sums() -> Form:
     """C T by pyFFTW in float64, cut to a patch, against the sum over all modes in long double."""
     worst = 0.0
     for nodes, size in ((128, 40), (127, 127), (131, 60), (4096, 300)):
         scene = Scene(nodes=nodes, width=2.4 * nodes, height=0.05, nu=0.49)
         T = np.zeros((2, nodes))
         T[:, :size] = np.random.default_rng(size).normal(size=(2, size))
-        layer = Convolution(Modes.of(scene), size)
-        layer.field[:] = T[:, :size]
-        layer.apply()
-        worst = max(worst, relative(layer.product, displacement(scene, T.astype(np.longdouble))[0][:, :size]))
-    return Row("elastic response on a patch: all modes", worst, 1e-13, "transforms of 4096 points", "definition")
+        exact = displacement(scene, T.astype(np.longdouble))[0][:, :size]
+        worst = max(worst, relative(_response(scene, T, size), exact))
+    return Form("elastic response on a patch: all modes", worst, 1e-13, "transforms of 4096 points", "definition")
 
 
-def translated():
-    """An equilibrium moved on by a lattice site is one at a load moved on as much: forces repeat with the period a."""
+def translated() -> Form:
+    """An equilibrium shifted by a lattice site is one at a load shifted as much: forces repeat with the period a."""
     scene = Scene(nodes=64, width=160.0, radius=0.5, du_z=0.5, u_x_max=22.0, tolerance=1e-11)
     scene = scene.changed(du_x=scene.spacing / 10.0)
     F = [f.F_bar for f in load_path(scene, leave_out=ALL - {"translation"}) if f.stage == "shear"]
     error = relative(F[-11:], F[-21:-10])
-    return Row("sliding repeats with the lattice", error, 1e-7, "tolerance 1e-11 nm, amplified near folds", "symmetry")
+    return Form("sliding repeats with the lattice", error, 1e-7, "tolerance 1e-11 nm, amplified near folds", "symmetry")
