@@ -18,7 +18,7 @@ from solver.validation.accuracy import SWEEPS, measure
 from solver.validation.accuracy_page import write_page
 from solver.validation.accuracy_text import branches, choice, data, notes, sentence, table
 from solver.validation.compare import Run, compare, perform, ratio, reference, refined
-from solver.validation.landings import SHORT, judge, scene_for
+from solver.validation.landings import SHORT, landings, scene_for
 from solver.validation.methods import SERIES, frames
 
 SMALL = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.2, u_x_max=25.0)
@@ -36,18 +36,14 @@ def report(measured):
     return measured[-1][1]
 
 
-def finish(generator):
-    """What a generator returns."""
-    while True:
-        try:
-            next(generator)
-        except StopIteration as end:
-            return end.value
-
-
 def known_of(scene):
-    """The reference of a scene, with the states that its judge will ask for."""
-    return finish(reference(scene, ratio(scene_for(scene, False), refined(scene)), 4.0))
+    """The reference of a scene, with the states that its landings are compared with."""
+    return reference(scene, scene_for(scene, 1e-6))
+
+
+def landings_of(scene, known, finer=False):
+    """(Curves, Landings) of a scene, at tolerance 1e-6 with half the time step too, else at 1e-5."""
+    return landings(scene_for(scene, 1e-6 if finer else 1e-5), known, 60.0, finer)
 
 
 def shear_frames(scene, series):
@@ -82,27 +78,27 @@ def test_the_reference_is_confirmed_by_gfmd():
     scene = SMALL.changed(u_x_max=8.0, tolerance=1e-11)
     known = known_of(scene)
     run = Run("tolerance", "gfmd", 1e-11, scene)
-    point = compare(run, finish(perform(run, known, 60.0)), known, known)
+    point = compare(run, perform(run, known, 60.0), known, known)
     assert known.scene.tolerance == 1e-12 and ratio(scene, known.scene) == 10
     assert max(point.F, point.L, point.A) < 1e-9
     assert point.branches[0] == point.branches[1] >= 2
 
 
-def test_the_judge_of_branches_is_gfmd_alone():
+def test_landings_are_those_of_gfmd_alone():
     """It locates the slips of the reference to its shortest increment, and lands where that does at half its step."""
     scene = SMALL.changed(u_x_max=8.0)
-    judged, judgement = finish(judge(scene, known_of(scene), quick=False))
-    assert judgement.right == 2 and not (judgement.differs or judgement.changed or judgement.untold)
-    assert judgement.finer and judgement.apart < 2.0 * SHORT and judgement.error < 1e-4
-    assert judged.scene.tolerance == 1e-6 and len(judged.states) >= 4
+    right, found = landings_of(scene, known_of(scene), finer=True)
+    assert found.right == 2 and not (found.differs or found.changed or found.untold)
+    assert found.finer and found.apart < 2.0 * SHORT and found.error < 1e-4
+    assert right.scene.tolerance == 1e-6 and len(right.states) >= 4
 
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_slips_where_gfmd_changes_its_mind_are_not_counted(report):
-    changed = replace(report.judgement, finer=True, changed=(("shear", 8.5),))
-    lines = notes(replace(report, judgement=changed))
-    assert "With half its time step gfmd changes its mind after the slip at U_x = 8.5 nm: not counted." in lines
+def test_slips_that_land_elsewhere_at_half_the_time_step_are_not_counted(report):
+    changed = replace(report.landings, finer=True, changed=(("shear", 8.5),))
+    lines = notes(replace(report, landings=changed))
+    assert "With half its time step gfmd lands elsewhere after the slip at U_x = 8.5 nm: not counted." in lines
 
 
 @pytest.mark.parametrize("series", ["gfmd mass-weighted", "gfmd"])
@@ -122,17 +118,17 @@ def underdamped():
 
     scene = SMALL.changed(E=30.0, u_x_max=9.6, tolerance=1e-6)
     known, run = known_of(scene), Run("tolerance", Underdamped, 1e-6, scene)
-    return scene, known, replace(run, series="underdamped"), finish(perform(run, known, 60.0))
+    return scene, known, replace(run, series="underdamped"), perform(run, known, 60.0)
 
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped):
+def test_a_reference_that_leaves_the_branch_of_gfmd_is_reported(report, underdamped):
     scene, _, _, astray = underdamped
-    _, judgement = finish(judge(scene, astray, quick=True))
-    first = astray.shear_slips()[0]
-    assert ("shear", first) in judgement.differs and judgement.right < len(astray.slips)
-    wrong = replace(report, judgement=judgement)
+    _, found = landings_of(scene, astray)
+    first = astray.shear_slips[0]
+    assert ("shear", first) in found.differs and found.right < len(astray.slips)
+    wrong = replace(report, landings=found)
     assert f"The reference itself leaves it after the slip at U_x = {first:.5g} nm" in sentence(wrong)
     assert any("The reference is on another branch than gfmd" in line for line in notes(wrong))
 
@@ -141,8 +137,8 @@ def test_a_reference_that_leaves_the_branch_of_gfmd_is_told(report, underdamped)
 @pytest.mark.slow
 def test_a_wrong_branch_is_counted_and_named(report, underdamped):
     scene, known, run, curves = underdamped
-    judged, _ = finish(judge(scene, known, quick=True))
-    point = compare(run, curves, known, judged)
+    right, _ = landings_of(scene, known)
+    point = compare(run, curves, known, right)
     first, second = [slip for slip in point.slips if slip.stage == "shear"]
     assert first.same_branch is False
     # the second slip of the others carries them one more site: to where this one has been since the first
@@ -166,7 +162,7 @@ def test_a_tighter_tolerance_that_is_worse_is_named(report):
 def test_a_run_that_takes_too_long_is_stopped_and_says_so():
     known = known_of(SMALL.changed(u_x_max=1.0))
     run = Run("tolerance", "gfmd", 1e-8, SMALL.changed(u_x_max=1.0))
-    curves = finish(perform(run, known, 0.0))
+    curves = perform(run, known, 0.0)
     point = compare(run, curves, known, known)
     assert curves.stopped and "stopped after 0 s at approach increment 0" in point.failure
     assert point.F is None and point.branch_error is None

@@ -184,7 +184,7 @@ def test_the_accuracy_report_says_where_waves_may_flutter():
     (sentence,) = flutter(scene, 0.4)
     assert "From 0.4 on none can" in sentence and flutter(scene, 0.3) == []
     report = SimpleNamespace(scene=scene, safe_damping=0.4, steps=(0.1, 0.1), horizon=1.0, slips=1, quick=True)
-    report.tolerance, report.seconds, report.judgement, report.known_slips = 1e-8, 1.0, None, ()
+    report.tolerance, report.seconds, report.landings, report.known_slips = 1e-8, 1.0, None, ()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(accuracy_text, "judged", lambda report: [])
+        patch.setattr(accuracy_text, "_landed", lambda report: [])
         assert sentence in accuracy_text.notes(report)

@@ -1,29 +1,30 @@
-"""Work against precision of one run: what it costs, how far it is from a reference, and whether its branches are right.
+"""Work against precision of one run: its cost, its distance from a reference, and whether its branches are right.
 
-Errors on a branch are measured against `fast` at the smallest tolerance and a tenth of the step, without moving known
-states on. Its increments contain those of every run compared with it, so that nothing is interpolated. Branches are
-judged by `judge`, the paper's GFMD alone; so is the reference.
+Errors on a branch are measured against `fast` at the smallest tolerance and a tenth of the increment, without repeating
+states by lattice periods. Its increments contain those of every run compared with it: nothing is interpolated.
+`landings` finds the right branches, by the paper's GFMD alone.
 """
 
 from dataclasses import dataclass, field
-from math import floor, isfinite
+from math import floor, inf
 from time import thread_time
 
 import numpy as np
 
 from ..continuation.state import NotConverged
+from ..run.frame import Frame, SlipEvent
 from ..run.loadpath import load_path
 from ..run.shortcuts import ALL
-from ..scene import SceneError
+from ..scene import Scene, SceneError
 from .methods import frames
 
 QUANTITIES = ("F", "L", "A")
-REFINED = (10, 5, 2, 1)  # the reference's steps in one of the scene's, where the limits allow
+REFINED = (10, 5, 2, 1)  # divisors of the scene's increments for the reference: the first one in range
 TIGHTEST = (1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # nm: tolerances tried for the reference, where round-off allows
-SAME_BRANCH = 0.1  # of min(delta_n, delta_t): equilibria that differ by more are two; a node that slips moves farther
-NOTHING = np.array([1e-30, 1e-30, 1e-6])  # of F_bar, L_bar, A_bar: their largest values count as no less
-SMALLEST = 0.01  # of the larger of F and L: a force that stays below (L on the flat) is measured against that
-ON_GRID = 1e-6  # of an increment, by which a displacement may miss it
+SAME_BRANCH = 0.1  # of min(delta_n, delta_t): equilibria farther apart are two; a node that slips moves farther
+NOTHING = np.array([1e-30, 1e-30, 1e-6])  # of F_bar, L_bar, A_bar: the least scale of an error, where all is zero
+SMALLEST = 0.01  # of the larger of F and L: the least scale of the error of a force that stays below (L on the flat)
+ON_GRID = 1e-6  # of an increment: the round-off of a displacement
 
 
 @dataclass(frozen=True)
@@ -31,50 +32,62 @@ class Run:
     """One run to measure: `value` is that of the scene's parameter `sweep`."""
 
     sweep: str
-    series: str
+    series: str  # of `methods.SERIES`
     value: float
-    scene: object
-    repeats: int = 1  # the least time of so many counts
+    scene: Scene
+    repeats: int = 1  # the shortest time counts
 
 
 @dataclass
 class Curves:
-    """What a run leaves to compare: a row per shear increment, its slips, the states asked for; seconds of one core."""
+    """What a comparison needs of a run: a row per shear increment, its slips, some states; seconds of one core."""
 
-    scene: object
+    scene: Scene
     rows: list = field(default_factory=list)  # [F_bar, L_bar, A_bar], row k at U_x = scene.shear_at(k)
-    slips: list = field(default_factory=list)  # [(stage, SlipEvent)]
-    states: dict = field(default_factory=dict)  # `place` in shear: (first node, u)
+    slips: list[SlipEvent] = field(default_factory=list)
+    states: dict = field(default_factory=dict)  # U_x (nm): Frame, in shear
     seconds: float = 0.0
     evaluations: int = 0
     safe_damping: float = 0.0  # the largest of the frames
     failure: str | None = None
     stopped: bool = False  # for taking too long
 
-    def take(self, frame, keep):
-        """Add one Frame, its field too if `keep`."""
+    def take(self, frame: Frame, keep) -> None:
+        """Add one Frame; keep(U_x): whether its state is needed."""
         self.evaluations += frame.evaluations
         self.safe_damping = max(self.safe_damping, frame.safe_damping)
-        self.slips += [(frame.stage, event) for event in frame.slips]
+        self.slips += frame.slips
         if frame.stage == "shear":
             self.rows.append((frame.F_bar, frame.L_bar, frame.A_bar))
-            if keep:
-                self.states[place(frame)] = (frame.first, frame.u)
+            position = round(frame.U_x, 9)  # without the round-off of increments
+            if keep(position):
+                self.states[position] = frame
 
-    def shear_slips(self):
+    @property
+    def step(self) -> float:
+        """The increment of U_x, nm."""
+        return self.scene.du_x * self.scene.delta_t
+
+    @property
+    def shear_slips(self) -> list[float]:
         """Loads (nm) of the slips in shear, in order."""
-        return [event.load for stage, event in self.slips if stage == "shear"]
+        return [event.load for event in self.slips if event.stage == "shear"]
+
+    def following(self) -> list[float]:
+        """For every slip the load, nm, of the next one in its stage; inf: there is none."""
+        pairs = zip(self.slips, [*self.slips[1:], None], strict=False)
+        return [after.load if after and after.stage == event.stage else inf for event, after in pairs]
 
 
 @dataclass(frozen=True)
 class SlipError:
-    """One slip of the reference and what a run made of it; None: not to be told (no slip, or no increment there)."""
+    """One slip of the reference and its error in a run; None: unknown (no slip, or no increment there)."""
 
     stage: str
     load: float  # nm, in the reference
-    position: float | None  # nm, how far off the run's nearest slip is
+    position: float | None  # nm, distance of the run's nearest slip
     force: float | None  # error of F_bar there over the largest F_bar
-    same_branch: bool | None  # whether both were in one state right after it, at the same load
+    same_branch: bool | None  # whether both are in one state right after it, at the same load
 
 
 @dataclass(frozen=True)
@@ -84,194 +97,145 @@ class Point:
     sweep: str
     series: str
     value: float
-    seconds: float | None
-    evaluations: int | None
+    seconds: float | None = None
+    evaluations: int | None = None
     F: float | None = None
     L: float | None = None
     A: float | None = None
-    slips: tuple = ()
+    slips: tuple[SlipError, ...] = ()
     failure: str | None = None
 
     @property
-    def branch_error(self):
+    def branch_error(self) -> float | None:
         """The largest of the errors before the first slip."""
         known = [getattr(self, name) for name in QUANTITIES]
         return None if None in known else max(known)
 
     @property
-    def branches(self):
-        """(slips after which the branch was that of the reference, slips after which it could be told)."""
-        told = [slip.same_branch for slip in self.slips if slip.same_branch is not None]
-        return sum(told), len(told)
+    def branches(self) -> tuple[int, int]:
+        """(slips after which the branch was that of the reference, slips after which it is known)."""
+        known = [slip.same_branch for slip in self.slips if slip.same_branch is not None]
+        return sum(known), len(known)
 
-    def worst(self, name, stage="shear"):
-        """The largest `position` or `force` error of the slips up to the first wrong branch."""
-        found = []
-        for slip in self.slips:
-            if slip.stage == stage and getattr(slip, name) is not None:
-                found.append(getattr(slip, name))
-            if slip.same_branch is False:
-                break
-        return max(found, default=None)
+    @property
+    def right(self) -> bool:
+        """Whether no slip led to another branch."""
+        return self.branches[0] == self.branches[1]
+
+    def worst(self, name: str) -> float | None:
+        """The largest `position` or `force` error of the slips in shear up to the first wrong branch."""
+        shear = [slip for slip in self.slips if slip.stage == "shear"]
+        wrong = next((k for k, slip in enumerate(shear) if slip.same_branch is False), len(shear))
+        known = [getattr(slip, name) for slip in shear[: wrong + 1]]
+        return max((value for value in known if value is not None), default=None)
 
 
-def refined(scene):
-    """The scene with a tenth of both steps, or the smallest part that the limits allow."""
+def refined(scene: Scene) -> Scene:
+    """The scene with a tenth of both increments, or the smallest part in range."""
     for name in ("du_x", "du_z"):
-        for part in REFINED:
+        for divisor in REFINED:
             try:
-                scene = scene.changed(**{name: getattr(scene, name) / part})
+                scene = scene.changed(**{name: getattr(scene, name) / divisor})
                 break
             except SceneError:
                 continue
     return scene
 
 
-def ratio(coarse, fine):
+def ratio(coarse: Scene, fine: Scene) -> int | None:
     """How many increments of `fine` make one of `coarse` in shear; None unless a whole number."""
     steps = coarse.du_x * coarse.delta_t / (fine.du_x * fine.delta_t)
     return round(steps) if steps > 0.5 and abs(steps - round(steps)) < ON_GRID else None
 
 
-def place(frame):
-    """U_x (nm) by which states of different runs are matched, without the round-off of increments."""
-    return round(frame.U_x, 9)
-
-
-def reference(scene, every, reach):
-    """Generator of progress (0..1); returns Curves with the states to compare.
-
-    These are kept in every `every`-th increment at U_x = 0 and up to `reach` nm beyond each slip.
-    """
+def reference(scene: Scene, grid: Scene) -> Curves:
+    """The Curves to compare with, and the states at the increments of `grid`; raises NotConverged, SceneError."""
+    every = ratio(grid, refined(scene)) * refined(scene).du_x * scene.delta_t
     for tolerance in TIGHTEST:
         try:
-            curves = Curves(refined(scene).changed(tolerance=tolerance))
-            yield from _reference(curves, every, reach)
+            curves, start = Curves(refined(scene).changed(tolerance=tolerance)), thread_time()
+            for frame in load_path(curves.scene, leave_out=ALL - {"translation"}):
+                curves.take(frame, lambda at: abs(at / every - round(at / every)) < ON_GRID)
+            curves.seconds = thread_time() - start
             return curves
         except (NotConverged, SceneError) as failure:
             last = failure
     raise last
 
 
-def _reference(curves, every, reach):
-    scene, start = curves.scene, thread_time()
-    total, last = scene.approach_increments + scene.shear_increments + 2, 0.0
-    for done, frame in enumerate(load_path(scene, leave_out=ALL - {"translation"})):
-        last = max([last, *(event.load for event in frame.slips)]) if frame.stage == "shear" else 0.0
-        near = frame.stage == "shear" and frame.U_x <= last + reach
-        curves.take(frame, near and frame.index % every == 0)
-        yield done / total
-    curves.seconds = thread_time() - start
+def perform(run: Run, known: Curves, longest: float) -> Curves:
+    """The Curves of a run, stopped after `longest` s, with the states that `known` has."""
+    return min((_performed(run, known, longest) for _ in range(run.repeats)), key=lambda curves: curves.seconds)
 
 
-def perform(run, known, longest):
-    """Generator of progress (0..1); returns the Curves of a run, stopped after `longest` s, for `compare`.
-
-    known: the Curves whose states it is going to be compared with.
-    """
-    best = None
-    for repeat in range(run.repeats):
-        curves = yield from _performed(run, known, longest, repeat)
-        if best is None or curves.seconds < best.seconds:
-            best = curves
-        if curves.failure:
-            return curves
-    return best
-
-
-def _performed(run, known, longest, repeat):
-    scene, curves = run.scene, Curves(run.scene)
-    total = (scene.approach_increments + scene.shear_increments + 2) * run.repeats
-    path, done = frames(scene, run.series), repeat * (total // run.repeats)
+def _performed(run, known, longest):
+    curves, path = Curves(run.scene), frames(run.scene, run.series)
     try:
-        while True:
+        while not curves.stopped:
             start = thread_time()
             frame = next(path, None)
             curves.seconds += thread_time() - start
             if frame is None:
                 break
-            curves.take(frame, frame.stage == "shear" and place(frame) in known.states)
+            curves.take(frame, known.states.__contains__)
             if curves.seconds > longest:
                 where = f"{frame.stage} increment {frame.index}"
                 curves.stopped = True
                 curves.failure = f"stopped after {longest:g} s at {where}; use a larger tolerance or step"
-                break
-            done += 1
-            yield done / total
     except NotConverged as failure:
         curves.failure = str(failure)
     return curves
 
 
-def compare(run, curves, known, judged):
-    """The Point of a run with these Curves; its errors against the Curves `known`, its branches against `judged`."""
-    return Point(
-        run.sweep,
-        run.series,
-        run.value,
-        curves.seconds,
-        curves.evaluations,
-        *on_branch(curves, known),
-        tuple(slip_errors(curves, known, judged)),
-        curves.failure,
-    )
+def compare(run: Run, curves: Curves, known: Curves, right: Curves) -> Point:
+    """The Point of a run with these Curves; its errors against the Curves `known`, its branches against `right`."""
+    errors, slips = on_branch(curves, known), tuple(slip_errors(curves, known, right))
+    work = curves.seconds, curves.evaluations
+    return Point(run.sweep, run.series, run.value, *work, *errors, slips, curves.failure)
 
 
-def on_branch(curves, known):
+def on_branch(curves: Curves, known: Curves) -> list[float | None]:
     """Errors of F, L, A before the first slip of either, over the reference's largest value."""
-    end = min([*known.shear_slips()[:1], *curves.shear_slips()[:1], np.inf])
-    rows, steps = len(curves.rows), ratio(curves.scene, known.scene)
-    step = curves.scene.du_x * curves.scene.delta_t
-    if isfinite(end):
-        rows = min(rows, floor(end / step + ON_GRID) + 1)
+    end = min([*known.shear_slips[:1], *curves.shear_slips[:1], curves.scene.u_x_max])
+    rows, steps = min(len(curves.rows), floor(end / curves.step + ON_GRID) + 1), ratio(curves.scene, known.scene)
     if rows == 0:
         return [None] * len(QUANTITIES)
     exact = np.array(known.rows)
     scale = np.maximum(np.abs(exact).max(axis=0), NOTHING)
     scale[:2] = np.maximum(scale[:2], SMALLEST * scale[:2].max())  # F and L share a unit
     errors = np.abs(np.array(curves.rows[:rows]) - exact[: rows * steps : steps][:rows]).max(axis=0)
-    return [float(error) for error in errors / scale]
+    return (errors / scale).tolist()
 
 
-def slip_errors(curves, known, judged):
+def slip_errors(curves: Curves, known: Curves, right: Curves) -> list[SlipError]:
     """A SlipError for every slip of the reference."""
-    largest = max((abs(row[0]) for row in known.rows), default=0.0) or 1.0
-    for (stage, event), end in zip(known.slips, ends(known), strict=True):
-        own = [other for where, other in curves.slips if where == stage]
+    largest, errors = max((abs(row[0]) for row in known.rows), default=0.0) or 1.0, []
+    for event, end in zip(known.slips, known.following(), strict=True):
+        own = [other for other in curves.slips if other.stage == event.stage]
         nearest = min(own, key=lambda other: abs(other.load - event.load), default=None)
-        yield SlipError(
-            stage,
-            event.load,
-            nearest and abs(nearest.load - event.load),
-            nearest and abs(nearest.F_bar - event.F_bar) / largest,
-            same_branch(curves, judged, stage, event.load, end),
-        )
+        position = nearest and abs(nearest.load - event.load)
+        force = nearest and abs(nearest.F_bar - event.F_bar) / largest
+        same = same_branch(curves, right, event, end)
+        errors.append(SlipError(event.stage, event.load, position, force, same))
+    return errors
 
 
-def ends(known):
-    """For every slip of the reference the load, nm, of the next one in its stage; inf: there is none."""
-    following = zip(known.slips, [*known.slips[1:], (None, None)], strict=False)
-    return [event.load if stage == own else np.inf for (own, _), (stage, event) in following]
+def same_branch(curves: Curves, right: Curves, event: SlipEvent, end: float) -> bool | None:
+    """Whether both are in one state right after a slip of the reference, before the load `end`; None: unknown.
 
-
-def same_branch(curves, judged, stage, load, end):
-    """Whether both are in one state right after a slip of the reference, before `end`; None: not to be told.
-
-    An increment farther than the first beyond the slip, for near the end of a branch a loose tolerance may delay it.
+    An increment farther than the first beyond the slip: near the end of a branch a loose tolerance may delay it.
     """
-    both = sorted(curves.states.keys() & judged.states.keys())
-    if stage == "approach":  # told at U_x = 0, after the last slip of the approach
-        both = both[:1] if end == np.inf else []
+    both = sorted(curves.states.keys() & right.states.keys())
+    if event.stage == "approach":  # known at U_x = 0, after the last slip of the approach
+        both = both[:1] if end == inf else []
     else:
-        step = curves.scene.du_x * curves.scene.delta_t
-        both = [at for at in both if load < at < end]
-        both = [at for at in both if load + step < at][:1] or both[-1:]
+        both = [at for at in both if event.load < at < end]
+        both = [at for at in both if event.load + curves.step < at][:1] or both[-1:]
     unit = min(curves.scene.delta_n, curves.scene.delta_t)
-    return _distance(curves.states[both[0]], judged.states[both[0]]) < SAME_BRANCH * unit if both else None
+    return _distance(curves.states[both[0]], right.states[both[0]]) < SAME_BRANCH * unit if both else None
 
 
-def _distance(one, other):
-    """Largest difference, nm, of two states (first node, u) on the nodes they share."""
-    (first, u), (start, v) = one, other
-    low, high = max(first, start), min(first + u.shape[1], start + v.shape[1])
-    return float(np.abs(u[:, low - first : high - first] - v[:, low - start : high - start]).max())
+def _distance(a, b):
+    """Largest difference, nm, of two Frames on the nodes they share."""
+    low, high = max(a.first, b.first), min(a.first + a.u.shape[1], b.first + b.u.shape[1])
+    return float(np.abs(a.u[:, low - a.first : high - a.first] - b.u[:, low - b.first : high - b.first]).max())

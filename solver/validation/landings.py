@@ -1,29 +1,35 @@
-"""Which equilibrium each slip reaches, by the paper's GFMD alone: what the branches of all runs are judged by.
+"""The equilibrium that each slip reaches, by the paper's GFMD alone: the branches of all runs are compared with it.
 
-Nothing but the damped motion in explicit steps, from rest to rest. An increment in which the surface slips is halved
-until it is shorter than SHORT, so that the motion begins at rest just beyond the end of the branch, and not with the
-swing that the rest of a long increment would set off. Where half the time step leads elsewhere, the motion itself
-bifurcates, and nobody can tell which branch is right.
+Nothing but the damped motion in explicit steps, from equilibrium to equilibrium. An increment with a slip is halved
+until it is shorter than SHORT, so that the transient begins at rest just beyond the end of the branch, and not with the
+swing that the rest of a long increment would excite. Where half the time step leads elsewhere, the transient itself
+bifurcates, and neither branch is right.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ..continuation.gfmd import Gfmd
-from .compare import Run, ends, on_branch, perform, same_branch
+from ..continuation.state import Increment
+from ..scene import Scene
+from .compare import Curves, Run, on_branch, perform, same_branch
 
-SHORT = 2e-3  # nm in units of the problem's: the increment in which a slip begins
-STEP = 0.5  # delta: increments at most; from one site on, slips would pass for elastic displacement
-FACTORS = (5, 2, 1)  # increments of the scene in one of the judge's
-TOLERANCE = {False: 1e-6, True: 1e-5}  # nm, quick or not: branches lie SAME_BRANCH apart
-LONGEST = {False: 40.0, True: 8.0}  # s for one judgement
+SHORT = 2e-3  # of the problem's unit: the increment in which a slip begins
+STEP = 0.5  # of delta_t and delta_n: the longest increment; longer than a site, it would hide slips
+FACTORS = (5, 2, 1)  # increments of the scene in one of these runs
 
 
 class Halving(Gfmd):
-    """GFMD that halves increments in which the surface slips."""
+    """GFMD that halves increments in which the surface slips; pace: factor of its time step."""
 
-    def increment(self, state, target):
+    def __init__(self, problem, damping, closed, pace=1.0):
+        super().__init__(problem, damping, closed)
+        self.pace = pace
+
+    def increment(self, state, target) -> Increment:
+        """The Increment from `state` to load `target`, nm; raises NotConverged."""
         problem = self.problem
         done = super().increment(state, target)
         if not done.slips or target - state.load <= SHORT * problem.unit:
@@ -34,73 +40,57 @@ class Halving(Gfmd):
         return replace(second, slips=first.slips + second.slips)
 
 
-class Finer(Halving):
-    """The same with half the time step."""
-
-    pace = 0.5
-
-
 @dataclass(frozen=True)
-class Judgement:
-    """What GFMD says of the reference; slips as (stage, load). Plain and picklable."""
+class Landings:
+    """GFMD's branches beside the reference's; slips as (stage, load, nm). Plain and picklable."""
 
     tolerance: float  # nm
     seconds: float
     finer: bool  # whether half the time step was tried as well
     failure: str | None  # why it did not come to the end
     differs: tuple  # slips after which the reference is on another branch
-    changed: tuple  # slips after which GFMD is elsewhere with half its time step: not judged
-    untold: tuple  # slips beyond what it reached
-    right: int  # how many slips the reference follows GFMD through
+    changed: tuple  # slips after which GFMD is elsewhere with half its time step: no branch is right
+    untold: tuple  # slips beyond its end, or with the next slip too near
+    right: int  # number of slips through which the reference follows GFMD
     apart: float | None  # nm between slips of both in shear, at most; None: they differ in number, or are none
     error: float | None  # of F, L, A before the first slip
 
 
-def scene_for(scene, quick):
-    """The Scene the judge runs: coarse increments, for it refines them itself where it matters."""
-    tolerance = max(TOLERANCE[quick], 2.0 * scene.attainable)
+def scene_for(scene: Scene, tolerance: float) -> Scene:
+    """The Scene of these runs: long increments, which `Halving` refines at slips."""
     for name in ("du_x", "du_z"):
         own = getattr(scene, name)
         scene = scene.changed(**{name: own * next(n for n in FACTORS if n == 1 or own * n <= STEP)})
-    return scene.changed(tolerance=tolerance)
+    return scene.changed(tolerance=max(tolerance, 2.0 * scene.attainable))
 
 
-def judge(scene, known, quick):
-    """Generator of progress (0..1); returns (Curves that judge, Judgement of the reference `known`)."""
-    short = scene_for(scene, quick)
-    share = 1.0 if quick else 1.0 / 3.0
-    curves = yield from _part(perform(Run("judge", Halving, 0.0, short), known, LONGEST[quick]), 0.0, share)
-    finer = curves
-    if not quick:
-        finer = yield from _part(perform(Run("judge", Finer, 0.0, short), known, 2.0 * LONGEST[quick]), share, 1.0)
-    states, told = dict(curves.states), {True: [], False: [], None: [], "changed": []}
-    for (stage, event), end in zip(known.slips, ends(known), strict=True):
-        same = same_branch(known, curves, stage, event.load, end)
-        if same_branch(curves, finer, stage, event.load, end) is False:
+def landings(scene: Scene, known: Curves, longest: float, finer: bool) -> tuple[Curves, Landings]:
+    """(Curves with the right states, the Landings of the reference `known`) in the scene of `scene_for`.
+
+    longest: s for one run. finer: make another run with half the time step, for twice as long.
+    """
+    curves = half = perform(Run("", Halving, 0.0, scene), known, longest)
+    if finer:
+        half = perform(Run("", partial(Halving, pace=0.5), 0.0, scene), known, 2.0 * longest)
+    states, slips = dict(curves.states), {True: [], False: [], None: [], "changed": []}
+    for event, end in zip(known.slips, known.following(), strict=True):
+        same = same_branch(known, curves, event, end)
+        if same_branch(curves, half, event, end) is False:
             same = "changed"
-            low, high = (event.load, end) if stage == "shear" else (0.0, 0.0)
+            low, high = (event.load, end) if event.stage == "shear" else (0.0, 0.0)
             states = {at: state for at, state in states.items() if not low <= at <= high}
-        told[same].append((stage, event.load))
-    loads, others = known.shear_slips(), curves.shear_slips()
-    errors = on_branch(curves, known)
-    return replace(curves, states=states), Judgement(
-        short.tolerance,
-        curves.seconds + (0.0 if quick else finer.seconds),
-        not quick,
-        curves.failure or finer.failure,
-        tuple(told[False]),
-        tuple(told["changed"]),
-        tuple(told[None]),
-        len(told[True]),
-        float(np.abs(np.subtract(loads, others)).max()) if loads and len(loads) == len(others) else None,
-        None if None in errors else max(errors),
+        slips[same].append((event.stage, event.load))
+    own, others, errors = known.shear_slips, curves.shear_slips, on_branch(curves, known)
+    found = Landings(
+        tolerance=scene.tolerance,
+        seconds=curves.seconds + finer * half.seconds,
+        finer=finer,
+        failure=curves.failure or half.failure,
+        differs=tuple(slips[False]),
+        changed=tuple(slips["changed"]),
+        untold=tuple(slips[None]),
+        right=len(slips[True]),
+        apart=float(np.abs(np.subtract(own, others)).max()) if own and len(own) == len(others) else None,
+        error=None if None in errors else max(errors),
     )
-
-
-def _part(work, start, end):
-    """Pass on the progress of a generator as from start to end; returns what it returns."""
-    try:
-        while True:
-            yield start + (end - start) * next(work)
-    except StopIteration as last:
-        return last.value
+    return replace(curves, states=states), found
