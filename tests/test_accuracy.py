@@ -56,10 +56,20 @@ def test_error_falls_in_step_with_the_tolerance(report):
     points = report.of("tolerance", "fast")
     assert [p.value for p in points] == sorted(SWEEPS["tolerance"], reverse=True)
     for p in points:
-        # A feels the tolerance most: contact ends where T_z falls below tolerance x phi_n / delta_n^2
-        assert p.branch_error < 100 * p.value
+        # the residual is a displacement (nm); over the largest value it makes an error of A of twice its size
+        assert p.branch_error < 5.0 * p.value
     assert points[-1].branch_error < 1e-4 * points[0].branch_error
     assert points[-1].worst("position") < 1e-7 and points[-1].evaluations > points[0].evaluations > 0
+
+
+@pytest.mark.slow
+def test_a_tolerance_spoils_the_area_no_more_than_the_forces(report):
+    """All three follow from the same displacements: the error of A is up to 2.6 times that of the worse force.
+
+    It was 8 to 22 times as large while the definition of contact contained the tolerance.
+    """
+    for p in report.of("tolerance", "fast"):
+        assert 0.0 < p.A < 5.0 * max(p.F, p.L)
 
 
 def test_every_method_follows_the_same_branches_at_the_same_loads():
