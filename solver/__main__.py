@@ -3,7 +3,7 @@
 import os
 import sys
 
-from numba.core.event import Listener, install_listener
+from numba.core.event import Event, Listener, install_listener
 
 from .cli import main
 
@@ -15,12 +15,12 @@ class CompilingNotice(Listener):
 
     shown = False
 
-    def on_start(self, event):
+    def on_start(self, event: Event) -> None:
         if not self.shown:
             self.shown = True
             print("Compiling the kernels: later runs start at once", file=sys.stderr, flush=True)
 
-    def on_end(self, event):
+    def on_end(self, event: Event) -> None:
         pass
 
 

@@ -102,7 +102,7 @@ def parameter_table() -> str:
 
 def preset_table() -> str:
     """Every preset with its title."""
-    return "\n".join(f"{name:<11} {known.label}" for name, known in presets().items())
+    return "\n".join(f"{name:<11} {preset.label}" for name, preset in presets().items())
 
 
 def add_run(commands: Any) -> None:

@@ -96,14 +96,14 @@ def flats(asked: Sequence[Any], workers: int | str, file: str) -> int:
 
 def explored(grid: Map, workers: int | str, points: Iterable[Point] = ()) -> Iterator[Point]:
     """Yields the Points of a Map except those given, coarse to fine; workers: see `isolated.outcomes`."""
-    known = {(point.i, point.j): (point, None) for point in points}
+    reached = {(point.i, point.j): (point, None) for point in points}
     with crew(workers) as outcomes_of:
         for level in range(grid.levels):
-            tiles = list(grid.tiles(level, known))
+            tiles = list(grid.tiles(level, reached))
             for k, result in outcomes_of(worked_off, tiles, LIMIT):
                 pairs = grid.lost(tiles[k], result.reason) if isinstance(result, Lost) else result
                 for point, skeleton in pairs:
-                    known[point.i, point.j] = point, skeleton
+                    reached[point.i, point.j] = point, skeleton
                     yield point
 
 

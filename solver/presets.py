@@ -50,10 +50,10 @@ def presets() -> Mapping[str, Preset]:
 
 def preset(name: str) -> Preset:
     """The Preset of that name; raises PresetError."""
-    known = presets()
-    if name not in known:
-        raise PresetError(f"preset {name!r}: allowed: {', '.join(known)}; {name_remedy(name, known)}")
-    return known[name]
+    named = presets()
+    if name not in named:
+        raise PresetError(f"preset {name!r}: allowed: {', '.join(named)}; {name_remedy(name, named)}")
+    return named[name]
 
 
 def read(text: str) -> dict[str, Preset]:

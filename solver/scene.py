@@ -208,5 +208,5 @@ class Scene:
 
 
 PARAMETERS = parameters(Scene)  # {name: Range or Choice}
-LIMITS = {name: known for name, known in PARAMETERS.items() if isinstance(known, Range)}
-CHOICES = {name: known.choices for name, known in PARAMETERS.items() if isinstance(known, Choice)}
+LIMITS = {name: parameter for name, parameter in PARAMETERS.items() if isinstance(parameter, Range)}
+CHOICES = {name: parameter.choices for name, parameter in PARAMETERS.items() if isinstance(parameter, Choice)}

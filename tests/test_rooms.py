@@ -87,6 +87,21 @@ def test_all_that_the_solver_exports_is_annotated_and_says_so():
     assert (HERE / "py.typed").is_file()
 
 
+ANNOTATED = sorted({*HERE.glob("*.py")} - {HERE / "cautions.py"})
+
+
+@pytest.mark.parametrize("path", ANNOTATED, ids=lambda path: path.name)
+def test_public_functions_of_the_command_line_and_of_scenes_annotate_what_they_return(path):
+    def bare(body):
+        for node in body:
+            if isinstance(node, ast.ClassDef):
+                yield from bare(node.body)
+            elif isinstance(node, ast.FunctionDef) and node.name[0] != "_" and node.returns is None:
+                yield node.name
+
+    assert not list(bare(ast.parse(path.read_text()).body))
+
+
 APP = HERE.parent / "app"
 WALLS = {"service": {"app.session", "app.views"}, "session": {"app.views"}, "views": {"app.session"}}
 
