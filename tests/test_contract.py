@@ -1,18 +1,26 @@
-"""What `solver.continuation.problem` asks of a problem, held by every problem there is."""
+"""The contracts of `solver.continuation`: of a problem, held by every problem, and of a stepper, by every method."""
 
 import numpy as np
 import pytest
 import toys
 
 from solver import Scene
+from solver.continuation.gfmd import Gfmd
 from solver.continuation.problem import Dynamics, Linearised, Problem
+from solver.continuation.quasistatic import QuasiStatic
+from solver.continuation.replay import Replay
 from solver.continuation.rest import LIMITS
+from solver.continuation.state import NotConverged, State
+from solver.continuation.stepper import Stepper
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.load_control import LoadControl
+from solver.mechanics.surface import closed_stiffness
 from solver.run.loading import sideways
+from solver.validation.landings import Halving
+from solver.validation.methods import Fire, MassWeighted
 
-PUNCH = Scene(nodes=128, width=312.5, radius=10.0, E=20.0, delta_bar=0.2)
+PUNCH = Scene(nodes=128, width=312.5, radius=1.0, E=20.0, delta_bar=0.2)  # of so small a radius that a patch is less
 
 
 def on_patch():
@@ -180,24 +188,20 @@ def test_a_force_is_answered_by_the_disturbance_that_bears_it(problem):
     assert here.seen(f).shape == (problem.size,)
 
 
-def test_more_unknowns_hold_the_same_state(problem):
+@pytest.mark.parametrize("name", ["patch", "one node for all", "held load", "held load, one node for all"])
+def test_more_unknowns_hold_the_same_state(name):
+    problem = PROBLEMS[name]()
     v, active = state(problem)
-    if not hasattr(problem, "contact") or problem.contact.size == problem.contact.nodes:
-        return
     wide, w, more = problem.grown(v, active, S, hidden=True)
     assert wide.size > problem.size and more.sum() >= active.sum()
     assert np.abs(wide.surface(w)).max() >= np.abs(problem.surface(v)).max()
     assert wide.direction.size == wide.size == w.size
 
 
-def test_a_state_moved_on_by_a_period_is_one(problem):
-    if not problem.direction.any():
-        return
-    period = getattr(problem, "period", None) or (
-        problem.contact.scene.spacing if hasattr(problem, "contact") else None
-    )
-    if period is None:
-        return
+@pytest.mark.parametrize("name", ["patch", "all nodes", "one node for all", "held load", "lattice"])
+def test_a_state_moved_on_by_a_period_is_one(name):
+    problem = PROBLEMS[name]()
+    period = problem.period if name == "lattice" else problem.contact.scene.spacing
     v, active = state(problem)
     moved = residual(problem, v + period * problem.direction, active, S + period)
     assert moved == pytest.approx(residual(problem, v, active), abs=1e-10)
@@ -211,3 +215,126 @@ def test_evaluations_are_counted(problem):
     here.tangent(v)
     problem.motion().force(problem.motion().start(v, active, S), active, S)
     assert problem.evaluations - before == 3
+
+
+# Steppers
+
+
+PERIOD, A = 2.4, 1.0  # nm, GPa: a Prandtl-Tomlinson model whose springs are stiffer than the drive
+CLOSED = 2.0 * np.pi / PERIOD * A  # GPa/nm
+STEPPERS = {
+    "fast": QuasiStatic,
+    "fast, periods repeated": lambda problem, damping, closed: Replay(QuasiStatic(problem, damping, closed), PERIOD),
+    "gfmd": Gfmd,
+    "gfmd, increments with slips halved": Halving,
+    "gfmd mass-weighted": MassWeighted,
+    "FIRE": Fire,
+}
+BEFORE, BEYOND = [-1.0, -0.4, 0.2, 0.38], 0.5  # loads of the cubic up to its fold at 0.3849, and beyond it
+INERTIAL = {"FIRE"}  # its velocity is not damped: a slip may reach another equilibrium, as its module says
+
+
+@pytest.fixture(params=STEPPERS)
+def stepper_of(request):
+    """The function (problem, closed) -> Stepper, at critical damping."""
+    return lambda problem, closed: STEPPERS[request.param](problem, 1.0, closed)
+
+
+def advanced(stepper, state, loads):
+    """The Increments to these loads, one after the other."""
+    done = []
+    for load in loads:
+        done.append(stepper.increment(done[-1].state if done else state, load))
+    return done
+
+
+def lattice():
+    """A Prandtl-Tomlinson model of a tolerance that plain transients reach."""
+    toy = toys.lattice((A, 0.0), period=PERIOD)
+    toy.tolerance = 1e-9
+    return toy
+
+
+def cubic():
+    """The cubic of `toys` with the same tolerance."""
+    toy = toys.cubic()
+    toy.tolerance = 1e-9
+    return toy
+
+
+def test_every_member_of_a_stepper_is_offered(stepper_of):
+    stepper = stepper_of(cubic(), 2.0)
+    assert [name for name in members(Stepper) if not hasattr(stepper, name)] == []
+
+
+def test_on_a_branch_the_state_is_the_equilibrium_at_the_target(stepper_of):
+    toy = cubic()
+    done = advanced(stepper_of(toy, 2.0), toy.at_rest(-2.0, -1.6), BEFORE)
+    assert [d.state.load for d in done] == BEFORE and not any(d.slips for d in done)
+    for d in done:
+        assert d.residual <= toy.tolerance
+        assert np.abs(residual(toy, d.state.v, d.state.active, d.state.load)).max() <= toy.tolerance
+        # at 0.38 the fold is 0.0049 away: the slope 1 - 3 v^2 is -0.25, and magnifies the residual by 4
+        assert d.state.v == pytest.approx(toy.at_rest(d.state.load, d.state.v).v, abs=10.0 * toy.tolerance)
+
+
+def test_a_jump_is_a_slip_between_the_loads_of_its_increment(stepper_of):
+    toy = cubic()
+    stepper = stepper_of(toy, 2.0)
+    before = advanced(stepper, toy.at_rest(-2.0, -1.6), BEFORE)[-1].state
+    done = stepper.increment(before, BEYOND)
+    (slip,) = done.slips
+    assert before.load <= slip.load <= BEYOND and slip.v[0] < 0.0 < slip.after.v[0]
+    assert slip.load == pytest.approx(toys.CUBIC.fold, abs=1e-8) or not slip.located
+    assert done.state.load == BEYOND and done.state.v == pytest.approx(toy.at_rest(BEYOND, 1.2).v, abs=1e-8)
+
+
+def test_an_increment_can_be_made_again_from_the_same_state(stepper_of):
+    """Secant pairs that a first attempt leaves change where within the tolerance the second ends."""
+    toy = lattice()
+    stepper = stepper_of(toy, CLOSED)
+    state = advanced(stepper, toy.at_rest(0.0, 0.0), np.arange(0.2, 2.0, 0.2))[-1].state
+    load, v = state.load, state.v.copy()
+    first, again = stepper.increment(state, 2.1), stepper.increment(state, 2.1)
+    assert state.load == load and np.array_equal(state.v, v)
+    assert len(first.slips) == len(again.slips) and first.state.load == again.state.load
+    assert first.state.v == pytest.approx(again.state.v, abs=100.0 * toy.tolerance)
+
+
+def test_every_method_slips_by_site_after_site_to_the_same_states(stepper_of):
+    """Four periods. Steps of 0.05 nm begin a transient at most that far beyond the fold: it goes one site."""
+    loads, ends = np.arange(0.05, 4.5 * PERIOD, 0.05), []
+    for make in (lambda toy, closed: QuasiStatic(toy, 1.0, closed), stepper_of):
+        toy = lattice()
+        done = advanced(make(toy, CLOSED), toy.at_rest(0.0, 0.0), loads)
+        ends.append([(len(d.slips), d.state.load, d.state.v[0]) for d in done])
+        assert sum(len(d.slips) for d in done) >= 3
+        for d in done:
+            assert all(a.load <= b.load for a, b in zip(d.slips, d.slips[1:], strict=False))
+    assert np.array(ends[1]) == pytest.approx(np.array(ends[0]), abs=1e-6)
+
+
+def test_without_an_equilibrium_a_stepper_says_so(stepper_of):
+    """R = s + v^2: none for s > 0."""
+    toy = toys.Toy(lambda v: v + v**2, lambda v: np.diag(1.0 + 2.0 * v), tolerance=1e-9)
+    with np.errstate(all="ignore"), pytest.raises(NotConverged):
+        stepper_of(toy, 2.0).increment(toy.at_rest(-0.5, -0.7), 0.5)
+
+
+def test_a_contact_is_advanced_with_the_problem_of_its_state(stepper_of):
+    """From a patch of the punch; on the branch all methods agree to a thousand times the tolerance."""
+    scene = PUNCH.changed(tolerance=1e-6)
+    ends = []
+    for make in (lambda problem, closed: QuasiStatic(problem, 1.0, closed), stepper_of):
+        stepper = make(
+            Equilibrium(Contact(scene, *patch(scene, 3.0)), sideways(1.0, -scene.delta)), closed_stiffness(scene)
+        )
+        start = State.undeformed(stepper.problem, 0.0)
+        done = advanced(stepper, start, [0.1, 0.2, 0.3])[-1]
+        assert done.state.v.size == stepper.problem.size and done.residual <= scene.tolerance
+        surface = np.zeros((2, scene.nodes))
+        first, size = stepper.problem.contact.first, stepper.problem.contact.size
+        surface[:, first : first + size] = stepper.problem.surface(done.state.v)
+        ends.append(surface)
+    touched = (ends[0] != 0.0).any(axis=0) & (ends[1] != 0.0).any(axis=0)
+    assert np.abs(ends[0] - ends[1])[:, touched].max() < 1e3 * scene.tolerance

@@ -9,6 +9,7 @@ inverse      solves with the tangent of an equilibrium; spaces in which modes ar
 fold         the end of a branch where its load has a maximum: found near a guess, with both null vectors
 branch       a branch followed to the load asked for, or to its end before that
 motion       the damped motion from the end of a branch to the next rest
+stepper      what a run asks of a method: the contract of the next two and of replay
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion
 slip         that motion step by step until Anderson steps may finish it
 replay       a stepper that moves known states on by lattice periods
