@@ -5,10 +5,10 @@ from collections.abc import Callable
 from typing import Any
 
 from . import skeleton_of
+from .analysis import sensitivities as analysis
+from .analysis.spread import SLIP, deviations, spread_of
 from .command import NOT_CONVERGED, InputError, add_command, add_file, caution, scene_of, settings, within, write
 from .files import write_json, write_rows
-
-AT_A_SLIP = ("U_s", "F_s", "L_s", "A_s")
 
 
 def _add(commands: Any, name: str, run: Callable, summary: str, text: str) -> argparse.ArgumentParser:
@@ -27,8 +27,6 @@ def add_sensitivities(commands: Any) -> None:
 
 def sensitivities(arguments: argparse.Namespace) -> int:
     """Computes the derivatives, writes the files asked for, prints those of the first slip; returns the exit code."""
-    from .analysis import sensitivities as analysis  # `run` does not need it
-
     scene = scene_of(arguments.set, arguments.preset)
     rows, slips = [], []
     for k, slip in enumerate(analysis.sensitivities(skeleton_of(scene)).slips, 1):
@@ -39,20 +37,20 @@ def sensitivities(arguments: argparse.Namespace) -> int:
         slips.append({"event": slip.event.as_dict(), "by": by, "nodes": _named(slip.nodes)})
     if slips:
         print(f"First slip at U_s = {rows[0][1]:.6g} nm; change in % per % of the parameter:")
-        print(f"{'':12}" + "".join(f"{name:>10}" for name in AT_A_SLIP))
+        print(f"{'':12}" + "".join(f"{name:>10}" for name in SLIP))
         for name, change in slips[0]["by"].items():
             print(f"{name:12}" + "".join(f"{share:10.4f}" for share in change["per_cent"].values()))
     else:
         print("It slides smoothly, without a slip: there is no U_s")
-    heading = ["slip", "U_x", "parameter", "value", *(f"d{name}" for name in AT_A_SLIP)]
-    write(arguments.csv, write_rows, [*heading, *(f"{name} % per %" for name in AT_A_SLIP)], rows)
+    heading = ["slip", "U_x", "parameter", "value", *(f"d{name}" for name in SLIP)]
+    write(arguments.csv, write_rows, [*heading, *(f"{name} % per %" for name in SLIP)], rows)
     write(arguments.json, write_json, {"slips": slips})
     return 0
 
 
 def _named(values: Any) -> dict[str, Any]:
     """{U_s, F_s, L_s, A_s: row} of an array (4, ...)."""
-    return dict(zip(AT_A_SLIP, values.tolist(), strict=True))
+    return dict(zip(SLIP, values.tolist(), strict=True))
 
 
 def add_fit(commands: Any) -> None:
@@ -69,7 +67,7 @@ def add_fit(commands: Any) -> None:
 
 def fit(arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
-    from .analysis.fit import fit as fitted
+    from .analysis.fit import fit as fitted  # it imports scipy.optimize, which takes 0.1 s
     from .analysis.measurement import read_measurement
 
     scene = scene_of(arguments.set, arguments.preset)
@@ -97,8 +95,6 @@ def add_spread(commands: Any) -> None:
 
 def spread(arguments: argparse.Namespace) -> int:
     """Computes the band, prints the interval of each slip; returns the exit code."""
-    from .analysis.spread import deviations, spread_of
-
     scene = scene_of(arguments.set, arguments.preset)
     try:
         of = deviations(scene, settings(arguments.of))

@@ -162,7 +162,7 @@ def test_infinite_damping_is_taken_and_written_as_text(call, tmp_path):
 
 
 @pytest.mark.slow
-def test_every_end_of_a_branch_is_an_event_with_its_kind_and_place(call, tmp_path):
+def test_every_end_of_a_branch_is_an_event_with_its_kind_and_load(call, tmp_path):
     call("run", "--set", "du_x=0.5", "u_x_max=12", "--json", tmp_path / "j")
     events = strict(tmp_path / "j")["events"]
     assert {e["stage"] for e in events} == {"approach", "shear"}
@@ -170,7 +170,7 @@ def test_every_end_of_a_branch_is_an_event_with_its_kind_and_place(call, tmp_pat
     assert all(("delta" if e["stage"] == "approach" else "U_x") in e and e["F_bar"] is not None for e in events)
 
 
-def test_a_decimal_comma_and_a_unit_are_read_and_the_comma_is_said(call, tmp_path):
+def test_a_decimal_comma_and_a_unit_are_read_and_the_comma_is_reported(call, tmp_path):
     small = "nodes=64", "width=0.16 µm", "u_x_max=0", "delta_bar=−0,5"
     code, out, err = call("run", "--set", *small, "--json", tmp_path / "j")
     scene = strict(tmp_path / "j")["scene"]
@@ -178,7 +178,7 @@ def test_a_decimal_comma_and_a_unit_are_read_and_the_comma_is_said(call, tmp_pat
     assert "decimal point, -0.5" in out and "µm" not in out
 
 
-def test_without_shear_there_is_one_row(call, tmp_path):
+def test_without_shear_the_csv_has_one_row(call, tmp_path):
     code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=0", "--csv", tmp_path / "c")
     assert code == 0
     assert [row["U_x"] for row in rows(tmp_path / "c")] == ["0.0"]
@@ -237,7 +237,7 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_run(call, tmp_path,
         assert str(file) in err
 
 
-def test_a_measured_profile_is_read_told_and_written(call, tmp_path):
+def test_a_measured_profile_is_read_reported_and_written(call, tmp_path):
     file = tmp_path / "hills.csv"
     file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
     settings = (f"profile={file}", "nodes=64", "du_z=0.5", "du_x=0.5", "u_x_max=2")
@@ -286,7 +286,7 @@ def cut_short(monkeypatch):
     return cut
 
 
-def test_no_convergence_exits_with_one_the_place_and_what_was_computed(call, tmp_path, cut_short):
+def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_frames_before(call, tmp_path, cut_short):
     message = "Not converged at U_x = 0.5: residual 2e-5; try a smaller du_x"
     cut_short(NotConverged(message), 101 + 5)
     code, _, err = call(
@@ -300,7 +300,7 @@ def test_no_convergence_exits_with_one_the_place_and_what_was_computed(call, tmp
     assert report["evaluations"] > 0
 
 
-def test_the_solver_s_own_failure_names_place_and_remedy(call, monkeypatch):
+def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
     monkeypatch.setattr("solver.continuation.gfmd.LIMITS", replace(gfmd.LIMITS, budget=100))
     code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
     assert (code, err.count("\n")) == (1, 1)
@@ -318,7 +318,7 @@ def test_no_convergence_in_the_approach_still_writes_files(call, tmp_path, cut_s
         assert len(data["U_x"]) == 0
 
 
-def test_an_interrupt_keeps_what_was_computed(call, tmp_path, cut_short):
+def test_an_interrupt_keeps_the_frames_computed(call, tmp_path, cut_short):
     cut_short(KeyboardInterrupt(), 101 + 5)
     code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c")
     assert code == 130
@@ -326,7 +326,7 @@ def test_an_interrupt_keeps_what_was_computed(call, tmp_path, cut_short):
     assert len(rows(tmp_path / "c")) == 5
 
 
-def test_a_residual_above_tolerance_is_never_passed_off_as_converged(call, tmp_path, monkeypatch):
+def test_a_residual_above_tolerance_is_never_reported_as_converged(call, tmp_path, monkeypatch):
     def sloppy(scene, method):
         for frame in load_path(scene, method=method):
             if frame.stage == "shear" and frame.index == 3:

@@ -56,7 +56,7 @@ def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_it
 
 
 @pytest.mark.thorough
-def test_what_fails_hangs_or_ends_its_worker_costs_no_other_result(address):
+def test_calls_that_fail_hang_or_kill_their_worker_cost_no_other_result(address):
     ((_, error),) = cluster.outcomes(int, ["x"], address, 60.0)
     assert error.kind == "error" and "ValueError" in error.reason
     found = dict(cluster.outcomes(time.sleep, [0.0, 20.0], address, 10.0))
@@ -67,7 +67,7 @@ def test_what_fails_hangs_or_ends_its_worker_costs_no_other_result(address):
     assert sorted(dict(cluster.outcomes(abs, range(10), address, 60.0)).values()) == [*range(10)]
 
 
-def test_a_cluster_that_cannot_be_reached_is_named_in_one_line(capsys, monkeypatch):
+def test_an_unreachable_cluster_is_named_in_one_line(capsys, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     assert main(["stability", "--scenes", "0", "--scheduler", "tcp://127.0.0.1:1"]) == 2
     said = capsys.readouterr().err.strip().splitlines()

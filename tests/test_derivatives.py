@@ -1,4 +1,4 @@
-"""The commands that stand on derivatives: what they print and write, and what they refuse."""
+"""The commands that need derivatives: what they print, write and refuse."""
 
 import csv
 import json
@@ -44,7 +44,7 @@ def test_sensitivities_are_printed_and_written(call, tmp_path):
 
 
 @pytest.mark.thorough
-def test_a_fit_of_what_run_wrote_finds_what_it_was_run_with(call, tmp_path):
+def test_a_fit_of_the_csv_of_a_run_recovers_its_parameter(call, tmp_path):
     """The CSV of `run` is a measurement."""
     curve, file = tmp_path / "curve.csv", tmp_path / "fit.json"
     assert call("run", "--set", *SMALL, "--csv", curve)[0] == 0
@@ -71,11 +71,11 @@ def test_a_spread_is_printed_and_its_band_written(call, tmp_path):
         (("sensitivities", "--set", "E=-1"), "E = -1"),
     ],
 )
-def test_bad_input_is_one_line_and_exits_with_2(call, arguments, said):
+def test_bad_input_is_reported_in_one_line_and_exits_with_2(call, arguments, said):
     code, _, error = call(*arguments)
     assert code == 2 and said in error and len(error.strip().splitlines()) == 1
 
 
-def test_a_path_without_derivatives_is_said(call):
+def test_a_path_without_derivatives_is_rejected_by_name(call):
     code, _, error = call("sensitivities", "--set", *SMALL, "path=unload")
     assert code == 1 and "unload" in error

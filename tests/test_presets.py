@@ -33,7 +33,7 @@ def test_preset_holds_only_what_differs_from_the_default(name):
     assert known.look.endswith(".") and known.look.count(". ") == 0  # one sentence
 
 
-def test_presets_are_told_apart():
+def test_presets_differ_in_scene_and_title():
     assert (
         len({known.scene for known in presets().values()}) == len({p.title for p in presets().values()}) == len(NAMES)
     )
@@ -58,14 +58,14 @@ def drops(name, **changed):
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_inertia_doubles_the_drops_and_halves_their_number_as_its_preset_says():
+def test_inertia_doubles_the_drops_and_halves_their_number_as_its_preset_claims():
     with_, without = drops("inertia"), drops("inertia", damping=1.0)
     assert len(with_) == pytest.approx(len(without) / 2, abs=1)
     assert with_.mean() == pytest.approx(2.2 * without.mean(), rel=0.1)
 
 
 @pytest.mark.slow
-def test_patches_of_the_rough_preset_slip_apart_as_it_says():
+def test_patches_of_the_rough_preset_slip_one_after_another_as_it_claims():
     large = drops("rough") > 0.15
     assert np.all(large[2:] != large[1:-1])  # a small drop, a large one, and so on
 
@@ -129,7 +129,7 @@ def test_presets_are_listed_with_their_titles(capsys):
     assert all(known.title in out for known in presets().values())
 
 
-def test_what_the_file_of_presets_refers_to_exists():
+def test_functions_named_in_presets_toml_exist():
     text = (ROOT / "solver" / "presets.toml").read_text(encoding="utf-8")
     names = re.findall(r"\b(solver(?:\.\w+)*)\.(\w+)", text)
     assert len(names) >= 3
@@ -146,7 +146,7 @@ def anew():
 
 
 @pytest.mark.usefixtures("anew")
-def test_a_broken_file_of_presets_is_one_line(monkeypatch, capsys):
+def test_a_broken_file_of_presets_is_reported_in_one_line(monkeypatch, capsys):
     monkeypatch.setattr("solver.presets.FILE", "scene.py")
     assert cli.main(["run", "--preset", "fig6"]) == 2
     err = capsys.readouterr().err

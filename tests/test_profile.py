@@ -1,4 +1,4 @@
-"""Measured profiles: what is read, what is done to it and said, and that every refusal names line and reason."""
+"""Measured profiles: reading, processing, reports, and refusals that name line and reason."""
 
 import pickle
 import re
@@ -33,13 +33,13 @@ def test_columns_may_be_separated_and_headed_in_any_usual_way(separator, heading
 
 
 @pytest.mark.parametrize("heading", ["x [µm], z [nm]\n", "x/um; z/nm\n", "x (μm) z (nm)\n"])
-def test_units_of_the_heading_count_and_are_told(heading):
+def test_units_in_the_heading_are_used_and_reported(heading):
     read = read_profile(table(X / 1000.0, HILLS, heading=heading))
     assert read.length == pytest.approx(640.0) and read.z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-9)
     assert "x is read as " in read.notes[0] and "z as nm" in read.notes[0]
 
 
-def test_one_unit_in_the_heading_is_that_of_both_columns():
+def test_a_single_unit_in_the_heading_applies_to_both_columns():
     assert read_profile(table(X / 1000.0, HILLS / 1000.0, heading="x, z (µm)\n")).length == pytest.approx(640.0)
 
 
@@ -67,14 +67,14 @@ def test_a_periodic_profile_at_equal_distances_is_kept_as_it_is():
     assert not any("resampled" in note for note in profile.notes)
 
 
-def test_tilt_and_offset_are_removed_and_told():
+def test_tilt_and_offset_are_removed_and_reported():
     # a line added to whole waves is not quite the line of least squares of the sum: 2 % of the height remain
     tilted = read_profile(table(X, HILLS + 0.01 * X - 7.0))
     assert shown(tilted) == pytest.approx(shown(read_profile(table(X, HILLS))), abs=0.05)
     assert any("tilt of 0.01 was removed" in note for note in tilted.notes)
 
 
-def test_ends_that_do_not_meet_are_joined_near_the_ends_only_and_told():
+def test_ends_that_do_not_meet_are_joined_near_the_ends_only_and_reported():
     z = 3.0 * np.sin(np.pi * 1.5 * X / 640.0)
     profile = read_profile(table(X, z))
     assert any(re.search(r"the ends, \d\.\d+ nm apart, were joined over 32 nm", note) for note in profile.notes)
@@ -88,7 +88,7 @@ def test_ends_that_do_not_meet_are_joined_near_the_ends_only_and_told():
     assert abs(heights[0] - heights[-1]) < np.abs(np.diff(z)).max()
 
 
-def test_unequal_distances_are_resampled_and_told():
+def test_unequal_distances_are_resampled_and_reported():
     x = np.sort(np.append(np.random.default_rng(0).uniform(0.0, 640.0, 2000), [0.0, 640.0]))
     profile = read_profile(table(x, 4.0 * np.cos(2.0 * np.pi * 2.0 * x / 640.0)))
     told = "2002 points were resampled to 8004 at equal distances: means over the new spacing, where they lay closer."
@@ -105,7 +105,7 @@ def test_more_points_than_nodes_can_show_are_thinned_out():
     assert any("40001 points were resampled" in note for note in profile.notes)
 
 
-def test_wider_distances_are_resampled_linearly_and_told():
+def test_wider_distances_are_resampled_linearly_and_reported():
     x = np.linspace(0.0, 640.0, 257) + 0.5 * np.sin(np.arange(257))
     profile = read_profile(table(x, 0.1 * (x - x[0]) * (x[-1] - x) / 640.0))
     assert "257 points were resampled to 1024 at equal distances, linearly." in profile.notes
@@ -212,14 +212,14 @@ def test_bad_files_are_refused(tmp_path, content, reason):
             read_profile(source)
 
 
-def test_what_is_not_a_file_is_refused(tmp_path):
+def test_only_files_are_read(tmp_path):
     for path in (tmp_path, tmp_path / "missing.csv"):
         with pytest.raises(ProfileError, match="is not a file"):
             read_profile(path)
 
 
 @pytest.mark.parametrize("width", [641.0, float("nan"), float("inf"), 0.0, -5.0, -641.0, -float("inf")])
-def test_a_width_that_is_none_or_beyond_the_profile_is_refused(width):
+def test_a_width_outside_the_profile_is_refused(width):
     reason = f"the profile is 640 nm long, the width asked for is {width:g} nm; allowed: above 0 to that length"
     with pytest.raises(ProfileError, match=re.escape(reason)):
         read_profile(table(X, HILLS), width)
@@ -250,12 +250,12 @@ def test_a_width_that_is_none_or_beyond_the_profile_is_refused(width):
         (100.0, None, "heights: allowed: one row"),
     ],
 )
-def test_a_profile_of_no_use_is_refused_with_what_is_allowed(length, heights, reason):
+def test_an_unusable_profile_is_refused_with_what_is_allowed(length, heights, reason):
     with pytest.raises(ProfileError, match=reason):
         Profile(length, heights)
 
 
-def test_a_profile_may_be_as_steep_and_as_long_as_it_is_said():
+def test_a_profile_may_be_as_steep_and_as_long_as_its_limits():
     assert LIMITS["width"][:2] == LENGTHS
     heights = 0.3 * np.abs(np.arange(20) - 10.0)
     assert Profile(200, [0, 1, 2, 1] * 10).length == 200.0

@@ -77,7 +77,7 @@ def exported():
                 yield f"{name}.{member}".rstrip("."), function
 
 
-def test_all_that_the_solver_exports_is_annotated_and_says_so():
+def test_all_exports_of_the_solver_are_annotated():
     functions = dict(exported())
     assert {"load_path", "SceneError.__init__", "Scene.changed", "Frame.F", "Skeleton.slips"} <= set(functions)
     for name, function in functions.items():

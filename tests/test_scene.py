@@ -1,4 +1,4 @@
-"""Scene: what is accepted, what is refused, and that a refusal says what to do."""
+"""Scene: what is accepted, what is refused, and the remedy of every refusal."""
 
 import pickle
 from dataclasses import fields
@@ -50,7 +50,7 @@ def test_beyond_a_limit_the_message_names_parameter_value_and_range(name, side):
 
 @pytest.mark.parametrize("name", LIMITS)
 @pytest.mark.parametrize("value", [nan, inf, -inf, "text", "1.0", None, True, [1.0], 10**400, 1j])
-def test_what_is_not_a_finite_number_is_refused(name, value):
+def test_only_finite_numbers_are_accepted(name, value):
     if LIMITS[name].unbounded and value == inf:
         assert Scene(**{name: value}) == scene_from_text({name: "inf"})
         return
@@ -124,7 +124,7 @@ def test_numbers_are_read_as_people_write_them(name, text, value):
 @pytest.mark.parametrize(
     ("text", "value"), [("0,3", 0.3), ("0,125", 0.125), ("−1,5e−3", -1.5e-3), ("12,3456", 12.3456)]
 )
-def test_a_decimal_comma_is_read_and_said(text, value):
+def test_a_decimal_comma_is_read_and_reported(text, value):
     notes = []
     assert number_from_text("delta_bar", text, notes) == value
     assert len(notes) == 1 and "delta_bar" in notes[0] and "comma" in notes[0] and f"{value:g}" in notes[0]
@@ -135,14 +135,14 @@ def test_a_comma_that_may_part_thousands_is_refused_with_both_readings():
         number_from_text("width", "2,500")
 
 
-def test_every_parameter_says_what_it_is_where_it_is_declared():
+def test_every_parameter_declares_its_meaning():
     """All but the profile of a measured surface, which is no number and no word."""
     assert [f.name for f in fields(Scene) if f.name not in PARAMETERS] == ["measured"]
     for known in PARAMETERS.values():
         assert known.meaning and known.group
 
 
-def test_an_unknown_name_is_refused_with_the_known_ones():
+def test_an_unknown_name_is_refused_with_the_allowed_ones():
     with pytest.raises(SceneError, match=r"'Ebar'.*delta_bar.*tolerance"):
         scene_from_text({"Ebar": "1"})
 

@@ -53,7 +53,7 @@ def test_refined_nodes_show_the_same_rough_surface():
 @pytest.mark.parametrize(
     "values", [{}, {"rms_slope": 0.1, "hurst": 0.0}, {"nodes": 1023, "hurst": 1.0, "roll_off": 1.0}]
 )
-def test_rms_slope_is_exactly_what_was_asked_for(seed, values):
+def test_the_rms_slope_is_that_of_the_scene(seed, values):
     scene = ROUGH.changed(seed=seed, **values)
     # exact but for rounding: the spectrum is that of the construction
     assert rms_slope(scene) == pytest.approx(scene.rms_slope, rel=1e-12)
@@ -113,7 +113,7 @@ def test_surfaces_just_touch_at_zero_and_stand_apart_at_the_ends_of_the_cell(sur
         ({"surface": "circular", "nodes": 26}, 0.0),
     ],
 )
-def test_the_lowest_node_lies_above_zero_where_none_stands_on_a_crest(values, off):
+def test_the_lowest_node_lies_above_zero_unless_a_node_lies_on_a_crest(values, off):
     """The continuous profile's lowest point is at 0, wherever the nodes are."""
     scene = Scene(**{"nodes": 25, "width": 500.0, **values})
     assert scene.profile.min() == pytest.approx(off, abs=1e-12)
@@ -233,7 +233,7 @@ def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(valu
         assert edges(scene, one) == pytest.approx(edges(scene, other), abs=1e-5, nan_ok=True)
 
 
-def test_one_wave_stays_mirrored_until_shear_starts():
+def test_a_wave_stays_symmetric_until_shear_starts():
     """Nothing tells left from right, and the jump-in leaves along a mode that does not either; u_x is odd, u_z even."""
     for frame in frames(Scene(surface="wave", waves=1, amplitude=15.0, u_x_max=0.0)):
         odd, even = frame.u + [[1.0], [-1.0]] * frame.u[:, ::-1]
@@ -258,7 +258,7 @@ def test_a_summit_apart_that_comes_within_the_window_is_not_overlooked():
 
 
 @pytest.mark.slow
-def test_waves_far_apart_are_one_wave_repeated():
+def test_several_waves_repeat_the_solution_of_one_wave():
     """Three waves in a cell of three wavelengths and the same height in nm: the same pressure, share and force."""
     one = Scene(surface="wave", waves=1, nodes=128, width=312.5, amplitude=4.0, du_z=0.5, du_x=0.5, u_x_max=10.0)
     three = one.changed(waves=3, nodes=384, width=937.5, height=1.0 / 3.0)

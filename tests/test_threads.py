@@ -32,7 +32,7 @@ class Watched(QuasiStatic):
         return super().increment(*given)
 
 
-def test_an_increment_has_one_thread_and_its_caller_as_many_as_before(two):
+def test_an_increment_has_one_blas_thread_and_its_caller_keeps_two(two):
     for _ in load_path(SCENE, Watched):
         assert Watched.seen == {1} and blas_threads() == {2}
         Watched.seen = None
@@ -49,7 +49,7 @@ def test_blas_threads_are_restored_after_a_failure(two):
     assert blas_threads() == {2}
 
 
-def test_a_command_has_one_thread_for_all_it_does(two, monkeypatch, tmp_path):
+def test_a_command_has_one_blas_thread(two, monkeypatch, tmp_path):
     seen = []
     monkeypatch.setattr(cli, "summarize", lambda *given: seen.append(blas_threads()) or summarize(*given))
     assert cli.main(["run", "--set", "surface=flat", "u_x_max=0", "du_z=1", "--csv", str(tmp_path / "csv")]) == 0
