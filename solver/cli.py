@@ -125,8 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
     caution(before)
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
-    seconds = perf_counter() - start
-    report = report_of(scene, frames, arguments.method, seconds, failure)
+    report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
     caution(sentence for sentence in cautions(scene, safe_damping=report["safe_damping"]) if sentence not in before)
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
@@ -137,11 +136,11 @@ def run(arguments: argparse.Namespace) -> int:
     write(arguments.json, write_json, report)
     if failure is not None:
         print(failure, file=sys.stderr)
-    return code
+    return code or (0 if report["converged"] else NOT_CONVERGED)
 
 
 class Computed(NamedTuple):
-    """Frames up to the end or the failure, what failed, and the exit code."""
+    """Frames up to the end or a failure, what failed, and the exit code."""
 
     frames: list[Frame]
     failure: str | None = None
@@ -158,22 +157,12 @@ def compute(scene: Scene, method: str, fields_too: bool) -> Computed:
                     frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
                 frames.append(frame)
                 bar.update()
-                if not frame.residual <= scene.tolerance:  # load_path promises this; nan fails it too
-                    return Computed(frames, unfinished(scene, frame), NOT_CONVERGED)
     except NotConverged as error:
         return Computed(frames, str(error), NOT_CONVERGED)
     except KeyboardInterrupt:
         position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
         return Computed(frames, f"Interrupted {position}; run again to finish", INTERRUPTED)
     return Computed(frames)
-
-
-def unfinished(scene: Scene, frame: Frame) -> str:
-    """The load and a remedy for a frame above tolerance."""
-    return (
-        f"Not converged at U_x = {frame.U_x:g} nm, delta = {frame.delta:g} nm: residual {frame.residual:.2g} nm,"
-        f" tolerance = {scene.tolerance:g} nm; try a smaller du_x and du_z, or a larger tolerance"
-    )
 
 
 def report_of(

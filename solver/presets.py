@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
-from typing import Any
 
-from .scene import PARAMETERS, Scene, SceneError
+from .scene import Scene, SceneError
 from .schema import name_remedy
 
 FILE = "presets.toml"
-TEXTS = ("title", "group", "look")
-WORDS = (*TEXTS, "figure", "short")
+WORDS = ("title", "group", "look", "figure", "short")  # keys of a table that are no parameters
 
 
 class PresetError(ValueError):
@@ -62,21 +60,11 @@ def read(text: str) -> dict[str, Preset]:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise PresetError(f"{FILE}: {error}; correct the line") from None
-    return {name: _preset(name, table) for name, table in tables.items()}
-
-
-def _preset(name: str, table: Any) -> Preset:
-    position = f"{FILE}, preset {name!r}"
-    if not isinstance(table, dict):
-        raise PresetError(f"{position}: {table!r} is not a table; write [{name}] above its keys")
-    for key in TEXTS:
-        if not (isinstance(table.get(key), str) and table[key].strip()):
-            raise PresetError(f"{position}, key {key!r}: {table.get(key)!r}; give a text")
-    for key in table:
-        if key not in (allowed := (*WORDS, *PARAMETERS)):
-            raise PresetError(f"{position}, key {key!r}: allowed: {', '.join(allowed)}; {name_remedy(key, allowed)}")
-    try:
-        scene = Scene(**{key: value for key, value in table.items() if key not in WORDS})
-    except SceneError as error:
-        raise PresetError(f"{position}, key {error.name!r}: {error}") from None
-    return Preset(name, scene=scene, **{key: table[key] for key in WORDS if key in table})
+    presets = {}
+    for name, table in tables.items():
+        try:
+            scene = Scene(**{key: value for key, value in table.items() if key not in WORDS})
+            presets[name] = Preset(name, scene=scene, **{key: table[key] for key in WORDS if key in table})
+        except (AttributeError, TypeError, SceneError) as error:
+            raise PresetError(f"{FILE}, preset {name!r}: {error}; correct this table") from None
+    return presets

@@ -15,13 +15,16 @@ ROUNDINGS = 2.0  # largest measured round-off of a residual over the estimate of
 LARGEST_RUN = 200_000  # increments; a longer run is a mistake: the finest step allowed over 200 nm
 SPACING = (0.05, 20.0)  # a/delta_t; finer lattices carry no friction, on coarser ones a node feels one site at most
 
-LOAD_PATH, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"  # groups of parameters
+LOADING, SURFACE, INTERFACE, LAYER = "Load path", "Surface", "Interface", "Layer"  # groups of parameters
 SHAPES = {name: shape.meaning for name, shape in SURFACES.items()}
 PATHS = {
     "shear": "approach, then shear",
     "unload": "approach, retraction and approach again at U_x = 0",
     "loop": "approach, then shear to u_x_max, back to -u_x_max, and forth again",
 }
+DAMPING = "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped"
+UNDERDAMPED = "with less, waves of the contact flutter and never come to rest"
+RESIDUAL = "largest residual max |U + C T(u) - u| of a converged frame"
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
 
 
@@ -34,43 +37,24 @@ class Scene:
     impossible combination.
     """
 
-    delta_bar: float = number(0.0, -1.0, 100.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOAD_PATH)
-    path: str = word("shear", PATHS, "stages of the load path", LOAD_PATH)
-    hold: str = word("delta", HOLDS, "what is held during shear", LOAD_PATH)
-    u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the top", LOAD_PATH)
-    damping: float = number(
-        1.0,
-        0.2,
-        4.0,
-        "",
-        "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped",
-        LOAD_PATH,
-        unbounded=True,
-        beyond="with less, waves of the contact flutter and never come to rest",
-    )
-    du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOAD_PATH)
-    du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOAD_PATH)
-    tolerance: float = number(
-        1e-8, 1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame", LOAD_PATH
-    )
+    delta_bar: float = number(0.0, -1.0, 100.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOADING)
+    path: str = word("shear", PATHS, "stages of the load path", LOADING)
+    hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
+    u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the top", LOADING)
+    damping: float = number(1.0, 0.2, 4.0, "", DAMPING, LOADING, unbounded=True, beyond=UNDERDAMPED)
+    du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOADING)
+    du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOADING)
+    tolerance: float = number(1e-8, 1e-12, 1e-3, "nm", RESIDUAL, LOADING)
 
     surface: str = word("circular", SHAPES, "undeformed profile of the surface", SURFACE)
     radius: float = number(2.5, 0.1, 1e3, "w", "radius R of the protrusion over the width w", SURFACE)
-    amplitude: float = number(
-        5.0, 1e-3, 1e4, "nm", "amplitude of the wave, half its height from crest to trough", SURFACE
-    )
+    amplitude: float = number(5.0, 1e-3, 1e4, "nm", "amplitude of the wave, half of crest to trough", SURFACE)
     waves: int = number(2, 1, 2048, "", "wavelengths of the wave over the width w, a whole number", SURFACE, whole=True)
     rms_slope: float = number(0.03, 1e-5, 0.1, "", "root mean square slope of the rough profile", SURFACE)
-    hurst: float = number(
-        0.8, 0.0, 1.0, "", "Hurst exponent H of the rough profile, its spectrum falls as q^(-1-2H)", SURFACE
-    )
-    roll_off: float = number(
-        0.5, 1e-4, 1.0, "w", "wavelength over w from which on, upwards, the rough spectrum is flat", SURFACE
-    )
+    hurst: float = number(0.8, 0.0, 1.0, "", "Hurst exponent H of the rough spectrum q^(-1-2H)", SURFACE)
+    roll_off: float = number(0.5, 1e-4, 1.0, "w", "wavelength over w above which the rough spectrum is flat", SURFACE)
     cut_off: float = number(0.05, 1e-4, 1.0, "w", "shortest wavelength of the rough profile over w", SURFACE)
-    seed: int = number(
-        1, 0, 999999, "", "which of all rough profiles of that spectrum, a whole number", SURFACE, whole=True
-    )
+    seed: int = number(1, 0, 999999, "", "seed of the rough profile's phases, a whole number", SURFACE, whole=True)
     measured: Profile | None = None  # of surface 'measured'
 
     phi_n: float = number(2.0, 1e-3, 1e3, "N/m", "normal work of separation of one spring", INTERFACE)
@@ -85,7 +69,7 @@ class Scene:
     height: float = number(1.0, 1e-2, 1e2, "w", "height h of the layer over the width w", LAYER)
     width: float = number(2500.0, 1.0, 1e6, "nm", "width w of the periodic cell", LAYER)
     nodes: int = number(
-        1024, 4, 16384, "", "surface nodes over the width; the node spacing is the lattice period", LAYER, whole=True
+        1024, 4, 16384, "", "surface nodes over the width; w / nodes is the lattice period", LAYER, True
     )
 
     def __post_init__(self) -> None:

@@ -334,9 +334,8 @@ def test_a_residual_above_tolerance_is_never_reported_as_converged(call, tmp_pat
             yield frame
 
     monkeypatch.setattr(cli, "load_path", sloppy)
-    code, _, err = call("run", "--set", *SMALL, "--json", tmp_path / "j")
-    assert code == 1
-    assert all(word in err for word in ("U_x = 0.3 nm", "2e-05", "smaller du_x"))
+    code, out, _ = call("run", "--set", *SMALL, "--json", tmp_path / "j")
+    assert code == 1 and "NOT converged" in out
     assert strict(tmp_path / "j")["converged"] is False
 
 

@@ -92,12 +92,11 @@ def test_interfaces_of_figure_8_are_those_of_the_presets():
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nEbar = 3", ("'a'", "'Ebar'", "allowed", "delta_bar")),
-        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nE = -3.0", ("'a'", "'E'", "E = -3.0", "0.01 .. 1e+06")),
-        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nE = 'soft'", ("'a'", "'E'", "soft", "0.01 .. 1e+06")),
-        ("[a]\nlook = 'B.'", ("'a'", "'title'", "None")),
-        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 3", ("'a'", "'look'", "3")),
-        ("a = 3", ("'a'", "3", "table")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nEbar = 3", ("'a'", "'Ebar'")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nE = -3.0", ("'a'", "E", "E = -3.0", "0.01 .. 1e+06")),
+        ("[a]\ntitle = 'A'\ngroup = 'G'\nlook = 'B.'\nE = 'soft'", ("'a'", "E", "soft", "0.01 .. 1e+06")),
+        ("[a]\nlook = 'B.'", ("'a'", "'title'")),
+        ("a = 3", ("'a'", "table")),
         ("[a", ("presets.toml", "correct the line")),
     ],
 )
