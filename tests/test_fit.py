@@ -1,18 +1,20 @@
-"""Parameters are found again in curves computed with them; what the data do not tell is said."""
+"""Fits recover the parameters of computed curves, and warn of what the data do not determine."""
 
 import re
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from solver import Scene, skeleton_of
-from solver.analysis.fit import fit
+from solver import NotConverged, Scene, skeleton_of
+from solver.analysis.fit import FitOptions, fit
 from solver.analysis.measurement import Measurement, MeasurementError, noise_of, read_measurement
 from solver.analysis.spread import deviations, spread_of
 from solver.analysis.trial import Model
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+WIDE = Scene(nodes=128, width=312.5, delta_bar=0.1, u_x_max=20.0)  # an eighth of the default
 NOISE = 0.01  # of the largest force
 
 
@@ -21,14 +23,14 @@ def skeleton():
     return skeleton_of(SMALL)
 
 
-def measured(skeleton, seed=1, scale=1.0, offset=0.0, points=200, load=False):
-    """A curve of F_bar with noise, and if asked for of L_bar."""
-    U_x, random = np.linspace(0.1, SMALL.u_x_max, points), np.random.default_rng(seed)
-    F, L = (c + NOISE * np.abs(c).max() * random.normal(size=points) for c in skeleton.curve(U_x)[:2])
+def measured(skeleton, scale=1.0, offset=0.0, points=200, load=False, noise=NOISE):
+    """A curve of F_bar with noise, and with `load` one of L_bar."""
+    U_x, random = np.linspace(0.1, skeleton.scene.u_x_max, points), np.random.default_rng(1)
+    F, L = (c + noise * np.abs(c).max() * random.normal(size=points) for c in skeleton.curve(U_x)[:2])
     return Measurement.of(U_x, {"F_bar": scale * F + offset} | ({"L_bar": L} if load else {}))
 
 
-def test_slips_and_noise_of_a_curve_are_found(skeleton):
+def test_slips_and_noise_of_a_curve_are_recognised(skeleton):
     data = measured(skeleton)
     loads = [event.load for event in skeleton.slips]
     assert len(data.slips) == len(loads)
@@ -49,45 +51,103 @@ def test_a_wave_is_not_taken_for_noise():
     assert noise_of(100.0 * np.sin(2.0 * np.pi * np.arange(4000) / 24.0) + noise) == pytest.approx(1.0, rel=0.15)
 
 
-def test_slips_that_repeat_themselves_have_one_place(skeleton):
-    """At a known distance of each other, they all lie off by as much; with a free scale each lies where it lies."""
+def test_slips_at_a_known_distance_share_one_load(skeleton):
+    """Their residuals are equal; with a free scale, and so an unknown distance, each has its own."""
     data = measured(skeleton, load=True)
     for free, alike in ((("phi_n",), True), (("phi_n", "scale_U"), False)):
-        model = Model(SMALL, data, free)
+        model = Model(SMALL, data, free, 20.0, np.inf)
         off = model.residuals(model.start(None))[-len(data.slips) :]
         assert (np.ptp(off) < 1e-6) == alike
 
 
-def test_what_made_the_curve_is_found_from_elsewhere(skeleton):
-    found = fit(SMALL.changed(E=36.0, delta_bar=0.08), measured(skeleton, load=True), ("delta_bar", "E"))
-    assert found.reached and found.warnings == ()
+def test_a_fit_recovers_two_parameters_from_another_start(skeleton):
+    result = fit(SMALL.changed(E=36.0, delta_bar=0.08), measured(skeleton, load=True), ("delta_bar", "E"))
+    assert result.reached and result.warnings == ()
     for name in ("delta_bar", "E"):  # four standard errors: by chance once in 16,000
-        assert abs(found.values[name] - getattr(SMALL, name)) < 4.0 * found.errors[name]
-        assert 0.0 < found.errors[name] < 0.1 * getattr(SMALL, name)
+        assert abs(result.values[name] - getattr(SMALL, name)) < 4.0 * result.errors[name]
+        assert 0.0 < result.errors[name] < 0.1 * getattr(SMALL, name)
 
 
-def test_slips_are_found_from_where_it_slides_smoothly():
+def test_a_fit_reaches_stick_slip_from_smooth_sliding():
     weak = SMALL.changed(phi_ratio=0.1)
     from_start = weak.changed(phi_ratio=0.02)
     assert not skeleton_of(from_start).slips
-    found = fit(from_start, measured(skeleton_of(weak), load=True), ("phi_ratio", "delta_bar"))
-    assert found.reached and found.values["phi_ratio"] == pytest.approx(0.1, abs=4.0 * found.errors["phi_ratio"])
+    result = fit(from_start, measured(skeleton_of(weak), load=True), ("phi_ratio", "delta_bar"))
+    assert result.reached and result.values["phi_ratio"] == pytest.approx(0.1, abs=4.0 * result.errors["phi_ratio"])
 
 
-def test_the_scale_of_the_force_is_found(skeleton):
-    found = fit(SMALL, measured(skeleton, scale=1.3), ("scale_F",))
-    assert found.values["scale_F"] == pytest.approx(1.3, abs=4.0 * found.errors["scale_F"])
+def test_a_fit_recovers_the_scale_of_the_force(skeleton):
+    result = fit(SMALL, measured(skeleton, scale=1.3), ("scale_F",))
+    assert result.values["scale_F"] == pytest.approx(1.3, abs=4.0 * result.errors["scale_F"])
 
 
-def test_what_the_data_do_not_tell_is_said(skeleton):
-    """F over E depends on phi_n/E only, so these two are one."""
-    found = fit(SMALL.changed(E=31.0), measured(skeleton), ("phi_n", "E", "scale_F"))
-    assert any("phi_n" in sentence or "E" in sentence for sentence in found.warnings)
+@pytest.mark.parametrize("noise", [0.0, 0.012])
+def test_slips_show_at_eight_points_a_period(noise):
+    """2.44 nm a period, every third increment of the default: each slip lies in one interval between points."""
+    skeleton = skeleton_of(WIDE)
+    data = measured(skeleton, points=round(8 * WIDE.u_x_max / WIDE.spacing), noise=noise)
+    intervals = [(data.U_x[index - 1], data.U_x[index]) for index in data.slips]
+    loads = [event.load for event in skeleton.slips if event.load < data.U_x[-1]]
+    assert len(intervals) == len(loads) == 6
+    assert all(low <= load <= high for (low, high), load in zip(intervals, loads, strict=True))
 
 
-def test_a_curve_that_no_parameter_makes_is_not_said_to_fit(skeleton):
-    found = fit(SMALL, measured(skeleton, offset=0.5 * float(skeleton.curve([5.0])[0][0])), ("phi_n",), starts=1)
-    assert not found.reached and "no start led" in found.warnings[0]
+@pytest.mark.parametrize("per_period", [3.0, 4.5])
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_fit_of_few_points_a_period_is_right_and_warns(per_period, noise):
+    """To 1 %, while it starts 20 % off; before slips of sparse data were recognised, it stayed some 20 % off."""
+    data = measured(skeleton_of(WIDE), points=round(per_period * WIDE.u_x_max / WIDE.spacing), noise=noise)
+    result = fit(WIDE.changed(phi_ratio=1.2 * WIDE.phi_ratio), data, ("phi_ratio",))
+    assert result.values["phi_ratio"] == pytest.approx(WIDE.phi_ratio, rel=0.01)
+    assert any("too few" in sentence for sentence in result.warnings)
+
+
+def test_predicted_slips_that_the_data_do_not_show_raise_a_warning():
+    result = fit(WIDE, measured(skeleton_of(WIDE), points=18, noise=0.0), ("phi_ratio",))
+    assert any(sentence.startswith("0 of 6 predicted slips") for sentence in result.warnings)
+
+
+def test_a_fit_goes_on_from_an_exact_run_where_slips_skip_other_sites():
+    """The truth slips by two sites and the start by one, which continued runs keep; noise-free, so to 0.1 %."""
+    truth = SMALL.changed(E=11.33, delta_bar=0.025, phi_ratio=1.6, u_x_max=30.0, damping=0.5, du_x=0.1, du_z=0.1)
+    start = truth.changed(E=0.7 * truth.E)
+    skeleton = skeleton_of(truth)
+    assert (skeleton.sites, skeleton_of(start).sites) == (2, 1)
+    result = fit(start, measured(skeleton, points=400, noise=0.0), ("E",))
+    assert result.reached and result.values["E"] == pytest.approx(truth.E, rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+def test_a_chi_squared_far_from_one_raises_a_warning(skeleton, factor):
+    """The noise of the data is known too small or too large by that factor, and chi^2 by its square."""
+    data = measured(skeleton)
+    data = Measurement.of(data.U_x, data.values, {"F_bar": factor * data.noise["F_bar"]})
+    result = fit(SMALL, data, ("phi_n",), FitOptions(starts=1))
+    assert result.chi2 == pytest.approx(factor**-2.0, rel=0.5) and result.reached == (factor > 1.0)
+    assert any("chi^2 is" in sentence for sentence in result.warnings)
+
+
+def test_a_constant_force_is_rejected():
+    U_x = np.arange(20.0)
+    with pytest.raises(MeasurementError, match=r"F is 0 at every point.*check"):
+        Measurement.of(U_x, {"F_bar": 0.0 * U_x})
+
+
+def test_a_fit_without_time_says_so(skeleton):
+    with pytest.raises(NotConverged, match="within 0 s"):
+        fit(SMALL, measured(skeleton), ("E",), FitOptions(limit=0.0))
+
+
+def test_parameters_that_act_alike_raise_a_warning(skeleton):
+    """F over E depends on phi_n/E only, so the data determine their ratio only."""
+    result = fit(SMALL.changed(E=31.0), measured(skeleton), ("phi_n", "E", "scale_F"))
+    assert any("phi_n" in sentence or "E" in sentence for sentence in result.warnings)
+
+
+def test_a_curve_that_no_parameter_makes_does_not_fit(skeleton):
+    data = measured(skeleton, offset=0.5 * float(skeleton.curve([5.0])[0][0]))
+    result = fit(SMALL, data, ("phi_n",), FitOptions(starts=1))
+    assert not result.reached and "does not fit" in result.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -96,16 +156,41 @@ def test_a_curve_that_no_parameter_makes_is_not_said_to_fit(skeleton):
         ("a,b\n1,2\n", "needed: U_x"),
         ("U_x,F_bar\n1,2\n1,3\n", "line 3.*sort"),
         ("U_x,F_bar\n1,x\n", "line 2.*not a number"),
-        ("U_x,F_bar\n1,nan\n", "line 2.*finite"),
         ("U_x,F_bar\n1,2,3\n", "line 2: 3 columns"),
-        ("U_x,F_bar\n1,2\n", "1 points"),
+        ("U_x,F_bar\n1,2\n", "points: 1"),
     ],
 )
-def test_a_bad_file_is_refused_with_line_and_remedy(tmp_path, text, said):
+def test_an_unusable_file_is_rejected_with_line_and_remedy(tmp_path, text, said):
     file = tmp_path / "bad.csv"
     file.write_text(text)
     with pytest.raises(MeasurementError, match=said):
         read_measurement(file, SMALL)
+
+
+ROWS = [(0.5 * k, 0.25 * k * k) for k in range(1, 11)]
+FORMS = {
+    "heading of the page": ("U_x (nm),F (N/m)", ",", str),
+    "semicolons and decimal commas": ("U_x (nm);F (N/m)", ";", lambda x: str(x).replace(".", ",")),
+    "micrometres and millinewtons": ("U_x [um]\tF/mN/m", "\t", str),
+    "a row without a number": ("U_x,F", ",", str),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_usual_forms_of_a_file_are_read(form):
+    heading, separator, text = FORMS[form]
+    length, force = (1e-3, 1e3) if "micro" in form else (1.0, 1.0)
+    lines = [heading, *(separator.join((text(x * length), text(F * force))) for x, F in ROWS)]
+    data = read_measurement(StringIO("\n".join(lines + ["6.0,nan"] * ("without" in form))), SMALL)
+    assert data.U_x == pytest.approx([x for x, _ in ROWS])
+    assert data.values["F_bar"] * data.unit == pytest.approx([F for _, F in ROWS])
+
+
+@pytest.mark.parametrize("text", ["\x01\x02rubbish\x7f,b\n", "U_x,F\n1,\x01\x02\n", "PK\0\0"])
+def test_binary_content_is_rejected_and_not_echoed(text):
+    with pytest.raises(MeasurementError) as refused:
+        read_measurement(StringIO(text), SMALL)
+    assert str(refused.value).isprintable() and "\\x" not in str(refused.value)
 
 
 def test_forces_in_newtons_per_metre_are_read(tmp_path):
@@ -115,13 +200,13 @@ def test_forces_in_newtons_per_metre_are_read(tmp_path):
     assert found.values["F_bar"][-1] == pytest.approx(100.0 / (SMALL.width * SMALL.E))
 
 
-def test_names_that_cannot_be_free_are_refused(skeleton):
+def test_names_that_cannot_be_free_are_rejected(skeleton):
     with pytest.raises(ValueError, match="nodes"):
         fit(SMALL, measured(skeleton), ("nodes",))
 
 
 @pytest.mark.thorough
-def test_a_spread_is_what_draws_make_of_it(skeleton):
+def test_the_linear_spread_agrees_with_random_draws(skeleton):
     of = deviations(SMALL, {"phi_n": "2%", "E": "0.3"})
     assert of == pytest.approx({"phi_n": 0.02 * SMALL.phi_n, "E": 0.3})
     found = spread_of(skeleton, of, 60)
@@ -133,7 +218,7 @@ def test_a_spread_is_what_draws_make_of_it(skeleton):
 
 
 @pytest.mark.parametrize("text", ["-3%", "x", "0"])
-def test_a_spread_that_is_none_is_refused(text):
+def test_an_invalid_standard_deviation_is_rejected(text):
     with pytest.raises(ValueError, match="phi_n"):
         deviations(SMALL, {"phi_n": text})
 

@@ -1,106 +1,142 @@
-"""A curve and its slips as the states of a run tell them, with derivatives, at measured places on measured branches."""
+"""The curve and the slips that a run predicts, with derivatives, assigned to the segments of a measured curve."""
 
 from functools import cached_property
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..following.branch import even_weights, place
-from .sensitivities import passed
+from .sensitivities import Sensitivities, passed
 
-END = 1e-3  # of t from 0 and 1: nearer, dF/dU is 0/0, or infinite; F changes by its square there
-PART = 0.9  # of the largest drop: where all are as small as that, they may still grow to what was measured
-BESIDE = 1e-5  # of t, over which dF/dt is told
+Floats = NDArray[np.float64]
+END = 1e-3  # of t from 0 and 1; nearer, dF/dU is 0/0 or infinite, and F changes by the square of that
+PART = 0.9  # of the largest drop of F: drops that are all too small to be visible may grow in later trials
+BESIDE = 1e-5  # of t, half the interval of a central difference of F
+AHEAD = 2.0  # times the measured range, up to which slips are listed: parameters move them into and out of the range
+
+
+class Curve(NamedTuple):
+    """values (3, k) of F_bar, L_bar, A_bar; slopes (3, k) by U_x, per nm; by (names, 3, k) per unit of parameters."""
+
+    values: Floats
+    slopes: Floats
+    by: Floats
+
+
+class Slips(NamedTuple):
+    """loads (n,) nm; by (names, n) per unit; branch (n,) that ends; moved (n,) nm since its first pass."""
+
+    loads: Floats
+    by: Floats
+    branch: NDArray[np.int_]
+    moved: Floats
 
 
 class Predicted:
-    """Of Sensitivities, for what was measured on branch number `branch` (k,) of the run, counted from 0 at slips seen.
+    """A run, known by its Sensitivities, cut into segments at its visible slips.
 
-    A slip is seen where F_bar drops by more than `seen`, or by about as much as at its largest drop. What was measured
-    between two of them lies on the branch that the run is on at that U_x, but between these slips; a branch that ends
-    before U_x goes on with its last value: what is predicted is continuous in the parameters. In a run without slips
-    to be seen only U_x counts. reach: the largest U_x, nm.
+    A slip is visible where F_bar drops by more than `seen`, or by PART of its largest drop. A measured point belongs to
+    the segment with as many visible slips before it as in the data, and there to the branch at its U_x. Beyond the end
+    of a branch its last value counts, so that predictions are continuous in the parameters. start, reach: the measured
+    range of U_x, nm.
     """
 
-    def __init__(self, found, seen, reach):
-        self.found, self.skeleton, self.seen, self.reach = found, found.skeleton, seen, reach
-
-    def _drop(self, index):
-        """What F_bar drops by where a branch ends; 0 where it ends in no slip."""
-        branches, one = self.found.branches, self.found.branches[index]
-        last = index + 1 == len(branches)
-        if one.branch.fold is None or (last and not self.skeleton.sites):
-            return 0.0
-        return one.values[1, -1] - branches[self.skeleton.home if last else index + 1].values[1, 0]
-
-    def _end(self, index, turns):
-        """Where a branch ends that has moved on by so many periods, nm."""
-        return self.found.branches[index].values[0, -1] + turns * (self.skeleton.period or 0.0)
+    def __init__(self, sensitivities: Sensitivities, seen: float, start: float, reach: float):
+        self.branches, self.skeleton = sensitivities.branches, sensitivities.skeleton
+        self.seen, self.start, self.reach = seen, start, reach
 
     @cached_property
-    def between(self):
-        """[(index, turns)] of branches, as `passed`: up to the first slip seen, to the next ..., to twice reach."""
-        drops, lists = [self._drop(index) for index in range(len(self.found.branches))], [[]]
-        seen = min(self.seen, PART * max(drops))
+    def drops(self) -> list[float]:
+        """By how much F_bar drops at the end of each branch; 0 without a slip there."""
+        last = len(self.branches) - 1
+        after = [*range(1, last + 1), self.skeleton.home]
+        slips = [branch.branch.fold is not None for branch in self.branches]
+        slips[last] &= bool(self.skeleton.sites)
+        pairs = zip(self.branches, after, slips, strict=True)
+        return [b.values[1, -1] - self.branches[k].values[1, 0] if slip else 0.0 for b, k, slip in pairs]
+
+    @cached_property
+    def segments(self) -> list[list[tuple[int, int]]]:
+        """[(index of a branch, periods since its first pass), ...] of each segment, in order, to AHEAD of the reach."""
+        seen, segments = min(self.seen, PART * max(self.drops)) if np.isfinite(self.seen) else np.inf, [[]]
         for index, turns in passed(self.skeleton):
-            lists[-1].append((index, turns))
-            if self._end(index, turns) > 2.0 * self.reach:
+            segments[-1].append((index, turns))
+            if self._end(index, turns) > AHEAD * self.reach:
                 break
-            if drops[index] > seen:
-                lists.append([])
-        return lists
+            if self.drops[index] > seen:
+                segments.append([])
+        return segments
 
-    def curve(self, U_x, branch, names):
-        """(values (3, k), slopes by U_x (3, k), derivatives (names, 3, k)) at loads U_x (k,), nm."""
-        values, slopes = np.empty((3, U_x.size)), np.empty((3, U_x.size))
-        by = np.empty((len(names), 3, U_x.size))
-        branch = np.minimum(branch, len(self.between) - 1)
-        for k, some in enumerate(self.between):
-            ends = [self._end(*one) for one in some[:-1]]
-            here = np.where(branch == k, np.searchsorted(ends, U_x), -1)
-            for j in np.unique(here[here >= 0]):
-                mine, (index, turns) = here == j, some[j]
-                one = self.found.branches[index]
-                if one.branch.periodic:
-                    turns = np.floor(U_x[mine] / self.skeleton.period)
-                loads = U_x[mine] - turns * (self.skeleton.period or 0.0)
-                read = _to_a_fold if one.branch.fold else _without_end
-                values[:, mine], slopes[:, mine], by[:, :, mine] = read(one, loads, names)
-                if "width" in names:  # the period moves what was moved on
-                    moved = turns * self.skeleton.sites / self.skeleton.scene.nodes
-                    by[names.index("width")][:, mine] -= slopes[:, mine] * moved
-        return values, slopes, by
+    @property
+    def slipping(self) -> bool:
+        """Whether any slip is visible."""
+        return len(self.segments) > 1
 
-    def slips(self, count, names):
-        """(U_x (n,), derivatives (names, n), branch (n,), moved (n,)) of the first slips seen, at most `count`.
+    def count(self, drop: float) -> int:
+        """How many slips between start and reach let F_bar drop by more than `drop`."""
+        ends = ((index, self._end(index, turns)) for index, turns in chain(*self.segments))
+        return sum(self.start < end < self.reach and self.drops[index] > drop for index, end in ends)
 
-        A slip of a branch that repeats itself lies `moved` nm after the first one of that branch.
-        """
-        loads, by, branches, moved_on = [], [], [], []
-        for *_, (index, turns) in self.between[:-1][:count]:
-            one = self.found.branches[index]
-            sites = turns * self.skeleton.sites
-            loads.append(one.values[0, -1] + sites * self.skeleton.scene.spacing)
-            moved = {"width": sites / self.skeleton.scene.nodes}
-            by.append([one.by[name][0, -1] + moved.get(name, 0.0) for name in names])
-            branches.append(index)
-            moved_on.append(sites * self.skeleton.scene.spacing)
-        return np.array(loads), np.array(by).reshape(len(loads), len(names)).T, np.array(branches), np.array(moved_on)
+    def _end(self, index, turns):
+        """Load, nm, at which a branch ends, so many periods after its first pass."""
+        return self.branches[index].values[0, -1] + turns * (self.skeleton.period or 0.0)
+
+    def curve(self, U_x: Floats, segment: NDArray[np.int_], names: tuple[str, ...]) -> Curve:
+        """The Curve at loads U_x (k,), nm, of points in segments (k,), with derivatives by the parameters `names`."""
+        shape = 3, U_x.size
+        curve = Curve(np.empty(shape), np.empty(shape), np.empty((len(names), *shape)))
+        segment = np.minimum(segment, len(self.segments) - 1)
+        for k, passes in enumerate(self.segments):
+            ends = [self._end(*one) for one in passes[:-1]]
+            position = np.where(segment == k, np.searchsorted(ends, U_x), -1)
+            for j in np.unique(position[position >= 0]):
+                mine = position == j
+                part = self._pass(*passes[j], U_x[mine], names)
+                curve.values[:, mine], curve.slopes[:, mine], curve.by[:, :, mine] = part
+        return curve
+
+    def _pass(self, index, turns, U_x, names):
+        """The Curve at loads on a branch, so many periods after its first pass."""
+        branch, period = self.branches[index], self.skeleton.period or 0.0
+        if branch.branch.periodic:
+            turns = np.floor(U_x / period)
+        curve = (_to_a_fold if branch.branch.fold else _without_end)(branch, U_x - turns * period, names)
+        if "width" in names:  # it stretches the period
+            stretched = turns * self.skeleton.sites / self.skeleton.scene.nodes
+            curve.by[names.index("width")] -= curve.slopes * stretched
+        return curve
+
+    def slips(self, most: int, names: tuple[str, ...]) -> Slips:
+        """The first visible Slips, `most` at most, with derivatives of their loads by the parameters `names`."""
+        scene, ends = self.skeleton.scene, [passes[-1] for passes in self.segments[:-1][:most]]
+        branch, turns = np.array(ends, int).reshape(-1, 2).T
+        sites = turns * self.skeleton.sites
+        loads = np.array([self.branches[k].values[0, -1] for k in branch]) + sites * scene.spacing
+        by = np.array([[self.branches[k].by[name][0, -1] for k in branch] for name in names])
+        by = by.reshape(len(names), loads.size)
+        if "width" in names:
+            by[names.index("width")] += sites / scene.nodes
+        return Slips(loads, by, branch, sites * scene.spacing)
 
 
-def _without_end(one, loads, names):
-    weights = one.branch.weights(loads).T
-    fixed = [one.at_fixed_load(name) @ weights for name in names]
-    return one.values[1:] @ weights, one.slope @ weights, np.array(fixed).reshape(len(names), 3, loads.size)
+def _without_end(branch, loads, names):
+    """The Curve on a branch that ends in no fold."""
+    weights = branch.branch.weights(loads).T
+    by = [branch.at_fixed_load(name) @ weights for name in names]
+    return Curve(branch.values[1:] @ weights, branch.slope @ weights, np.array(by).reshape(len(names), 3, loads.size))
 
 
-def _to_a_fold(one, loads, names):
-    start, end, n = one.values[0, 0], one.values[0, -1], one.branch.intervals
+def _to_a_fold(branch, loads, names):
+    """The Curve on a branch to a fold, interpolated in t, in which it is smooth."""
+    start, end, n = branch.values[0, 0], branch.values[0, -1], branch.branch.intervals
     t = place(start, end, loads)
     weights = even_weights(t, n).T
     inside = np.clip(t, END, 1.0 - END)
     change = even_weights(inside + BESIDE, n) - even_weights(inside - BESIDE, n)
     speed = 0.5 * np.pi * (end - start) * np.sin(np.pi * inside)
-    slopes = one.values[1:] @ change.T / (2.0 * BESIDE) / speed
+    slopes = branch.values[1:] @ change.T / (2.0 * BESIDE) / speed
     slopes[:, (loads < start) | (loads > end)] = 0.0
-    moved = np.array([one.by[name] @ weights for name in names]).reshape(len(names), 4, loads.size)
-    return one.values[1:] @ weights, slopes, moved[:, 1:] - slopes * moved[:, :1]
+    moved = np.array([branch.by[name] @ weights for name in names]).reshape(len(names), 4, loads.size)
+    return Curve(branch.values[1:] @ weights, slopes, moved[:, 1:] - slopes * moved[:, :1])

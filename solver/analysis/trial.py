@@ -1,150 +1,239 @@
-"""The curve of trial parameters against a measured one: residuals over their noise, and their derivatives."""
+"""A trial of a fit: residuals of the predicted curve over the noise of the data, with their derivatives."""
+
+from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..continuation.state import NotConverged
+from ..continuation.state import NotConverged, OutOfTime
 from ..following.branch import NotFollowed
 from ..following.follow import follow
-from ..following.reading import skeleton_of
-from ..scene import LIMITS, SceneError
+from ..following.reading import skeleton_from
+from ..following.skeleton import Skeleton
+from ..run.slices import advance
+from ..scene import LIMITS, Scene, SceneError
+from .measurement import Measurement
 from .outputs import NAMES
 from .prediction import Predicted
 from .sensitivities import sensitivities
 
-AXES = {"scale_U": 1.0, "offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # measured = scale * computed + offset
-SCALES = (0.1, 10.0)
-PERIOD = {"scale_U", "width"}  # what the distance of slips that repeat themselves depends on
-PLACE = 12.0**-0.5  # of an interval, standard deviation of a slip that lies anywhere in it
-APART_BY = 1.5  # factor, largest, between the first start and another one
-WORSE = 10.0  # times the residual: what a run that is not had counts
+Floats = NDArray[np.float64]
+SCALES = (0.1, 10.0)  # range of scale_U and scale_F: a factor beyond is a wrong unit
+PERIOD = {"scale_U", "width"}  # parameters that change the distance between slips
+UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
+APART_BY = 1.5  # largest factor between the first start and a random one
+WORSE = 10.0  # factor on the last residuals, for a trial whose run cannot be had: the optimiser turns back
+SLICE = 0.1  # s of a run between two looks at the clock
+NO_RUN = NotFollowed, NotConverged, SceneError
+
+
+class Axes(NamedTuple):
+    """measured U_x = scale_U U_x + offset_U (nm), and the same of F, offset_F in units of F_bar."""
+
+    scale_U: float = 1.0
+    offset_U: float = 0.0
+    scale_F: float = 1.0
+    offset_F: float = 0.0
+
+
+AXES = Axes._fields
+
+
+class TimeUp(Exception):
+    """The time of a fit is over."""
+
+
+class Trial(NamedTuple):
+    """Parameters x (n,), residuals (k,), their derivatives (k, n), and the run they come from."""
+
+    x: Floats
+    residuals: Floats
+    jacobian: Floats
+    predicted: Predicted
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of squares."""
+        return 0.5 * float(self.residuals @ self.residuals)
+
+
+def exact_run(scene: Scene, limit: float) -> Skeleton:
+    """The Skeleton of a scene from a run; raises OutOfTime after `limit` s, NotConverged and NotFollowed."""
+    frames, checkpoint, end = [], None, perf_counter() + limit
+    while not (checkpoint and checkpoint.done) and not any(frame.repeated for frame in frames[-1:]):
+        left = end - perf_counter()
+        if left <= 0.0:
+            raise OutOfTime(f"the run of a trial takes more than {limit:.3g} s")
+        more, checkpoint = advance(scene, checkpoint, min(SLICE, left), limit=left)
+        frames += more
+    if checkpoint.failure:
+        raise (OutOfTime if checkpoint.late else NotConverged)(checkpoint.failure)
+    return skeleton_from(scene, frames)
 
 
 class Model:
-    """Residuals over their noise, and their derivatives, of parameters x; runs are followed from the last one."""
+    """Residuals and derivatives as functions of the free parameters; each run is continued from the last one.
 
-    def __init__(self, scene, measured, free):
-        self.scene, self.measured, self.free, self.runs = scene, measured, free, 0
+    scene: values of the other parameters. limit: s for one run from its start; end: time (perf_counter) after which
+    TimeUp is raised. best: the Trial of least cost since `restart`; runs: trials computed so far.
+    """
+
+    def __init__(self, scene: Scene, measured: Measurement, free: tuple[str, ...], limit: float, end: float):
+        self.scene, self.measured, self.free, self.limit, self.end = scene, measured, free, limit, end
         self.physical = tuple(name for name in free if name not in AXES)
         k, cuts = measured.U_x.size, np.array(measured.slips, int)
         self.kept = np.ones(k, bool)
-        self.kept[cuts - 1] = False  # it tells where the slip is, and so cannot tell F there as well
-        self.branch = np.searchsorted(cuts, np.arange(k), side="right")
-        self.ends = np.array([measured.U_x[cuts - 1], measured.U_x[cuts]])  # of the intervals in which it slips
-        self.skeleton, self.known, self.at, self.last = None, None, None, None
+        self.kept[cuts - 1] = False  # the last point before a slip locates it, and does not count as a force as well
+        self.segment = np.searchsorted(cuts, np.arange(k), side="right")
+        self.intervals = np.array([measured.U_x[cuts - 1], measured.U_x[cuts]])  # (2, slips) nm, each holds a slip
+        self.runs = 0
+        self.restart()
 
-    def start(self, rng):
-        """x (n,): that of the scene, or one near it."""
-        x = np.array([AXES.get(name, getattr(self.scene, name, 0.0)) for name in self.free])
+    def restart(self, skeleton: Skeleton | None = None) -> None:
+        """Forget the trials so far; the next one is continued from `skeleton`, or run from its start."""
+        self.best, self.last, self.skeleton = None, None, skeleton
+
+    def start(self, rng: np.random.Generator | None = None) -> Floats:
+        """Parameters x (n,) of the scene, or random ones within APART_BY of them."""
+        x = np.array([self._first(name) for name in self.free])
         if rng is not None:
             factor = APART_BY ** rng.uniform(-1.0, 1.0, x.size)
             x = np.where(x != 0.0, x * factor, 0.1 * np.log(factor) * (np.array(self.free) == "delta_bar"))
         return np.clip(x, *self.bounds())
 
-    def bounds(self):
+    def _first(self, name):
+        return getattr(Axes() if name in AXES else self.scene, name)
+
+    def bounds(self) -> Floats:
         """(lowest (n,), highest (n,))."""
         free = {"scale_U": SCALES, "scale_F": SCALES, "offset_U": (-np.inf, np.inf), "offset_F": (-np.inf, np.inf)}
         return np.array([free.get(name) or (LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
 
-    def sizes(self):
-        """Of what a step of each is measured in, (n,)."""
-        F = float(np.ptp(self.measured.values["F_bar"]))
-        own = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1 * F}
-        return np.array(
-            [own.get(name) or abs(AXES.get(name) or getattr(self.scene, name)) or 1.0 for name in self.free]
-        )
+    def sizes(self) -> Floats:
+        """Typical sizes (n,) of the parameters, in which steps are measured."""
+        own = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1 * float(np.ptp(self.measured.values["F_bar"]))}
+        return np.array([own.get(name) or abs(self._first(name)) or 1.0 for name in self.free])
 
-    def residuals(self, x):
-        """(k,) over their noise; WORSE than the last ones where x has no run."""
+    def residuals(self, x: Floats) -> Floats:
+        """(k,) over the noise; WORSE times the last ones where x has no run, unless x is the first."""
         try:
-            found = self._found(x)
-        except (NotFollowed, NotConverged, SceneError):
+            return self._trial(x).residuals
+        except NO_RUN:
             if self.last is None:
                 raise
-            return WORSE * (np.abs(self.last) + 1.0)
-        self.last = found[0]
-        return found[0]
+            return WORSE * (np.abs(self.last.residuals) + 1.0)
 
-    def jacobian(self, x):
+    def jacobian(self, x: Floats) -> Floats:
         """(k, n)."""
-        return self._found(x)[1]
+        return self._trial(x).jacobian
 
-    def _found(self, x):
-        if self.at is None or not np.array_equal(x, self.at):
-            self.known = self._told(x)
-            self.at = x.copy()
-        return self.known
+    def _trial(self, x):
+        """The Trial of x, and remember it."""
+        if self.last is None or not np.array_equal(x, self.last.x):
+            if perf_counter() > self.end:
+                raise TimeUp
+            self.skeleton = self._run(self.scene_of(x))
+            self.last = self.trial(x, self.skeleton)
+            if self.best is None or self.last.cost < self.best.cost:
+                self.best = self.last
+        return self.last
 
-    def run(self, x):
-        """The Skeleton of the parameters x, followed if possible."""
-        values = {name: float(value) for name, value in zip(self.free, x, strict=True) if name not in AXES}
-        scene = self.scene.changed(**values)
+    def scene_of(self, x: Floats) -> Scene:
+        """The Scene with the free parameters x; raises SceneError."""
+        values = zip(self.free, map(float, x), strict=True)
+        return self.scene.changed(**{name: value for name, value in values if name not in AXES})
+
+    def _run(self, scene):
+        """The Skeleton of a scene, continued from the last one if possible."""
         self.runs += 1
         try:
-            if self.skeleton is None:
-                raise NotFollowed("nothing to follow yet")
-            found = follow(self.skeleton, scene)
+            if self.skeleton is not None:
+                return follow(self.skeleton, scene)
         except NotFollowed:
-            found = skeleton_of(scene)
-        self.skeleton = found
-        return found
+            pass
+        return self.exact(scene)
 
-    def _unit(self):
-        """What F_bar and L_bar are in those measured: their unit w E changes with the parameters, N/m does not."""
-        scene = self.skeleton.scene
+    def exact(self, scene: Scene) -> Skeleton:
+        """The Skeleton of a scene from a run within the time that is left; raises as `exact_run`, and TimeUp."""
+        left = self.end - perf_counter()
+        try:
+            return exact_run(scene, min(self.limit, left))
+        except OutOfTime:
+            if left < self.limit:
+                raise TimeUp from None
+            raise
+
+    def trial(self, x: Floats, skeleton: Skeleton) -> Trial:
+        """The Trial of parameters x whose run is `skeleton`; raises NotFollowed where it slips too few times."""
+        axes = Axes(**{name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES})
+        U_x = (self.measured.U_x - axes.offset_U) / axes.scale_U
+        seen = self.measured.seen / axes.scale_F / self._unit(skeleton)
+        predicted = Predicted(sensitivities(skeleton, self.physical), seen, float(U_x[0]), float(U_x[-1]))
+        curve = predicted.curve(U_x[self.kept], self.segment[self.kept], self.physical)
+        parts = [self._quantity(k, curve, skeleton, axes, U_x) for k, name in enumerate(NAMES) if name in self.names]
+        parts.append(self._slips(predicted, axes))
+        residuals, rows = zip(*parts, strict=True)
+        return Trial(x.copy(), np.concatenate(residuals), np.vstack(rows), predicted)
+
+    def noise_of(self, trial: Trial) -> float:
+        """Noise of the measured F in F_bar of a trial."""
+        scale = float(trial.x[self.free.index("scale_F")]) if "scale_F" in self.free else 1.0
+        return self.measured.noise["F_bar"] / scale / self._unit(trial.predicted.skeleton)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Measured quantities, in the order of their residuals."""
+        return tuple(name for name in NAMES if name in self.measured.values)
+
+    def _unit(self, skeleton):
+        """Measured units per F_bar and L_bar: 1, or w E of the trial over that of a measurement in N/m."""
+        scene = skeleton.scene
         return scene.width * scene.E / self.measured.unit if self.measured.unit else 1.0
 
-    def _told(self, x):
-        found = sensitivities(self.run(x), self.physical)
-        axes = AXES | {name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES}
-        scale, U_x = axes["scale_U"], (self.measured.U_x - axes["offset_U"]) / axes["scale_U"]
-        predicted = Predicted(found, self.measured.seen / axes["scale_F"] / self._unit(), float(U_x[-1]))
-        values, slopes, by = predicted.curve(U_x[self.kept], self.branch[self.kept], self.physical)
-        loads, loads_by, branches, moved = predicted.slips(self.ends.shape[1], self.physical)
-        residuals, rows = [], []
-        for k, name in enumerate(NAMES):
-            if name not in self.measured.values:
-                continue
-            gain = (axes["scale_F"] if name == "F_bar" else 1.0) * (self._unit() if name != "A_bar" else 1.0)
-            off = axes["offset_F"] if name == "F_bar" else 0.0
-            own = dict(zip(self.physical, gain * by[:, k], strict=True))
-            for wide in {"E", "width"} & set(own) if self.measured.unit and name != "A_bar" else ():
-                own[wide] = own[wide] + gain * values[k] / getattr(self.skeleton.scene, wide)
-            own |= {"scale_U": -gain * slopes[k] * U_x[self.kept] / scale, "offset_U": -gain * slopes[k] / scale}
-            if name == "F_bar":
-                own |= {"scale_F": gain / axes["scale_F"] * values[k], "offset_F": np.ones(values[k].size)}
-            noise = self.measured.noise[name]
-            residuals.append((gain * values[k] + off - self.measured.values[name][self.kept]) / noise)
-            rows.append(_columns(own, self.free, values[k].size) / noise)
-        if len(predicted.between) == 1:  # not yet, or not quite: its points say how far off it is
-            residuals.append(np.zeros(self.ends.shape[1]))
-            rows.append(np.zeros((self.ends.shape[1], len(self.free))))
-            return np.concatenate(residuals), np.vstack(rows)
-        if loads.size < self.ends.shape[1]:
-            raise NotFollowed(f"it slips {loads.size} times, what was measured {self.ends.shape[1]} times")
-        own = dict(zip(self.physical, scale * loads_by, strict=True)) | {
-            "scale_U": loads,
-            "offset_U": np.ones(loads.size),
-        }
-        places, errors = self._places(branches, scale * moved)
-        residuals.append((scale * loads + axes["offset_U"] - places) / errors)
-        rows.append(_columns(own, self.free, loads.size) / errors[:, None])
-        return np.concatenate(residuals), np.vstack(rows)
+    def _quantity(self, k, curve, skeleton, axes, U_x):
+        """(residuals (points,), derivatives (points, n)) of F_bar, L_bar or A_bar, number k."""
+        name, values, slopes = NAMES[k], curve.values[k], curve.slopes[k]
+        scaled = axes.scale_F if name == "F_bar" else 1.0
+        gain = scaled * (self._unit(skeleton) if name != "A_bar" else 1.0)
+        by = dict(zip(self.physical, gain * curve.by[:, k], strict=True))
+        if self.measured.unit and name != "A_bar":  # N/m of the same F_bar grow with these
+            by |= {own: by[own] + gain * values / getattr(skeleton.scene, own) for own in {"E", "width"} & by.keys()}
+        by |= {"scale_U": -gain * slopes * U_x[self.kept] / axes.scale_U, "offset_U": -gain * slopes / axes.scale_U}
+        if name == "F_bar":
+            by |= {"scale_F": gain / axes.scale_F * values, "offset_F": np.ones(values.size)}
+        noise, offset = self.measured.noise[name], axes.offset_F if name == "F_bar" else 0.0
+        residuals = gain * values + offset - self.measured.values[name][self.kept]
+        return residuals / noise, self._columns(by, values.size) / noise
 
-    def _places(self, branches, moved):
-        """(where slips are (n,) nm, their errors (n,) nm), of the branches (n,) they end, moved on (n,) nm.
+    def _slips(self, predicted, axes):
+        """(residuals (slips,), derivatives (slips, n)) of the loads of slips; zero while no slip is visible."""
+        count = self.intervals.shape[1]
+        if not predicted.slipping:  # the points of the curve lead on
+            return np.zeros(count), np.zeros((count, len(self.free)))
+        slips = predicted.slips(count, self.physical)
+        if slips.loads.size < count:
+            raise NotFollowed(f"{slips.loads.size} predicted slips, {count} measured")
+        by = dict(zip(self.physical, axes.scale_U * slips.by, strict=True))
+        by |= {"scale_U": slips.loads, "offset_U": np.ones(count)}
+        loads, errors = self._located(slips.branch, axes.scale_U * slips.moved)
+        return (axes.scale_U * slips.loads + axes.offset_U - loads) / errors, self._columns(by, count) / errors[:, None]
 
-        Slips at a known distance of each other have one place, and all their intervals hold it.
+    def _located(self, branch, moved):
+        """(measured loads of slips (n,) nm, their standard deviations (n,) nm).
+
+        A slip lies anywhere in its interval. Slips at a known distance from each other, `moved` (n,) nm on the same
+        `branch` (n,), have one load modulo that, inside all their intervals.
         """
-        places, errors = self.ends.mean(axis=0), PLACE * np.ptp(self.ends, axis=0)
-        for branch in np.unique(branches) if not PERIOD & set(self.free) else ():
-            mine = branches == branch
-            low, high = (self.ends[0, mine] - moved[mine]).max(), (self.ends[1, mine] - moved[mine]).min()
+        loads, errors = self.intervals.mean(axis=0), UNIFORM * np.ptp(self.intervals, axis=0)
+        for k in np.unique(branch) if not PERIOD & set(self.free) else ():
+            mine = branch == k
+            low, high = (self.intervals[0, mine] - moved[mine]).max(), (self.intervals[1, mine] - moved[mine]).min()
             if low < high:
-                places[mine] = 0.5 * (low + high) + moved[mine]
-                errors[mine] = PLACE * (high - low) * mine.sum() ** 0.5
-        return places, errors
+                loads[mine] = 0.5 * (low + high) + moved[mine]
+                errors[mine] = UNIFORM * (high - low) * mine.sum() ** 0.5
+        return loads, errors
 
-
-def _columns(own, free, count):
-    """(count, n) of {name: (count,)}; zero for what has no part in it."""
-    return np.array([own.get(name, np.zeros(count)) for name in free]).reshape(len(free), count).T
+    def _columns(self, by, count):
+        """(count, n) of {name: (count,)}; zero for a parameter that is not in it."""
+        return np.array([by.get(name, np.zeros(count)) for name in self.free]).reshape(len(self.free), count).T

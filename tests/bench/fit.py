@@ -1,6 +1,6 @@
 """Whether fits find what made a curve, how long they take, and whether their errors are right.
 
-    python tests/bench/fit.py [--draws N] [--starts N] [--box N] [--points N] [--json FILE]
+    python tests/bench/fit.py [--draws N] [--starts N] [--box N] [--sparse N] [--points N] [--json FILE]
 
 F and L at 400 points, each with noise of 1 % of its largest, three free parameters: F alone does not tell these apart,
 which a fit says (tests/test_fit.py). Time: one fit from 20 % off, seconds.
@@ -8,12 +8,16 @@ Coverage: over 200 draws of truth (within 5 %) and noise, how often the 95 % int
 Starts: from 50 % off, 30 scenes near one punch, how many fits reach the truth (within four standard errors), and what
 the others say; a fit that is elsewhere, and says neither so nor that the data do not tell parameters apart, is wrong.
 Box: the same for 30 scenes of the slider box, those of `follow.py`.
+Sparse: F alone at few points (SPARSE) over 13 periods, with and without noise, one parameter from 20 % off, of 24
+scenes: how many fits are right, and how many are wrong without a warning.
 """
 
 import argparse
 import json
+import math
 import sys
 import time
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +34,8 @@ FREE = ("phi_n", "phi_ratio", "delta_bar")
 NOISE = 0.01  # of the largest F, and L
 WIDE = 1.96  # standard errors: 95 %
 NEAR = 4.0  # standard errors, within which the truth counts as reached
+SPARSE = (40, 60, 104)  # points; 3, 5 and 8 a period
+ALONE = ("E", "phi_ratio", "delta_bar", "phi_n")  # the parameter of a sparse fit, in turn
 
 
 def moved(scene, share, rng, signs_only=False):
@@ -41,15 +47,53 @@ def moved(scene, share, rng, signs_only=False):
     return scene.changed(**values)
 
 
-def measured(skeleton, points, rng):
+def measured(skeleton, points, rng, noise=NOISE, names=("F_bar", "L_bar")):
     U_x = np.linspace(0.0, skeleton.scene.u_x_max, points + 1)[1:]
-    curves = zip(("F_bar", "L_bar"), skeleton.curve(U_x)[:2], strict=True)
-    return Measurement.of(U_x, {name: y + NOISE * np.abs(y).max() * rng.normal(size=points) for name, y in curves})
+    curves = zip(names, skeleton.curve(U_x), strict=False)
+    return Measurement.of(U_x, {name: y + noise * np.abs(y).max() * rng.normal(size=points) for name, y in curves})
 
 
 def off(found, scene):
-    """Errors of FREE over their standard errors."""
-    return {name: (found.values[name] - getattr(scene, name)) / found.errors[name] for name in FREE}
+    """Errors of parameters over their standard errors."""
+    return {name: (value - getattr(scene, name)) / found.errors[name] for name, value in found.values.items()}
+
+
+def sparse(count):
+    """Rows of up to `count` scenes for each of SPARSE, with and without noise: whether a fit is right, or warns."""
+    rng, rows = np.random.default_rng(6), []
+    for number in range(count):
+        values = {"E": (30.0, 150.0), "phi_ratio": (0.3, 2.0)}
+        values = {name: math.exp(rng.uniform(*np.log(ends))) for name, ends in values.items()}
+        scene, name = BASE.changed(delta_bar=rng.uniform(-0.1, 0.5), **values), ALONE[number % len(ALONE)]
+        size = 0.1 if name == "delta_bar" else 0.2 * getattr(scene, name)
+        start = scene.changed(**{name: getattr(scene, name) + rng.choice((-1.0, 1.0)) * size})
+        try:
+            skeleton = skeleton_of(scene)
+        except (NotFollowed, NotConverged):
+            continue
+        for points, noise in product(SPARSE, (0.0, NOISE)):
+            data = measured(skeleton, points, rng, noise, ("F_bar",))
+            rows.append({"points": points, "noise": noise, "name": name} | one_parameter(start, scene, name, data))
+    for points, noise in product(SPARSE, (0.0, NOISE)):
+        mine = [row for row in rows if (row["points"], row["noise"]) == (points, noise)]
+        right, silent = sum(row["right"] for row in mine), sum(not (row["right"] or row["warnings"]) for row in mine)
+        print(f"{points} points, noise {noise:g}: {right} of {len(mine)} right,", end=" ")
+        print(f"{silent} wrong without a warning; longest {max(row['seconds'] for row in mine):.3g} s", flush=True)
+    return rows
+
+
+def one_parameter(start, scene, name, data):
+    """The row of a fit of one parameter: right within NEAR standard errors or 1 %."""
+    begun = time.perf_counter()
+    try:
+        result = fit(start, data, (name,))
+    except (NotFollowed, NotConverged, SceneError) as failure:
+        return {"right": False, "warnings": [str(failure)], "seconds": time.perf_counter() - begun}
+    truth = getattr(scene, name)
+    near = abs(result.values[name] / truth - 1.0) <= 0.01
+    right = near or (result.reached and abs(off(result, scene)[name]) <= NEAR)
+    row = {"right": bool(right), "value": result.values[name], "truth": truth, "chi2": result.chi2}
+    return row | {"warnings": result.warnings, "seconds": time.perf_counter() - begun}
 
 
 def coverage(base, draws, points):
@@ -102,6 +146,7 @@ def main():
     parser.add_argument("--draws", type=int, default=200)
     parser.add_argument("--starts", type=int, default=30)
     parser.add_argument("--box", type=int, default=30)
+    parser.add_argument("--sparse", type=int, default=24)
     parser.add_argument("--points", type=int, default=400)
     parser.add_argument("--json", metavar="FILE")
     arguments = parser.parse_args()
@@ -117,6 +162,7 @@ def main():
     report = {"seconds": seconds, "runs": found.runs}
     report["coverage"] = coverage(base, arguments.draws, arguments.points)
     report["starts"] = starts(near(arguments.starts), arguments.points)
+    report["sparse"] = sparse(arguments.sparse)
     report["box"] = starts(list(scenes(arguments.box)), arguments.points)
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(report, indent=2), encoding="utf-8")
