@@ -63,16 +63,20 @@ def add_fit(commands: Any) -> None:
     parser.add_argument("--free", nargs="+", required=True, metavar="NAME", help="parameters, scale_U, offset_U, ...")
     starts = "number of starting points, default 3"
     parser.add_argument("--starts", type=within(1), default=3, metavar="N", help=starts)
+    limit = "seconds in all, default 60"
+    parser.add_argument("--limit", type=within(0.0, kind=float), default=60.0, metavar="S", help=limit)
 
 
 def fit(arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
+    from .analysis.fit import FitOptions
     from .analysis.fit import fit as fitted  # it imports scipy.optimize, which takes 0.1 s
     from .analysis.measurement import read_measurement
 
     scene = scene_of(arguments.set, arguments.preset)
+    options = FitOptions(starts=arguments.starts, limit=arguments.limit)
     try:
-        result = fitted(scene, read_measurement(arguments.file, scene), arguments.free, starts=arguments.starts)
+        result = fitted(scene, read_measurement(arguments.file, scene), arguments.free, options)
     except ValueError as error:  # MeasurementError among them
         raise InputError(str(error)) from None
     for name, value in result.values.items():
