@@ -231,7 +231,6 @@ STEPPERS = {
     "FIRE": Fire,
 }
 BEFORE, BEYOND = [-1.0, -0.4, 0.2, 0.38], 0.5  # loads of the cubic up to its fold at 0.3849, and beyond it
-INERTIAL = {"FIRE"}  # its velocity is not damped: a slip may reach another equilibrium, as its module says
 
 
 @pytest.fixture(params=STEPPERS)

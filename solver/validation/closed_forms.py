@@ -24,9 +24,7 @@ def closed_forms() -> list[Form]:
         *adhesion(),
         carbone_mangialardi(),
         *navier(),
-        *special_modes(),
         *force_balance(),
-        mirrored(),
         full_sums(),
         translated(),
     ]
@@ -125,29 +123,6 @@ def _propagated(q, height, E, nu):
     return np.linalg.solve(over[:2, 2:], over[:2, :2]) * mu * q
 
 
-def special_modes() -> list[Form]:
-    """q = 0 is shear and confined compression of the layer; at Nyquist each component answers alone."""
-    scene = Scene(nodes=64, width=160.0, height=0.3, nu=0.3)
-    uniform, zigzag = np.ones((2, 64)), np.tile((1.0, -1.0), (2, 32)) * [[1.0], [2.0]]
-    G, h = scene.shear_modulus, scene.height * scene.width
-    expected = np.array([[h / G], [(1 - 2 * scene.nu) * h / (2 * G * (1 - scene.nu))]]) * uniform
-    k_xx, k_zz, _ = stiffness(np.array([np.pi / scene.spacing]), h, scene.E, scene.nu)
-    level, alone = relative(_response(scene, uniform), expected), np.array([1.0 / k_xx, 1.0 / k_zz]) * zigzag
-    reason = "one product and a transform"
-    return [
-        Form("q = 0: h/G in shear, confined compression", level, 1e-14, reason, "elementary"),
-        Form("Nyquist: no coupling, 1/K", relative(_response(scene, zigzag), alone), 1e-14, reason, "convention"),
-    ]
-
-
-def _response(scene, traction, size=None):
-    """C T (2, size), nm, by the solver, of T (2, nodes) that vanishes beyond `size` nodes."""
-    response = Convolution(Modes.of(scene), size or scene.nodes)
-    response.field[:] = traction[:, :size]
-    response.apply()
-    return response.product.copy()
-
-
 def force_balance() -> list[Form]:
     """F/w and L/w are what the layer carries at its top: G/h (U_x - mean u_x) and K_zz(0) (mean u_z + delta)."""
     scene = Scene(nodes=256, width=625.0, delta_bar=0.2, nu=0.3, du_z=0.5, du_x=0.5, u_x_max=10.0, tolerance=1e-11)
@@ -163,15 +138,6 @@ def force_balance() -> list[Form]:
     ]
 
 
-def mirrored() -> Form:
-    """Pulled the other way, T_x changes its sign and the side of every node, T_z its side only."""
-    T = np.random.default_rng(1).normal(size=(2, 130))
-    scene = Scene(nodes=130, width=300.0, height=0.2, nu=0.2)
-    mirror = np.array([[-1.0], [1.0]])
-    error = relative(_response(scene, mirror * T[:, ::-1]), mirror * _response(scene, T)[:, ::-1])
-    return Form("mirror: u_x odd, u_z even, whatever K_c", error, 1e-13, "two transforms", "symmetry")
-
-
 def full_sums() -> Form:
     """C T by pyFFTW in float64, cut to a patch, against the sum over all modes in long double."""
     worst = 0.0
@@ -179,8 +145,10 @@ def full_sums() -> Form:
         scene = Scene(nodes=nodes, width=2.4 * nodes, height=0.05, nu=0.49)
         T = np.zeros((2, nodes))
         T[:, :size] = np.random.default_rng(size).normal(size=(2, size))
-        exact = displacement(scene, T.astype(np.longdouble))[0][:, :size]
-        worst = max(worst, relative(_response(scene, T, size), exact))
+        response = Convolution(Modes.of(scene), size)
+        response.field[:] = T[:, :size]
+        response.apply()
+        worst = max(worst, relative(response.product, displacement(scene, T.astype(np.longdouble))[0][:, :size]))
     return Form("elastic response on a patch: all modes", worst, 1e-13, "transforms of 4096 points", "definition")
 
 

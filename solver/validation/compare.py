@@ -45,23 +45,22 @@ class Curves:
     scene: Scene
     rows: list = field(default_factory=list)  # [F_bar, L_bar, A_bar], row k at U_x = scene.shear_at(k)
     slips: list[SlipEvent] = field(default_factory=list)
-    states: dict = field(default_factory=dict)  # U_x (nm): Frame, in shear
+    states: dict[float, Frame] = field(default_factory=dict)  # by `position`
     seconds: float = 0.0
     evaluations: int = 0
     safe_damping: float = 0.0  # the largest of the frames
     failure: str | None = None
     stopped: bool = False  # for taking too long
 
-    def take(self, frame: Frame, keep) -> None:
-        """Add one Frame; keep(U_x): whether its state is needed."""
+    def take(self, frame: Frame, keep: bool) -> None:
+        """Add one Frame; keep: its state, too."""
         self.evaluations += frame.evaluations
         self.safe_damping = max(self.safe_damping, frame.safe_damping)
         self.slips += frame.slips
         if frame.stage == "shear":
             self.rows.append((frame.F_bar, frame.L_bar, frame.A_bar))
-            position = round(frame.U_x, 9)  # without the round-off of increments
-            if keep(position):
-                self.states[position] = frame
+        if keep:
+            self.states[position(frame)] = frame
 
     @property
     def step(self) -> float:
@@ -130,6 +129,11 @@ class Point:
         return max((value for value in known if value is not None), default=None)
 
 
+def position(frame: Frame) -> float:
+    """U_x, nm, by which states of different runs are matched: without the round-off of increments."""
+    return round(frame.U_x, 9)
+
+
 def refined(scene: Scene) -> Scene:
     """The scene with a tenth of both increments, or the smallest part in range."""
     for name in ("du_x", "du_z"):
@@ -149,27 +153,30 @@ def ratio(coarse: Scene, fine: Scene) -> int | None:
 
 
 def reference(scene: Scene, grid: Scene) -> Curves:
-    """The Curves to compare with, and the states at the increments of `grid`; raises NotConverged, SceneError."""
-    every = ratio(grid, refined(scene)) * refined(scene).du_x * scene.delta_t
+    """The Curves to compare with, and the states at the increments of `grid`; raises NotConverged."""
+    fine = refined(scene)
+    every = ratio(grid, fine)
     for tolerance in TIGHTEST:
-        try:
-            curves, start = Curves(refined(scene).changed(tolerance=tolerance)), thread_time()
-            for frame in load_path(curves.scene, leave_out=ALL - {"translation"}):
-                curves.take(frame, lambda at: abs(at / every - round(at / every)) < ON_GRID)
-            curves.seconds = thread_time() - start
+        fine = fine.changed(tolerance=max(tolerance, 2.0 * fine.attainable))
+        path = load_path(fine, leave_out=ALL - {"translation"})
+        curves = _recorded(fine, path, lambda frame: frame.index % every == 0)
+        if not curves.failure:
             return curves
-        except (NotConverged, SceneError) as failure:
-            last = failure
-    raise last
+    raise NotConverged(curves.failure)
 
 
 def perform(run: Run, known: Curves, longest: float) -> Curves:
-    """The Curves of a run, stopped after `longest` s, with the states that `known` has."""
-    return min((_performed(run, known, longest) for _ in range(run.repeats)), key=lambda curves: curves.seconds)
+    """The Curves of a run, stopped after `longest` s, with the states that `known` has; of `repeats` the fastest."""
+    again = (
+        _recorded(run.scene, frames(run.scene, run.series), lambda frame: position(frame) in known.states, longest)
+        for _ in range(run.repeats)
+    )
+    return min(again, key=lambda curves: curves.seconds)
 
 
-def _performed(run, known, longest):
-    curves, path = Curves(run.scene), frames(run.scene, run.series)
+def _recorded(scene, path, keep, longest=inf):
+    """The Curves of a path, with the states in shear for which keep(frame); stopped after `longest` s."""
+    curves = Curves(scene)
     try:
         while not curves.stopped:
             start = thread_time()
@@ -177,7 +184,7 @@ def _performed(run, known, longest):
             curves.seconds += thread_time() - start
             if frame is None:
                 break
-            curves.take(frame, known.states.__contains__)
+            curves.take(frame, frame.stage == "shear" and keep(frame))
             if curves.seconds > longest:
                 where = f"{frame.stage} increment {frame.index}"
                 curves.stopped = True
