@@ -205,7 +205,7 @@ def test_what_is_said_of_a_preset_is_so(tab, name):
 def test_what_is_said_over_the_box_of_the_sliders_is_so(tab, seed):
     scene, changed = drawn(seed)
     before, run = whole(scene), whole(changed)
-    if before and run:  # a run given up has no sentence but the remedy (tests/test_robustness.py)
+    if before and run:  # a run given up has no sentence but the remedy (tests/test_stability.py)
         assert not false_in(tab, run, before)
 
 

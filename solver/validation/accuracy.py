@@ -74,10 +74,10 @@ def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iter
     short = shortened(scene.changed(path="shear", hold="delta"), slips)  # every method knows these
     grid = scene_for(short, effort.landing)
     known = reference(short, grid)
-    right, found = landings(grid, known, effort.longest_landing, effort.finer)
+    right, landed = landings(grid, known, effort.longest_landing, effort.finer)
     fine, events = known.scene, tuple((event.stage, event.load, event.F_bar) for event in known.slips)
     made = fine.tolerance, (fine.du_x, fine.du_z), known.seconds
-    report = Report(scene, quick, short.u_x_max, slips, *made, events, found, known.safe_damping)
+    report = Report(scene, quick, short.u_x_max, slips, *made, events, landed, known.safe_damping)
     runs = plan(short, effort)
     total, done = sum(COST[run.series] for run in runs) + PREPARED, PREPARED
     finished, stopped = {}, set()  # {(series, scene): Curves}, as the scene's own values belong to every sweep
@@ -106,7 +106,7 @@ def shortened(scene: Scene, slips: int) -> Scene:
 
 def _values(scene, sweep, values):
     """The values of a sweep, the cheapest first, in range and with increments that the reference's divide."""
-    fine, found = refined(scene), []
+    fine, possible = refined(scene), []
     if sweep == "du_x":
         values = [round(factor * scene.du_x, 12) for factor in values]
     for value in sorted(values, reverse=True):
@@ -115,8 +115,8 @@ def _values(scene, sweep, values):
         except SceneError:
             continue
         if ratio(changed, fine):
-            found.append(value)
-    return found
+            possible.append(value)
+    return possible
 
 
 def plan(scene: Scene, effort: Effort) -> list[Run]:

@@ -78,21 +78,21 @@ def branches(report: Report) -> str:
 
 def _landed(report):
     """The method that decides about branches, and its doubts; lines of text."""
-    found, known = report.landings, report.known_slips
-    near = [f"F, L, A before the first slip to {found.error:.0e}"] if found.error is not None else []
-    near += [f"slips in shear to {found.apart:.0e} nm"] if found.apart is not None else []
+    landed, known = report.landings, report.known_slips
+    near = [f"F, L, A before the first slip to {landed.error:.0e}"] if landed.error is not None else []
+    near += [f"slips in shear to {landed.apart:.0e} nm"] if landed.apart is not None else []
     lines = [
-        f"Branches are judged by gfmd, from rest to rest at tolerance {found.tolerance:g} nm, increments halved to"
-        f" {SHORT:g} nm where the surface slips, {found.seconds:.2g} s. The reference follows it through"
-        f" {found.right} of {len(known)} slips" + (f"; both agree on {' and '.join(near)}." if near else ".")
+        f"Branches are compared with those of gfmd, from rest to rest at tolerance {landed.tolerance:g} nm,"
+        f" increments halved to {SHORT:g} nm where the surface slips, {landed.seconds:.2g} s. The reference follows it through"
+        f" {landed.right} of {len(known)} slips" + (f"; both agree on {' and '.join(near)}." if near else ".")
     ]
-    if found.differs:
-        lines.append(f"The reference is on another branch than gfmd{_places(found.differs)}.")
-    if found.finer:
-        half = f"lands elsewhere{_places(found.changed)}: not counted" if found.changed else "lands in the same states"
-        lines.append(f"With half its time step gfmd {half}.")
-    if found.untold:
-        lines.append(f"Not judged{_places(found.untold)}: {found.failure or 'the next slip follows too soon'}.")
+    if landed.differs:
+        lines.append(f"The reference is on another branch than gfmd{_places(landed.differs)}.")
+    if landed.finer:
+        elsewhere = f"lands elsewhere{_places(landed.changed)}: not counted"
+        lines.append(f"With half its time step gfmd {elsewhere if landed.changed else 'lands in the same states'}.")
+    if landed.untold:
+        lines.append(f"Unknown{_places(landed.untold)}: {landed.failure or 'the next slip follows too soon'}.")
     return lines
 
 

@@ -183,8 +183,8 @@ def cases(quick: bool = False) -> list[Case]:
     chosen = {kind: list(some) for kind, some in points.items()}
     if quick:
         chosen = {kind: _thinned(some, QUICK.get(kind, QUICK_OTHER)) for kind, some in chosen.items()}
-    found = [(kind, probed, scene_fields(**point)) for kind, some in chosen.items() for probed, point in some]
-    return [Case(k, *point) for k, point in enumerate([*found, *_remedied(found)])]
+    listed = [(kind, probed, scene_fields(**point)) for kind, some in chosen.items() for probed, point in some]
+    return [Case(k, *point) for k, point in enumerate([*listed, *_remedied(listed)])]
 
 
 def _remedied(points):

@@ -1,4 +1,4 @@
-"""The equilibrium that each slip reaches, by the paper's GFMD alone: the branches of all runs are compared with it.
+"""The equilibrium that each slip reaches, by the paper's GFMD alone; the branches of all runs are compared with it.
 
 Nothing but the damped motion in explicit steps, from equilibrium to equilibrium. An increment with a slip is halved
 until it is shorter than SHORT, so that the transient begins at rest just beyond the end of the branch, and not with the
@@ -81,7 +81,7 @@ def landings(scene: Scene, known: Curves, longest: float, finer: bool) -> tuple[
             states = {at: state for at, state in states.items() if not low <= at <= high}
         slips[same].append((event.stage, event.load))
     own, others, errors = known.shear_slips, curves.shear_slips, on_branch(curves, known)
-    found = Landings(
+    landed = Landings(
         tolerance=scene.tolerance,
         seconds=curves.seconds + finer * half.seconds,
         finer=finer,
@@ -93,4 +93,4 @@ def landings(scene: Scene, known: Curves, longest: float, finer: bool) -> tuple[
         apart=float(np.abs(np.subtract(own, others)).max()) if own and len(own) == len(others) else None,
         error=None if None in errors else max(errors),
     )
-    return replace(curves, states=states), found
+    return replace(curves, states=states), landed

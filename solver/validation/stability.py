@@ -68,13 +68,13 @@ class Sample:
         return list({(f.stage, f.index): f for f in [*frames, *self.slipped, self.last] if f is not None}.values())
 
 
-def judge(case: Case) -> dict:
+def assess(case: Case) -> dict:
     """The outcome of one Case as plain data: `verdict`, `reason`, and the numbers measured on the way."""
     start = perf_counter()
     try:
         with warnings.catch_warnings(), np.errstate(over="raise", invalid="raise", divide="raise"):
             warnings.simplefilter("error")
-            verdict, numbers = _judged(case)
+            verdict, numbers = _assessed(case)
     except (Warning, FloatingPointError) as error:
         verdict, numbers = Verdict("warning", _traced(error)), {}
     except Exception as error:
@@ -95,8 +95,8 @@ def _traced(error):
     return f"{type(error).__name__}: {error} at {' > '.join(lines[-4:])}"
 
 
-def _judged(case):
-    """(Verdict, numbers)."""
+def _assessed(case):
+    """(Verdict, numbers) of a Case."""
     try:
         scene = case.scene()
     except SceneError as error:
@@ -193,7 +193,7 @@ def atlas(
 ) -> list[dict]:
     """The outcome of every Case, in order, from processes of their own; workers, limit: as of `isolated.outcomes`."""
     results = [None] * len(asked)
-    for done, (k, outcome) in enumerate(outcomes(judge, asked, workers or os.cpu_count() or 1, limit), start=1):
+    for done, (k, outcome) in enumerate(outcomes(assess, asked, workers or os.cpu_count() or 1, limit), start=1):
         lost = isinstance(outcome, Lost)
         results[k] = _described(asked[k]) | Verdict(outcome.kind, outcome.reason)._asdict() if lost else outcome
         progress(done / len(asked))

@@ -20,7 +20,7 @@ NOTE = (
 
 @dataclass(frozen=True)
 class Group:
-    """Outcomes of some scenes, as plain data of `stability.judge`."""
+    """Outcomes of some scenes, as plain data of `stability.assess`."""
 
     results: list
 
@@ -92,19 +92,19 @@ class Report:
         unstable, said, judged = self.all.frames.values()
         scenes = (
             f"Scenes: {len(self.results)}; converged: {100 * self.all.share:.2f}% of the valid ones; unstable frames:"
+            f" {unstable}, and {said} with a caution, of {judged} whose spectrum was computed"
         )
-        scenes += f" {unstable}, and {said} that say so, of {judged} judged by the spectrum of the motion"
         limits = "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)"
         lost = [r for r in self.results if r["verdict"] not in ("converged", "refused")]
         refused = [r for r in self.results if r["verdict"] == "refused" != r["kind"]]
-        found = {
+        tables = {
             scenes: [_of_group(name, group) for name, group in ({"all": self.all} | self.regions).items()],
             "Closed forms": [_of_form(form) for form in self.forms],
             limits: [_of_limit(limit) for limit in self.limits],
             "Scenes that gave up, or worse": [_of_scene(r) for r in lost],
             "Scenes within every range, refused for their combination": [_of_scene(r) for r in refused],
         }
-        return {title: DataFrame(rows) for title, rows in found.items() if rows}
+        return {title: DataFrame(rows) for title, rows in tables.items() if rows}
 
     def write_page(self, file) -> None:
         """Write the tables and two diagrams as one HTML file; raises OSError."""
@@ -146,7 +146,7 @@ class Report:
 
 def _of_group(name, group):
     unstable = "{}, {} of {}".format(*group.frames.values())
-    return {"probed": name} | group.counts | {"unstable frames, those that say so": unstable}
+    return {"probed": name} | group.counts | {"unstable frames, with a caution": unstable}
 
 
 def _of_form(form):

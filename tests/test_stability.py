@@ -1,4 +1,4 @@
-"""The stability atlas: its judgement can fail, and its quick form passes."""
+"""The stability atlas: its checks can fail, and a sample of its scenes passes."""
 
 import json
 import os
@@ -32,7 +32,7 @@ def frame():
 
 
 @pytest.mark.slow
-def test_atlas_is_large_and_repeats():
+def test_the_atlas_has_2000_scenes_and_is_the_same_each_time():
     full, quick = cases(), cases(quick=True)
     assert len(full) >= 2000 and 180 <= len(quick) <= 260
     assert [c.values for c in cases() if c.kind == "random"] == [c.values for c in full if c.kind == "random"]
@@ -57,7 +57,7 @@ def test_a_line_of_the_atlas_gives_its_scene_back():
 
 
 @pytest.mark.parametrize("point", REFUSED, ids=str)
-def test_values_out_of_range_are_refused(point):
+def test_values_out_of_range_are_rejected(point):
     with pytest.raises(SceneError):
         Case(0, "refused", tuple(point), scene_fields(**point)).scene()
 
@@ -69,7 +69,7 @@ def test_the_recheck_agrees_with_a_good_frame(frame):
     assert second.traction < 1e-13 and second.forces < 1e-13 and second.window == 0.0
 
 
-def test_the_recheck_sees_what_is_wrong(frame):
+def test_the_recheck_notices_wrong_displacements_tractions_and_forces(frame):
     """A nudged node, a scaled traction, a wrong force, a node left out: each must show."""
     u = frame.u.copy()
     u[0, u.shape[1] // 2] += 1e-6
@@ -82,7 +82,7 @@ def test_the_recheck_sees_what_is_wrong(frame):
     assert seen.window > 1.0 or seen.residual > 1e-3
 
 
-def test_a_saddle_is_told_from_a_rest(frame):
+def test_a_saddle_is_unstable(frame):
     """Flat on flat, every node halfway between two sites: T = 0, an equilibrium at U_x = a/2, and unstable."""
     assert growth(SMALL, frame) < 0.0
     scene = Scene(surface="flat", nodes=16, width=40.0, height=20.0)
@@ -101,10 +101,10 @@ def test_a_site_at_the_edge_of_the_window_may_be_in_or_out():
     """At U_x = 15 a = 10 the next sites are just 5 delta_t away: exp(-25) of a spring, for either side or for none."""
     values = {"E": 541.8, "phi_ratio": 0.0, "delta_bar": -1.0, "nu": 0.4999, "height": 100.0, "radius": 0.1}
     grid = {"nodes": 8, "width": 80.0, "du_z": 1.0, "du_x": 1.0, "u_x_max": 20.0}
-    assert stability.judge(Case(0, "single", ("nodes",), values | grid))["verdict"] == "converged"
+    assert stability.assess(Case(0, "single", ("nodes",), values | grid))["verdict"] == "converged"
 
 
-def judged(monkeypatch, frames):
+def assessed(monkeypatch, frames):
     """The verdict on a run that yields these frames, or raises them."""
 
     def run(scene):
@@ -115,7 +115,7 @@ def judged(monkeypatch, frames):
 
     monkeypatch.setattr(stability, "load_path", run)
     values = {name: getattr(SMALL, name) for name in ("nodes", "width", "radius", "du_z", "du_x", "u_x_max")}
-    return stability.judge(Case(0, "single", ("nodes",), values))
+    return stability.assess(Case(0, "single", ("nodes",), values))
 
 
 @pytest.mark.slow
@@ -123,15 +123,15 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
     u = frame.u.copy()
     u[1, 3] = np.nan
     shifted = replace(frame, u=frame.u + 1e-5)
-    assert judged(monkeypatch, [frame])["verdict"] == "converged"
-    assert judged(monkeypatch, [frame, stability.NotConverged("try")])["verdict"] == "gave up"
-    assert judged(monkeypatch, [replace(frame, u=u)])["verdict"] == "non-finite"
-    assert judged(monkeypatch, [replace(frame, residual=1e-3)])["verdict"] == "wrong"
-    assert judged(monkeypatch, [shifted])["verdict"] == "wrong"
-    assert judged(monkeypatch, [frame, ZeroDivisionError("x")])["verdict"] == "error"
-    assert judged(monkeypatch, [frame, RuntimeWarning("overflow")])["verdict"] == "warning"
-    assert stability.judge(Case(0, "refused", ("nu",), {"nu": 0.5}))["verdict"] == "refused"
-    assert stability.judge(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
+    assert assessed(monkeypatch, [frame])["verdict"] == "converged"
+    assert assessed(monkeypatch, [frame, stability.NotConverged("try")])["verdict"] == "gave up"
+    assert assessed(monkeypatch, [replace(frame, u=u)])["verdict"] == "non-finite"
+    assert assessed(monkeypatch, [replace(frame, residual=1e-3)])["verdict"] == "wrong"
+    assert assessed(monkeypatch, [shifted])["verdict"] == "wrong"
+    assert assessed(monkeypatch, [frame, ZeroDivisionError("x")])["verdict"] == "error"
+    assert assessed(monkeypatch, [frame, RuntimeWarning("overflow")])["verdict"] == "warning"
+    assert stability.assess(Case(0, "refused", ("nu",), {"nu": 0.5}))["verdict"] == "refused"
+    assert stability.assess(Case(0, "refused", ("nu",), {}))["verdict"] == "wrong"
 
 
 @pytest.mark.slow
@@ -206,14 +206,14 @@ def test_a_sample_of_the_atlas_finds_nothing_wrong_and_writes_its_report(tmp_pat
     assert frames["unstable"] == 0 and frames["judged"] >= 100
     assert sum(region["judged"] > 0 for region in report["regions"].values()) >= len(AXES)
     shown = capsys.readouterr().out
-    assert f"0, and {frames['said']} that say so, of {frames['judged']} judged by the spectrum of the motion" in shown
+    assert f"0, and {frames['said']} with a caution, of {frames['judged']} whose spectrum was computed" in shown
     # Bokeh's own scripts, written out in the page, name addresses that they would load for formulas: not elements
     text = page.read_text()
     assert "Conditioning" in text and not re.search(r'<(script|link|img)[^>]*(src|href)="http', text)
 
 
 def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
-    """The flat of `test_a_saddle_is_told_from_a_rest`, passed off as a frame of a run."""
+    """The flat of `test_a_saddle_is_unstable`, passed off as a frame of a run."""
     scene = Scene(surface="flat", nodes=16, width=40.0, height=20.0)
     u = np.array([np.full(16, 0.5 * scene.spacing), np.zeros(16)])
     saddle = replace(frame, first=0, u=u, T=np.ones((2, 16)), U_x=0.5 * scene.spacing, delta=0.0, slips=())
@@ -230,6 +230,6 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     assert wrong is None and (numbers["unstable"], numbers["said"]) == (0, 1)
 
 
-def test_a_number_outside_the_atlas_is_refused(capsys):
+def test_a_number_outside_the_atlas_is_rejected(capsys):
     assert main(["stability", "--quick", "--scenes", "100000"]) == 2
     assert "--scenes 100000: allowed: 0 .. " in capsys.readouterr().err
