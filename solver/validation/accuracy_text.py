@@ -83,8 +83,8 @@ def _landed(report):
     near += [f"slips in shear to {landed.apart:.0e} nm"] if landed.apart is not None else []
     lines = [
         f"Branches are compared with those of gfmd, from rest to rest at tolerance {landed.tolerance:g} nm,"
-        f" increments halved to {SHORT:g} nm where the surface slips, {landed.seconds:.2g} s. The reference follows it through"
-        f" {landed.right} of {len(known)} slips" + (f"; both agree on {' and '.join(near)}." if near else ".")
+        f" increments halved to {SHORT:g} nm where the surface slips, {landed.seconds:.2g} s. The reference follows it"
+        f" through {landed.right} of {len(known)} slips" + (f"; both agree on {' and '.join(near)}." if near else ".")
     ]
     if landed.differs:
         lines.append(f"The reference is on another branch than gfmd{_places(landed.differs)}.")
