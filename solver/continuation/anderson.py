@@ -31,7 +31,7 @@ class Secants:
 
         smooth (array -> array): applied to the part of r that the pairs do not span; by default that is added as it is.
         """
-        move, rest, work = np.zeros_like(r), r.copy(), np.empty((self.rows + 2, self.rows))
+        move, rest, work = np.zeros(r.size), r.copy(), np.empty((self.rows + 2, self.rows))
         _split(self.du, self.dr, self.gram, self.slot, r, REGULARISATION, FORGET, work, move, rest)
         move += rest if smooth is None else smooth(rest)
         return move

@@ -7,17 +7,18 @@ import numpy as np
 from . import cohesive_law
 from .layer import Convolution, Modes
 
-MARGIN = 1e-3  # delta_n: a node becomes active, or inactive, once so far beyond the edge of the window
+MARGIN = 1e-3  # delta_n beyond the window's edge where a node changes sides: far above what solves leave, 1e-8 nm
+LEAST_GROWTH = 16  # nodes that a patch gains at each end, at least; large ones gain a quarter of their size
 
 
 class Contact:
     """The patch of `size` neighbouring nodes from node `first` on; counts its force evaluations.
 
-    Nodes outside carry no traction; their displacements follow from the patch (`whole`). A flat's patch of one node is
-    `uniform`: that node stands for all, and the cell has `count` = 1 node, else `nodes`. Buffers belong to this object:
-    not for use by two threads. `watch()` is called at every evaluation, and may raise to end the increment in hand.
+    Nodes outside carry no traction; the tractions of the patch displace them (`whole`). A flat's patch of one node is
+    `uniform`: this node represents all, and the cell has `count` = 1 node, else as many as the scene. `watch()` is
+    called at every evaluation and may raise to end the increment. Owns its buffers: two threads need two objects.
 
-    Attributes: modes of the layer; cell: those that the `count` nodes show.
+    Attributes: part, the slice of the patch in the cell; modes of the layer; cell: those that `count` nodes can show.
     """
 
     def __init__(self, scene, first, size):
@@ -25,21 +26,21 @@ class Contact:
         self.part = slice(first, first + size)
         self.profile = np.ascontiguousarray(scene.profile[self.part])
         self.window = scene.window_n * scene.delta_n
-        self.law, self.work = cohesive_law.law_constants(scene), np.empty((cohesive_law.WORK, size))
+        self.law, self._work = cohesive_law.law_constants(scene), np.empty((cohesive_law.WORK, size))
         self.uniform = size == 1 and scene.surface == "flat"
         self.count = 1 if self.uniform else scene.nodes
+        self.covers_cell = size == self.count
         self.modes, self.cell = Modes.of(scene), Modes.of(scene, self.count)
         self._layer = Convolution(self.cell, size)
-        self.covers_cell = size == self.count
         self.evaluations, self.watch = 0, None
 
-    def evaluated(self):
-        """One more force evaluation; raises what `watch` raises."""
+    def evaluated(self) -> None:
+        """Count a force evaluation; raises what `watch` raises."""
         self.evaluations += 1
         if self.watch:
             self.watch()
 
-    def response(self, u, active):
+    def response(self, u, active) -> np.ndarray:
         """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.evaluated()
         self.fill(u, active, self._layer.field)
@@ -47,50 +48,60 @@ class Contact:
         return self._layer.product
 
     @property
-    def last_traction(self):
+    def last_traction(self) -> np.ndarray:
         """T (2, size) of the last `response`, GPa; its buffer."""
         return self._layer.field
 
-    def traction(self, u, active):
+    def traction(self, u, active) -> np.ndarray:
         """T(u), (2, size) GPa; a new array."""
         return self.fill(u, active, np.empty((2, self.size)))
 
-    def fill(self, u, active, out):
-        """The same written to `out`, and returned."""
-        cohesive_law.tractions(u, self.profile, active, self.law, self.work, out)
+    def fill(self, u, active, out) -> np.ndarray:
+        """Fill `out` (2, size) with T(u), GPa, and return it."""
+        cohesive_law.tractions(u, self.profile, active, self.law, self._work, out)
         return out
 
-    def pressure(self, T_z):
+    def tangents(self, u, active) -> np.ndarray:
+        """dT/du of every node, rows as in `cohesive_law.tangents`, (4, size) GPa/nm; a new array."""
+        tangents = np.empty((4, self.size))
+        cohesive_law.tangents(u, self.profile, active, self.law, self._work, tangents)
+        return tangents
+
+    def pressure(self, T_z) -> float:
         """Mean over the cell, GPa, of normal tractions (size,) GPa."""
         return float(T_z.sum()) / self.count
 
-    def tangents(self, u, active):
-        """dT/du of every node, rows as in `cohesive_law.tangents`, (4, size) GPa/nm; a new array."""
-        tangents = np.empty((4, self.size))
-        cohesive_law.tangents(u, self.profile, active, self.law, self.work, tangents)
-        return tangents
-
-    def product(self, tangents, w):
+    def product(self, tangents, w) -> tuple[np.ndarray, np.ndarray]:
         """(C dT/du w nm, dT/du w GPa), (2, size) each, buffers; counts as a force evaluation, without exponentials."""
         self._layer.field[:] = 0.0
         cohesive_law.add_product(tangents, w, self._layer.field)
         return self.comply(self._layer.field), self._layer.field
 
-    def comply(self, T):
+    def comply(self, T) -> np.ndarray:
         """C T, (2, size) nm, of T (2, size) GPa; a buffer; counts as a force evaluation, without exponentials."""
         self.evaluated()
         self._layer.field[:] = T
         self._layer.apply()
         return self._layer.product
 
-    def within_window(self, u):
+    @cached_property
+    def _spread(self):
+        return Convolution(self.cell, self.count)
+
+    def whole(self, T) -> np.ndarray:
+        """C T on all `count` nodes of the cell, (2, count) nm, of T (2, size) GPa; a buffer."""
+        self._spread.field[:, self.part] = T
+        self._spread.apply()
+        return self._spread.product
+
+    def within_window(self, u) -> np.ndarray:
         """Nodes whose gap lies within the interaction window, bool (size,)."""
         return self.profile + u[1] <= self.window
 
-    def admitted(self, u, active, settled=None):
-        """`active` itself, or a new set if nodes lie on the other side of the window's edge by more than MARGIN.
+    def admitted(self, u, active, settled=None) -> np.ndarray:
+        """`active` itself, or a new set if a node has crossed the window's edge by more than MARGIN.
 
-        settled (bool (size,), optional): nodes that stay as they are.
+        settled (bool (size,), optional): nodes that keep their side.
         """
         beyond = self.profile + u[1] - self.window
         changed = np.where(active, beyond, -beyond) > MARGIN * self.scene.delta_n
@@ -98,50 +109,34 @@ class Contact:
             changed &= ~settled
         return active ^ changed if changed.any() else active
 
-    def crowded(self, active):
+    def crowded(self, active) -> bool:
         """Whether an active node stands at an end of the patch, so that its neighbours outside may interact as well."""
         return not self.covers_cell and bool(active[0] or active[-1])
 
-    def overlooked(self, u, active, height):
-        """Whether a node outside the patch has come within the window; looked at only where summits stand outside.
-
-        u: (2, size) nm in equilibrium with the top at U_z = height, nm.
-        """
-        if not self._summits_outside:
-            return False
-        gap = self.scene.profile + height + self.whole(self.traction(u, active))[1]
-        gap[self.part] = np.inf
-        return bool(gap.min() <= self.window)
-
     @cached_property
-    def _summits_outside(self):
+    def summits_outside(self) -> bool:
         """Whether the gap has minima outside the patch, where nodes may touch before those at its ends do."""
         slopes = np.diff(self.scene.profile)
         last = self.first + self.size - 1
         return not self.covers_cell and bool((slopes[: self.first] > 0.0).any() or (slopes[last:] < 0.0).any())
 
-    @cached_property
-    def _spread(self):
-        return Convolution(self.modes, self.nodes)
+    def overlooked(self, u_z) -> bool:
+        """Whether a node outside the patch has come within the window; u_z: displacement of all nodes, (nodes,) nm."""
+        gap = self.scene.profile + u_z
+        gap[self.part] = np.inf
+        return bool(gap.min() <= self.window)
 
-    def whole(self, traction):
-        """C T on every node of the cell, (2, nodes) nm, for T (2, size) GPa; a buffer."""
-        self._spread.field[:, self.part] = traction
-        self._spread.apply()
-        return self._spread.product
-
-    def wider(self):
+    def wider(self) -> "Contact":
         """The Contact of a patch wider by half or more; of the whole cell if that reaches its ends, or if `uniform`."""
-        more = max(16, self.size // 4)
+        more = max(LEAST_GROWTH, self.size // 4)
         low, high = self.first - more, self.first + self.size + more
         whole = self.uniform or low < 0 or high > self.nodes
-        first, size = (0, self.nodes) if whole else (low, high - low)
-        wide = Contact(self.scene, first, size)
+        wide = Contact(self.scene, 0, self.nodes) if whole else Contact(self.scene, low, high - low)
         wide.evaluations, wide.watch = self.evaluations, self.watch
         return wide
 
 
-def patch(scene, bulge):
+def patch(scene, bulge) -> tuple[int, int]:
     """(first, size) of a run's first patch: from the first to the last node that may come within the window.
 
     These have a gap up to `bulge` delta_n beyond the window at the full indentation; if none has, the lowest node.

@@ -1,4 +1,4 @@
-"""The contact as a problem R(v; s) = 0 at given height of the top, under the contract of `continuation.problem`.
+"""The contact as a problem R(v; s) = 0 at a given height of the top, under the contract of `continuation.problem`.
 
 Unknowns: the displacement of the patch, v = (u_x, u_z), nm. Residual: R = U(s) + C T(u) - u, nm. `load_control` adds
 an unknown: the height of the top under a held load.
@@ -27,45 +27,52 @@ class Equilibrium:
         self._motion = None
 
     @property
-    def evaluations(self):
+    def evaluations(self) -> int:
         """Force evaluations so far, of the contact."""
         return self.contact.evaluations
 
-    def on(self, contact):
+    def on(self, contact) -> "Equilibrium":
         """The same problem on another patch."""
         return Equilibrium(contact, self.loading)
 
-    def surface(self, v):
+    def surface(self, v) -> np.ndarray:
         """u (2, m) nm, a view of v."""
         return v[: 2 * self.nodes].reshape(2, self.nodes)
 
-    def top(self, v, s):
+    def top(self, v, s) -> tuple[float, float]:
         """(U_x, U_z) of the top at load s, nm."""
         return self.loading.at(s)
 
-    def undeformed(self, s):
-        """The unknowns (size,), nm, of a layer that nothing acts on at load s, nm."""
+    def undeformed(self, s) -> np.ndarray:
+        """The unknowns (size,), nm, of a layer without tractions at load s, nm."""
         return np.repeat(np.array(self.loading.at(s)), self.nodes)
 
-    def residual(self, v, active, s, out):
+    def residual(self, v, active, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
         displaced_x, displaced_z = self.contact.response(self.surface(v), active)
         return _residual(v, displaced_x, displaced_z, *self.top(v, s), out)
 
-    def traction(self, v, active):
+    def traction(self, v, active) -> np.ndarray:
         """T (2, m), GPa; a new array."""
         return self.contact.traction(self.surface(v), active)
 
-    def active(self, v, s, before=None, settled=None):
+    def everywhere(self, v, active, s) -> np.ndarray:
+        """Displacement of all nodes of the cell, (2, contact.count) nm; a new array.
+
+        The tractions of the patch displace the nodes outside. Those of the patch stay where v has them: where v is not
+        quite an equilibrium, a tenth of the difference may decide which equilibrium a transient reaches.
+        """
+        out = self.contact.whole(self.traction(v, active)) + np.array(self.top(v, s))[:, None]
+        out[:, self.contact.part] = self.surface(v)
+        return out
+
+    def active(self, v, s, before=None, settled=None) -> np.ndarray:
         """Nodes within the interaction window, bool (m,); given those `before`, as `Contact.admitted`."""
         u = self.surface(v)
         return self.contact.within_window(u) if before is None else self.contact.admitted(u, before, settled)
 
     def preconditioner(self, v, active):
-        """A function close to the inverse of -dR/dv, (size,) nm each; None where a DenseInverse takes too long.
-
-        Or where that is singular.
-        """
+        """A function close to the inverse of -dR/dv, (size,) nm each; None if forming it takes too long or fails."""
         if not 0 < active.sum() <= MOST:
             return None
         try:
@@ -76,29 +83,24 @@ class Equilibrium:
     def grown(self, v, active, s, hidden=False):
         """(the problem on a wider patch, v, active there) where a node outside may interact, else None.
 
-        New nodes are displaced by the tractions of the old ones. hidden: a wave grows that one node for all cannot
-        show, so that all nodes are needed.
+        hidden: grow in any case, as a wave grows that one node for all cannot show.
         """
-        contact, u, top = self.contact, self.surface(v), self.top(v, s)
-        if not (hidden or contact.crowded(active) or contact.overlooked(u, active, top[1])):
+        contact, more = self.contact, hidden or self.contact.crowded(active)
+        if not more and not contact.summits_outside:
             return None
-        wide = contact.wider()
-        if contact.uniform:
-            u, active = np.repeat(u, wide.size, axis=1), np.repeat(active, wide.size)
-        else:
-            spread, among = (
-                contact.whole(contact.traction(u, active)) + np.array(top)[:, None],
-                np.zeros(wide.nodes, bool),
-            )
-            spread[:, contact.part], among[contact.part] = u, active
-            u, active = spread[:, wide.part], among[wide.part]
-        return self.on(wide), np.append(u, v[2 * self.nodes :]), active
+        u = self.everywhere(v, active, s)
+        if not more and not contact.overlooked(u[1]):
+            return None
+        wide, among = contact.wider(), np.zeros(contact.count, bool)
+        among[contact.part] = active
+        u, among = np.broadcast_to(u, (2, wide.nodes)), np.broadcast_to(among, wide.nodes)
+        return self.on(wide), np.append(u[:, wide.part], v[2 * self.nodes :]), among[wide.part].copy()
 
-    def linearised(self, v, active):
+    def linearised(self, v, active) -> Linearised:
         """The Linearised at an equilibrium."""
         return self.disturbed(self.motion(), v, active)
 
-    def motion(self):
+    def motion(self) -> Surface:
         """The Surface, whose rests are the equilibria of this problem."""
         if self._motion is None:
             self._motion = self.dynamics(self)

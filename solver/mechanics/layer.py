@@ -1,7 +1,7 @@
-"""Elasticity of the bonded layer: its Green's function in Fourier space, and the products with it by FFT.
+"""Elasticity of the bonded layer: its Green's function in Fourier space, and products with it by FFT.
 
-To displace the lower surface by u against the top's U takes tractions K (u - U) for the mode exp(i q x), with
-K_xz = -i K_c, K_zx = +i K_c.
+The tractions K (u - U) displace the lower surface by u against the top's U, for each mode exp(i q x). The coupling has
+K_xz = -i K_c and K_zx = +i K_c; the compliance C has the opposite signs.
 """
 
 from functools import cached_property, lru_cache
@@ -15,11 +15,11 @@ from numba import njit
 _planning = Lock()  # FFTW's planner is not thread-safe
 
 
-def stiffness(q, height, E, nu):
-    """(K_xx, K_zz, K_c) in GPa/nm at wavenumbers q >= 0 (1/nm) of a layer of that height (nm), (3, *q's shape).
+def stiffness(q, height, E, nu) -> np.ndarray:
+    """(K_xx, K_zz, K_c), (3, *q's shape) GPa/nm, at wavenumbers q >= 0 (1/nm) of a layer of that height (nm).
 
-    A plane-strain layer clamped at z = h; q = 0 is the uniform mode, q h -> infinity the half-plane. With y = q h, all
-    of sinh y, cosh y and y is taken 2 exp(-y) times, and differences in forms in which nothing cancels.
+    A plane-strain layer clamped at z = h; q = 0 is the uniform mode, q h -> infinity the half-plane. With y = q h,
+    sinh y, cosh y and y all carry the factor 2 exp(-y), so that nothing overflows; no difference cancels.
     """
     y, G, kappa = np.asarray(q, float) * height, E / (2.0 * (1.0 + nu)), 3.0 - 4.0 * nu
     t = np.exp(-y)
@@ -38,25 +38,26 @@ def stiffness(q, height, E, nu):
     return np.array([k_xx, k_zz, k_c])
 
 
-def compliance(q, height, E, nu):
-    """(C_xx, C_zz, C_c) in nm/GPa, the inverse of `stiffness`, arguments as there: C_xz = +i C_c, C_zx = -i C_c."""
+def compliance(q, height, E, nu) -> np.ndarray:
+    """(C_xx, C_zz, C_c), nm/GPa, the inverse of `stiffness`, with C_xz = +i C_c and C_zx = -i C_c."""
     return _inverse(stiffness(q, height, E, nu))
 
 
 def _inverse(blocks):
-    """Of the blocks [[xx, -i c], [i c, zz]], rows xx, zz, c; those of the inverse have +i c above."""
+    """The inverse of blocks [[xx, -i c], [i c, zz]] with rows xx, zz, c; its own c has the opposite sign."""
     xx, zz, c = blocks
     return np.array([zz, xx, c]) / (xx * zz - c * c)
 
 
 class Modes:
-    """The layer's stiffness and compliance at every wavenumber of the periodic cell, coupling dropped at Nyquist.
+    """The layer at every wavenumber of a periodic cell of `nodes`; the coupling of the Nyquist mode is dropped.
 
-    From width and height, nm, and E, GPa. Attributes, not to be written to: stiffness (GPa/nm) and compliance (nm/GPa),
-    (3, nodes//2 + 1) in rows xx, zz, c. (Flagged read-only they would be another type, for which kernels compile anew.)
+    Attributes, shared between runs and not to be written to: stiffness (GPa/nm) and compliance (nm/GPa), each
+    (3, nodes//2 + 1) with rows xx, zz, c. A read-only flag would be another type, for which kernels compile again.
     """
 
     def __init__(self, nodes, width, height, E, nu):
+        """width, height: nm; E: GPa."""
         self.nodes = nodes
         self.stiffness = stiffness(2.0 * np.pi * np.arange(nodes // 2 + 1) / width, height, E, nu)
         if nodes % 2 == 0:
@@ -64,58 +65,75 @@ class Modes:
         self.compliance = _inverse(self.stiffness)
 
     @cached_property
-    def critical(self):
-        """2 k_min^1/2, the friction, 1/time at unit mass, that is critical for the slowest mode of the layer."""
+    def critical(self) -> float:
+        """2 k_min^1/2, the damping constant, 1/time at unit mass, that is critical for the slowest mode."""
         k_xx, k_zz, k_c = self.stiffness
         least = 0.5 * (k_xx + k_zz) - np.hypot(0.5 * (k_xx - k_zz), k_c)
         return 2.0 * float(np.sqrt(least.min()))
 
     @staticmethod
-    def of(scene, nodes=None):
-        """The Modes of a scene, kept for the scenes used last; nodes: so many instead, 1 for the uniform mode alone."""
+    def of(scene, nodes=None) -> "Modes":
+        """The Modes of a scene, cached for the last scenes; nodes: so many instead, 1 for the uniform mode alone."""
         return _modes(nodes or scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu)
 
     @cached_property
-    def kernels(self):
+    def kernels(self) -> np.ndarray:
         """C_xx, C_zz, C_xz = -C_zx between two nodes by their distance round the cell, (3, nodes) nm/GPa."""
         xx, zz, c = self.compliance
         return np.fft.irfft([xx, zz, 1j * c], self.nodes)
 
 
-@lru_cache(maxsize=16)
-def _modes(nodes, width, height, E, nu):
-    return Modes(nodes, width, height, E, nu)
+_modes = lru_cache(maxsize=16)(Modes)  # 16: at 1,024 nodes 1.2 MB with their kernels
 
 
-def fft_size(least):
+def fft_size(least) -> int:
     """The smallest length >= least of the form 4, 5 or 6 times a power of two: fast, even, and few to plan for."""
     power = 2 ** max(0, ceil(log2(max(least, 4) / 8.0)))
     return next(k * power for k in (4, 5, 6, 8) if k * power >= least)
 
 
+class Transform:
+    """Real rows `field` (2, length) to `spectrum` (2, length//2 + 1) and back to `product`; owns these buffers.
+
+    forward() fills spectrum from field. backward() fills product, times length, and destroys spectrum. FFTW plans by
+    its estimate: what measured plans save is within the noise of a run's time.
+    """
+
+    def __init__(self, length):
+        with _planning:
+            self.field, self.product = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))
+            self.spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
+            self.forward = _plan(self.field, self.spectrum, "FFTW_FORWARD")
+            self.backward = _plan(self.spectrum, self.product, "FFTW_BACKWARD", "FFTW_DESTROY_INPUT")
+            self.field[:] = 0.0  # planning may overwrite it
+
+
+def _plan(source, target, direction, *flags):
+    return pyfftw.FFTW(source, target, axes=(1,), direction=direction, flags=("FFTW_ESTIMATE", *flags)).execute
+
+
 class Convolution:
-    """The layer's response to tractions on `size` neighbouring nodes, seen there; the others carry none.
+    """The layer's response to tractions on `size` neighbouring nodes, on these nodes; the others carry no traction.
 
-    Therefore a transform of 2 size - 1 points (rounded up to a fast length) does in place of one of all nodes. Exact to
-    round-off. Buffers belong to this object; not for use by two threads.
+    A transform of 2 size - 1 points, rounded up to a fast length, replaces one of all nodes, exactly to round-off.
+    Owns its buffers: two threads need two objects.
 
-    Attributes: field, tractions (2, size), GPa, to be filled; product, displacements (2, size), nm, after `apply`.
+    Attributes: field, tractions (2, size) GPa, to be filled; product, displacements (2, size) nm, after `apply`.
     """
 
     def __init__(self, modes, size):
-        length, compliance = fft_size(2 * size - 1), modes.compliance
+        length, blocks = fft_size(2 * size - 1), modes.compliance
         if length < modes.nodes:
-            compliance = _cut(modes, size, length)
+            blocks = _cut(modes, size, length)
         length = min(length, modes.nodes)
-        self._multipliers = np.ascontiguousarray(compliance / length)
-        before, after, self._spectrum, self._forward, self._backward = transforms(length)
-        self.field, self.product = before[:, :size], after[:, :size]
+        self._blocks, self._fft = np.ascontiguousarray(blocks / length), Transform(length)
+        self.field, self.product = self._fft.field[:, :size], self._fft.product[:, :size]
 
-    def apply(self):
-        """product = C field."""
-        self._forward()
-        multiply(self._spectrum, self._multipliers)
-        self._backward()
+    def apply(self) -> None:
+        """Fill product with C field."""
+        self._fft.forward()
+        multiply(self._fft.spectrum, self._blocks)
+        self._fft.backward()
 
 
 def _cut(modes, size, length):
@@ -126,28 +144,12 @@ def _cut(modes, size, length):
     return np.array([xx.real, zz.real, xz.imag])
 
 
-def transforms(length):
-    """(before, after, spectrum, forward, backward): real rows (2, length), their spectrum, and two calls.
-
-    forward() fills spectrum from before; backward() fills after, times length, and destroys spectrum. By FFTW's
-    estimate: what plans that it has measured save of a run is about its noise.
-    """
-    with _planning:
-        before, after = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))
-        spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
-        forward = _plan(before, spectrum, "FFTW_FORWARD")
-        backward = _plan(spectrum, after, "FFTW_BACKWARD", "FFTW_DESTROY_INPUT")
-        before[:] = 0.0  # planning may overwrite
-    return before, after, spectrum, forward.execute, backward.execute
-
-
-def _plan(source, target, direction, *flags):
-    return pyfftw.FFTW(source, target, axes=(1,), direction=direction, flags=("FFTW_ESTIMATE", *flags))
-
-
 @njit(cache=True, nogil=True)
 def multiply(spectrum, c):
-    """spectrum (2, modes) times the blocks [[xx, i c], [-i c, zz]], rows of c, in place (stiffnesses have -c)."""
+    """Multiply spectrum (2, modes) in place by blocks [[xx, i c], [-i c, zz]], c (3, modes) with rows xx, zz, c.
+
+    These are the signs of a compliance: of a stiffness pass -c.
+    """
     for k in range(spectrum.shape[1]):
         x, z = spectrum[0, k], spectrum[1, k]
         spectrum[0, k] = complex(c[0, k] * x.real - c[2, k] * z.imag, c[0, k] * x.imag + c[2, k] * z.real)

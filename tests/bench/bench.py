@@ -25,7 +25,7 @@ from solver.continuation.anderson import Secants
 from solver.continuation.corrector import LIMITS
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
-from solver.mechanics.layer import Convolution, fft_size, transforms
+from solver.mechanics.layer import Convolution, Transform, fft_size
 from solver.presets import preset
 from solver.run.loading import vertical
 from solver.run.loadpath import BULGE
@@ -152,9 +152,9 @@ def parts(row):
     secants = Secants(LIMITS.memory, v.size)
     for _ in range(LIMITS.memory):
         secants.push(*np.random.default_rng(1).normal(size=(4, v.size)))
-    forward, backward = transforms(min(fft_size(2 * contact.size - 1), contact.nodes))[3:]
+    fft = Transform(min(fft_size(2 * contact.size - 1), contact.nodes))
     micro = {
-        "two transforms": lambda: (forward(), backward()),
+        "two transforms": lambda: (fft.forward(), fft.backward()),
         "layer (transforms and product)": layer.apply,
         "force evaluation": lambda: problem.residual(v, active, 0.0, r),
         "secant step without it": lambda: secants.push(*[secants.move(r)] * 4),
