@@ -584,7 +584,7 @@ def test_a_fold_is_left_unchanged_by_the_search():
 def test_dense_solves_step_in_where_iterations_do_not_converge():
     toy = spiral()
     v = np.array([1.0, 0.3])
-    solves = Solves(toy.linearised(v, np.ones(1, bool)), products=1)
+    solves = Solves(toy.linearised(v, np.ones(1, bool)), accuracy=1e-12, most=1)
     matrix, f = toy.linearised(v, np.ones(1, bool)).matrix(), np.array([1.0, 2.0])
-    assert matrix @ solves(f, accuracy=1e-12) == pytest.approx(f, abs=1e-12)
-    assert matrix.T @ solves(f, transposed=True, accuracy=1e-12) == pytest.approx(f, abs=1e-12)
+    assert matrix @ solves(f) == pytest.approx(f, abs=1e-12)
+    assert matrix.T @ solves(f, transposed=True) == pytest.approx(f, abs=1e-12)

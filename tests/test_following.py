@@ -1,15 +1,17 @@
 """Runs followed to other parameters are those computed from their start: against these, and toys in closed form."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import toys
 
 from solver import NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
-from solver.following.branch import Branch, Fold, even_weights, periodic_weights
-from solver.following.moving import followed_branch, followed_fold
-from solver.following.solving import Solving
+from solver.continuation.fold import Fold
+from solver.following.branch import TOLERANCE, Branch, even_weights
+from solver.following.moved import moved_branch, moved_folds
+from solver.following.solver import Solver
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
 from solver.run.loading import sideways
@@ -81,8 +83,9 @@ def check(skeleton, scene):
     assert [event.load for event in skeleton.slips] == pytest.approx(slips(run), abs=1e-4)
 
 
-def test_a_skeleton_is_had_from_frames_without_solving(run, skeleton):
-    assert skeleton.evaluations == 0 < skeleton_of(SMALL).evaluations
+def test_a_skeleton_is_got_from_frames_with_a_small_part_of_the_evaluations_of_the_run(run, skeleton):
+    assert 0 < skeleton.evaluations < 0.1 * sum(frame.evaluations for frame in run)
+    assert skeleton.residual <= TOLERANCE
     check(skeleton, SMALL)
     events = [event for frame in sheared(run) for event in frame.slips]
     assert len(skeleton.slips) == len(events) > 1
@@ -217,6 +220,67 @@ def test_a_run_on_another_path_has_no_skeleton():
         skeleton_from(scene, [])
 
 
+TENSION = Scene(hold="load", E=856.01968, phi_ratio=0.40262, delta_bar=-0.2989, u_x_max=6.0)  # apart until it shears
+
+
+@pytest.fixture(scope="module")
+def tension():
+    """(frames, Skeleton) of TENSION, whose surfaces jump into contact where the held load takes over."""
+    frames = list(load_path(TENSION))
+    return frames, skeleton_from(TENSION, frames)
+
+
+def test_a_jump_under_the_load_that_takes_over_is_a_slip_of_the_skeleton(tension):
+    frames, skeleton = tension
+    events = [event for frame in sheared(frames) for event in frame.slips]
+    assert [event.kind for event in events][:2] == ["control", "fold"]
+    assert [event.kind for event in skeleton.slips] == [event.kind for event in events]
+    first, event = skeleton.slips[0], events[0]
+    assert (first.load, first.F_bar, first.L_bar) == pytest.approx((event.load, event.F_bar, event.L_bar), abs=1e-9)
+
+
+def test_a_held_load_is_that_of_the_state_at_the_end_of_the_approach(tension):
+    frames, skeleton = tension
+    last = [frame for frame in frames if frame.stage == "approach"][-1]
+    assert skeleton.pressure == pytest.approx(last.L_bar * TENSION.E, rel=1e-6)
+    check(skeleton, TENSION)
+
+
+def test_a_run_whose_load_takes_over_with_a_jump_is_followed(tension):
+    scene = TENSION.changed(E=840.0, delta_bar=-0.3)
+    check(follow(tension[1], scene), scene)
+
+
+def test_a_load_that_takes_over_without_a_jump_is_not_followed_from_one_with_it(tension):
+    with pytest.raises(NotFollowed):
+        follow(tension[1], TENSION.changed(delta_bar=0.1))
+
+
+def test_jerky_smooth_sliding_has_states_enough():
+    """FINDINGS X7: its curve was off by 61 %, as states stood a twelfth of a period apart."""
+    scene = Scene(E=662.8, phi_ratio=0.0404, delta_bar=0.424, u_x_max=5.0)
+    check(skeleton_of(scene), scene)
+
+
+def test_frames_that_are_no_run_have_no_skeleton(run):
+    """One frame moved aside: its neighbours' states are solved for, and the curve misses it."""
+    k = next(k for k, frame in enumerate(run) if frame.stage == "shear" and frame.U_x > 3.0)
+    wrong = replace(run[k], F_bar=1.01 * run[k].F_bar)
+    with pytest.raises(NotFollowed, match="forces"):
+        skeleton_from(SMALL, [*run[:k], wrong, *run[k + 1 :]])
+
+
+def test_frames_of_a_skeleton_carry_their_residuals(skeleton):
+    (frame,) = skeleton.frames([5.03])
+    assert 0.0 < frame.residual < 1e-3  # interpolated between states 0.5 nm apart
+    assert np.isnan(skeleton.frames([5.03], residuals=False)[0].residual)
+
+
+def test_a_skeleton_is_shown_in_a_few_words_and_compared_by_identity(skeleton):
+    assert len(repr(skeleton)) < 500
+    assert skeleton == skeleton and skeleton != follow(skeleton, SMALL) and hash(skeleton)
+
+
 # toys
 
 
@@ -242,28 +306,32 @@ def prandtl_fold(A, period=2.4):
 def test_a_branch_of_prandtl_and_tomlinson_is_followed_to_its_fold():
     _, old = prandtl(1.0)
     toy, exact = prandtl(1.1)
-    found = followed_branch(Solving(toy), old, 0.0, None, np.zeros(1), None, "the branch")
-    assert found.fold.load == pytest.approx(prandtl_fold(1.1), abs=1e-4)  # as promised
-    assert np.abs(found.v - exact.v).max() < 1e-2  # the fold itself is where the load is flat
-    assert found.fold.bend == pytest.approx(exact.fold.bend, rel=0.1)  # from points 0.1 apart
+    solver = Solver(toy)
+    (fold,) = moved_folds(solver, (old,))
+    branch = moved_branch(solver, old, 0.0, fold.load, fold, 1)
+    assert fold.load == pytest.approx(prandtl_fold(1.1), abs=1e-5)  # the sharpness asked for
+    assert np.abs(branch.v - exact.v).max() < 1e-2  # the fold itself is where the load is flat
+    assert fold.bend == pytest.approx(exact.fold.bend, rel=0.05)  # of a state within `alike` of it
 
 
 def test_a_fold_that_vanishes_is_said_to():
     _, old = prandtl(0.5)
     toy = toys.lattice((0.3, 0.0))  # 2 pi A/period < 1: it slides smoothly
-    with pytest.raises(NotFollowed, match="the fold"):
-        followed_fold(Solving(toy), old.fold, np.zeros(1), "the fold")
+    with pytest.raises(NotFollowed, match="no longer a fold"):
+        Solver(toy).fold(old.fold, "the end")
 
 
 def test_a_state_on_another_branch_is_refused():
     toy, old = prandtl(1.0)
     beyond = Branch(0.0, old.end + 1.0, old.v, old.active, None)
     with pytest.raises(NotFollowed):
-        followed_branch(Solving(toy), beyond, 0.0, old.end + 1.0, np.zeros(1), None, "the branch")
+        moved_branch(Solver(toy), beyond, 0.0, old.end + 1.0, None, 1)
 
 
-def test_polynomials_and_waves_are_interpolated_exactly():
+def test_polynomials_are_interpolated_exactly_and_waves_to_the_sixth_order():
     t, at = np.linspace(0.0, 1.0, 13), np.linspace(0.0, 1.0, 41)
     assert np.abs(even_weights(at, 12) @ t**5 - at**5).max() < 1e-12
-    wave = lambda x: 1.0 + np.cos(4.0 * np.pi * x) - np.sin(10.0 * np.pi * x)  # noqa: E731
-    assert np.abs(periodic_weights(at, 12) @ wave(t) - wave(at)).max() < 1e-12
+    wave = lambda x: 1.0 + np.cos(2.0 * np.pi * x) - np.sin(4.0 * np.pi * x)  # noqa: E731
+    for n, error in ((12, 0.02), (48, 1e-5)):  # of a quintic spline: (q h)^6/100, with q h = 4 pi/n of the shorter wave
+        branch = Branch(0.0, 1.0, np.zeros((n + 1, 1)), None, periodic=True)
+        assert np.abs(branch.weights(at) @ wave(branch.t) - wave(at)).max() < error

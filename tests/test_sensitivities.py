@@ -1,9 +1,11 @@
 """Derivatives of slips and curves are those of runs at parameters beside: by central differences, every surface."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from solver import Profile, Scene, follow, skeleton_of
+from solver import NotFollowed, Profile, Scene, follow, load_path, skeleton_of
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 from solver.presets import presets
@@ -97,6 +99,25 @@ def test_the_nodes_together_are_the_interface(skeleton):
 def test_under_a_held_load_they_are_too():
     slip = sensitivities(skeleton_of(KINDS["held load"])).slips[0]
     assert slip.nodes.sum(axis=1) == pytest.approx(slip.by["phi_n"] * SMALL.phi_n, rel=1e-6)
+
+
+def test_under_a_held_load_in_tension_the_slip_is_that_of_the_run():
+    """FINDINGS X1: the load was worked out from a state that had jumped away, and the slip was that of another load."""
+    scene = Scene(hold="load", E=856.01968, phi_ratio=0.40262, delta_bar=-0.2989, u_x_max=3.0)
+    events = [event for frame in load_path(scene) if frame.stage == "shear" for event in frame.slips]
+    event = next(event for event in events if event.kind == "fold")
+    slip = sensitivities(skeleton_of(scene), ("E",), branches=False).slips[0].event
+    assert slip.load == pytest.approx(event.load, abs=2e-5)  # both hold the load to the tolerance of a state
+    assert (slip.F_bar, slip.L_bar, slip.A_bar) == pytest.approx((event.F_bar, event.L_bar, event.A_bar), rel=1e-4)
+
+
+def test_a_state_that_newton_does_not_solve_is_refused(skeleton):
+    branch = skeleton.branches[0]
+    v = branch.v.copy()
+    v[3] += 2.0 * np.random.default_rng(0).normal(size=v.shape[1])
+    wrong = replace(skeleton, branches=(replace(branch, v=v),))
+    with pytest.raises(NotFollowed):
+        sensitivities(wrong, ("E",))
 
 
 def test_forces_over_E_depend_on_ratios_only(skeleton):

@@ -103,7 +103,8 @@ def _map(skeleton):
     """(int8 (rows, columns) of T_z over nodes and evenly spaced loads, its place): as far as anything acts."""
     scene, step = skeleton.scene, skeleton.scene.du_x * skeleton.scene.delta_t
     every = max(1, ceil(scene.shear_increments * _acting_width(skeleton) / CELLS))
-    frames = skeleton.frames(scene.shear_at(np.arange(0, scene.shear_increments + 1, every)))
+    loads = scene.shear_at(np.arange(0, scene.shear_increments + 1, every))
+    frames = skeleton.frames(loads, residuals=False)
     T = np.array([frame.T[1] for frame in frames])
     first, nodes = frames[0].first, T.shape[1]
     gap = scene.profile[np.arange(first, first + nodes) % scene.nodes] + np.array([frame.u[1] for frame in frames])
@@ -118,7 +119,7 @@ def _map(skeleton):
 
 def _acting_width(skeleton):
     """Nodes that act where sliding begins, and some more."""
-    (frame,) = skeleton.frames([0.0])
+    (frame,) = skeleton.frames([0.0], residuals=False)
     return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1
 
 

@@ -93,13 +93,13 @@ class Change:
 
 
 class States:
-    """x, z (k, m) nm, active (k, m) and tractions T (k, 2, m) GPa of k Tangents on the patch from node `first` on."""
+    """x, z (k, m) nm, active (k, m) and tractions T (k, 2, m) GPa of k states on the patch from node `first` on."""
 
-    def __init__(self, tangents, first):
-        self.first = first
-        self.x, self.z = np.array([tangent.u for tangent in tangents]).swapaxes(0, 1)
-        self.active = np.array([tangent.active for tangent in tangents])
-        self.T = np.array([tangent.T for tangent in tangents])
+    def __init__(self, linearised, T, first):
+        """linearised: k Linearised of the states."""
+        self.first, self.T = first, np.array(T)
+        self.x, self.z = np.array([here.u for here in linearised]).swapaxes(0, 1)
+        self.active = np.array([here.active for here in linearised])
 
 
 class Pulled:

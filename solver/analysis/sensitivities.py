@@ -9,24 +9,34 @@ that the fold stays one.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..continuation.fold import Bordered, FoldOptions, fold_near
 from ..continuation.interpolation import lagrange
-from ..following.branch import STENCIL, Branch
+from ..continuation.inverse import NotSolved, Solves
+from ..following.branch import Branch, NotFollowed
 from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium
+from ..mechanics.linearised import Linearised
+from ..mechanics.load_control import LoadControl
 from ..run.frame import SlipEvent
+from ..run.loading import sideways
 from ..scene import LIMITS, Scene
-from .fold import sharpened
 from .outputs import explicit, gradients, over_own, values
 from .partial import Change, Pulled, States, continuous
-from .tangent import ACCURACY, Solves, Tangent, across, along
 
 Floats = NDArray[np.float64]
-CORRECTED = 1e-4  # of residuals, by the step that sharpens a state: what is left of 1e-5 nm moves derivatives by 1e-9
-ALONG = 1e-7  # accuracy of solves at states of a branch, which are told to 1e-5
+FINE = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
+NEWTON = 4  # steps, at most, by which a state is sharpened to the scene's tolerance: 1e-5 nm takes one, or two
+CORRECTED = 1e-4  # of residuals, by such a step: what is left of 1e-5 nm moves derivatives by 1e-9
+ACCURACY = 1e-9  # of a solve, residual over right side; derivatives are asked for to 1e-5, amplified near a fold
+ALONG = 1e-7  # accuracy of solves at states of a branch, whose derivatives are asked for to 1e-5
+AHEAD = 6  # states from which the solution at the next one is extrapolated
+SHARP = FoldOptions(state=1e-9, accuracy=1e-3)  # units: what is left of the state is the square of that
 
 
 @dataclass(frozen=True)
@@ -89,7 +99,13 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
     Without `branches` those of slips alone, which cost a linear solve each. Raises NotFollowed where a state cannot be
     told sharply enough.
     """
-    known = _Known(skeleton, names)
+    try:
+        return _sensitivities(skeleton, _Known(skeleton, names), branches)
+    except NotSolved as failure:
+        raise NotFollowed(str(failure)) from None
+
+
+def _sensitivities(skeleton, known, branches):
     folds, along, start = [], [], None
     for branch in skeleton.branches:
         fold = None if branch.fold is None else known.slip(branch)
@@ -123,7 +139,7 @@ def _slips(skeleton, folds):
 
 def _ahead(every, n, fold):
     """[x (3, size)] of the next of n even states, extrapolated from `every` (duals, x) before it, or []."""
-    known = [x for _, x in every[-STENCIL:]]
+    known = [x for _, x in every[-AHEAD:]]
     if not known:
         return []
     i = len(every)
@@ -133,58 +149,76 @@ def _ahead(every, n, fold):
     return [sum(weight * part / left[-1] * x for weight, part, x in zip(weights, left, known, strict=False))]
 
 
+class _State(NamedTuple):
+    """A state solved to the tolerance: its tangent, solves with it, and its tractions (2, m), GPa."""
+
+    here: Linearised
+    solves: Solves
+    T: Floats
+
+
 class _Known:
-    """What the states of a Skeleton share: the Contact, the Changes, and under a held load that of p_0."""
+    """What the states of a Skeleton share: the problem, the Changes, and under a held load that of p_0."""
 
     def __init__(self, skeleton, names=None):
-        self.scene, self.first, branch = skeleton.scene, skeleton.first, skeleton.branches[0]
-        scene = self.scene
-        self.held, self.height = scene.hold == "load", -scene.delta
+        self.scene, self.first = skeleton.scene, skeleton.first
+        scene, held = self.scene, skeleton.held
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)
+        self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta))
+        self.problem.tolerance = FINE
         loose = scene.changed(tolerance=LIMITS["tolerance"].high)
         self.changes = [Change.of(loose, name) for name in (continuous(scene) if names is None else names)]
-        self.pressure, self.pressure_by = 0.0, np.zeros(len(self.changes))
+        self.pressure_by = np.zeros(len(self.changes))
         self.pressure_nodes = np.zeros(skeleton.nodes)  # by the strength of each node of the patch
-        if self.held:
-            v = branch.states(np.zeros(1), skeleton.nodes)[0, :-1]
-            rest, solves = self.settled(v, branch.active[0], 0.0, False)
-            self.pressure = float(rest.T[1].sum()) / rest.count
-            carried = np.zeros((1, 2, rest.m))
-            carried[0, 1] = 1.0 / rest.count
-            (dual,), (x,) = self.duals(rest, solves, carried)
-            parts = self.parts([rest], False)
-            self.pressure_by = np.array([np.sum(dual * dT) + x @ rest_R for (dT,), (rest_R,) in parts])
-            self.pressure_nodes = (dual * rest.T).sum(axis=0)
+        if held is not None:
+            self._carry(self.settled(held.v, held.active, 0.0, tolerance=FINE))
 
-    def settled(self, v, active, load, held, accuracy=ACCURACY):
-        """(Tangent, Solves) at the state next to v, by a step of Newton's."""
-        tangent = Tangent(self.contact, v, active, held)
-        residual = tangent.residual(load, self.height, self.pressure)
-        if np.abs(residual).max() > self.scene.tolerance:
-            step = Solves(tangent, accuracy=CORRECTED)(residual)
-            tangent = Tangent(self.contact, v + step, active, held)
-        return tangent, Solves(tangent, accuracy=accuracy)
+    def _carry(self, state):
+        """Hold the load of a state at given indentation from now on."""
+        count, carried = self.contact.count, np.zeros((1, *state.T.shape))
+        carried[0, 1] = 1.0 / count
+        (dual,), (x,) = self.duals(state, carried)
+        parts = self.parts([state])
+        self.pressure_by = np.array([np.sum(dual * dT) + x @ rest for (dT,), (rest,) in parts])
+        self.pressure_nodes = (dual * state.T).sum(axis=0)
+        self.problem = LoadControl(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
+        self.problem.tolerance = FINE
 
-    def duals(self, tangent, solves, gradients, guess=(None, None, None)):
+    @property
+    def held(self):
+        """Whether a load is held."""
+        return isinstance(self.problem, LoadControl)
+
+    def settled(self, v, active, load, accuracy=ACCURACY, tolerance=None):
+        """The _State next to v, by Newton's steps; raises NotFollowed where these do not reach the tolerance, nm."""
+        problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
+        for _ in range(NEWTON):
+            here = problem.linearised(v, active)
+            if problem.residual(v, active, load, r) <= tolerance:
+                return _State(here, Solves(here, accuracy=accuracy), problem.traction(v, active))
+            v = v - Solves(here, accuracy=CORRECTED)(r)
+        raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
+
+    def duals(self, state, gradients, guess=(None, None, None)):
         """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T.
 
         guess: of x (k, size).
         """
-        sides = [tangent.flat(across(tangent.J, one)) for one in gradients]
-        x = np.array([solves(b, True, begun) for b, begun in zip(sides, guess, strict=False)])
-        return np.array([one + tangent.dual(part) for one, part in zip(gradients, x, strict=True)]), x
+        sides = [-state.here.by_unknowns(one) for one in gradients]
+        x = np.array([state.solves(b, True, begun) for b, begun in zip(sides, guess, strict=False)])
+        return np.array([one + state.here.by_traction(part) for one, part in zip(gradients, x, strict=True)]), x
 
-    def parts(self, tangents, held):
-        """[(dT (k, 2, m), what R changes by beside C dT (k, size))] of every Change, at k Tangents."""
-        out, at = [], States(tangents, self.first)
-        pulled = Pulled(at.T, self.first, self.contact)
+    def parts(self, states):
+        """[(dT (k, 2, m), what R changes by beside C dT (k, size))] of every Change, at k _States."""
+        at = States([state.here for state in states], [state.T for state in states], self.first)
+        out, pulled = [], Pulled(at.T, self.first, self.contact)
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
             rest = np.zeros_like(at.T) + change.complied(pulled)
-            if not held:
+            if not self.held:
                 rest[:, 1] -= change.by(lambda scene: scene.delta)
-            rest = rest.reshape(len(tangents), -1)
-            if held:
-                rest = np.append(rest, np.full((len(tangents), 1), -tangents[0].scale * dp), axis=1)
+            rest = rest.reshape(len(states), -1)
+            if self.held:
+                rest = np.append(rest, np.full((len(states), 1), -self.problem.scale * dp), axis=1)
             out.append((change.traction(at), rest))
         return out
 
@@ -192,63 +226,61 @@ class _Known:
         """The BranchSensitivity; start: {parameter: derivative} of its first load, or None where that is fixed."""
         n = branch.intervals + 1
         found, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
-        by = {change.name: np.full((4, n), np.nan) for change in self.changes}
         found[0] = branch.loads
-        share = (found[0] - branch.start) / (branch.end - branch.start)
-        tangents, every = [], []
+        states, every = [], []
         for i in range(n - (fold is not None)):
-            tangent, solves = self.settled(branch.v[i], branch.active[i], found[0, i], self.held, ALONG)
-            found[1:, i] = values(self.scene, tangent.T)
-            every.append(self.duals(tangent, solves, gradients(self.scene, tangent.T), *_ahead(every, n, fold)))
-            slope[:, i] = every[-1][1] @ tangent.direction
-            tangents.append(tangent)
-        inner, (duals, x) = slice(len(tangents)), map(np.array, zip(*every, strict=True))
-        for change, (dT, rest) in zip(self.changes, self.parts(tangents, self.held), strict=True):
+            state = self.settled(branch.v[i], branch.active[i], found[0, i], ALONG)
+            found[1:, i] = values(self.scene, state.T)
+            every.append(self.duals(state, gradients(self.scene, state.T), *_ahead(every, n, fold)))
+            slope[:, i] = every[-1][1] @ self.problem.direction
+            states.append(state)
+        inner, (duals, x) = slice(len(states)), map(np.array, zip(*every, strict=True))
+        share, by = (found[0, inner] - branch.start) / (branch.end - branch.start), {}
+        for change, (dT, rest) in zip(self.changes, self.parts(states), strict=True):
             ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
-            load = (1.0 - share[inner]) * ends[0] + share[inner] * ends[1]
+            load = (1.0 - share) * ends[0] + share * ends[1]
             moved = np.einsum("kiam,kam->ik", duals, dT) + np.einsum("kis,ks->ik", x, rest)
             moved += explicit(self.scene, found[1:, inner], change) + slope[:, inner] * load
-            by[change.name][:, inner] = [load, *moved]
+            by[change.name] = np.array([load, *moved])
         if fold:
             found[:, -1] = fold.values
-            for name, values_by in by.items():
-                values_by[:, -1] = fold.by[name]
+            by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
         return BranchSensitivity(branch, found, by, slope)
 
     def slip(self, branch):
         """The SlipSensitivity of the fold at the end of a Branch."""
-        scene = self.scene
-        at = sharpened(self.contact, branch.fold, self.held, self.height, self.pressure)
-        tangent, phi, psi, m = at.tangent, at.phi, at.psi, at.tangent.m
-        found, slopes, pull = values(scene, tangent.T), at.slopes, gradients(scene, tangent.T)
-        rises = np.array([tangent.flat(across(tangent.J, one)) for one in pull])
-        back = (rises @ phi) / (slopes @ phi)  # how far the second-order condition draws the state along phi
-        x = np.array([at.solves(np.append(one, 0.0), transposed=True)[:-1] for one in rises - back[:, None] * slopes])
-        duals = pull + np.array([tangent.dual(one) for one in x])
-        bent, left = along(tangent.J, phi[: 2 * m].reshape(2, m)), tangent.dual(psi)
-        speed = psi @ tangent.direction
-        by, state, bending = {}, States([tangent], self.first), Pulled(bent[None], self.first, self.contact)
-        for change, ((dT,), (rest,)) in zip(self.changes, self.parts([tangent], self.held), strict=True):
-            load = -(np.sum(left * dT) + psi @ rest) / speed
-            (dJ,) = change.stiffness(state)
-            turned = np.sum(left * along(dJ, phi[: 2 * m].reshape(2, m)))
-            turned += np.sum(psi[: 2 * m].reshape(1, 2, m) * change.complied(bending))
-            moved = (duals * dT).sum(axis=(1, 2)) + x @ rest + (x @ tangent.direction) * load - back * turned
+        scene, problem = self.scene, self.problem
+        fold = fold_near(problem, branch.fold, SHARP)
+        if fold is None:
+            raise NotFollowed(f"the fold at {branch.end:g} nm is not found by Newton's steps")
+        at = Bordered(problem, fold.v, fold.active, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
+        state = _State(at.here, at.solves, problem.traction(fold.v, fold.active))
+        found, pull = values(scene, state.T), gradients(scene, state.T)
+        rises = np.array([at.here.by_unknowns(one) for one in pull])
+        back = (rises @ at.phi) / (at.slopes @ at.phi)  # how far the second-order condition draws the state along phi
+        sides = np.append(back[:, None] * at.slopes - rises, np.zeros((3, 1)), axis=1)
+        x = np.array([at.solves(side, True)[:-1] for side in sides])
+        duals = pull + np.array([at.here.by_traction(one) for one in x])
+        bent, left = at.here.pull(at.phi), at.here.by_traction(at.psi)
+        speed = at.psi @ problem.direction
+        by, states, bending = {}, States([at.here], [state.T], self.first), Pulled(bent[None], self.first, self.contact)
+        for change, ((dT,), (rest,)) in zip(self.changes, self.parts([state]), strict=True):
+            load = -(np.sum(left * dT) + at.psi @ rest) / speed
+            (dJ,) = change.stiffness(states)
+            turned = np.sum(left * at.here.pull(at.phi, dJ))
+            turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
+            moved = (duals * dT).sum(axis=(1, 2)) + x @ rest - back * turned
             by[change.name] = np.array([load, *(moved + explicit(scene, found, change))])
-        nodes = self._nodes(at, left, bent, speed, duals, x, back)
-        return SlipSensitivity(SlipEvent(float(at.load), *map(float, found), "shear", "fold", True), by, nodes)
+        held = (problem.scale if self.held else 0.0) * self.pressure_nodes
+        nodes = -((left * state.T).sum(axis=0) - at.psi[-1] * held) / speed, (left * bent).sum(axis=0)
+        moved = (duals * state.T).sum(axis=1) - np.multiply.outer(x[:, -1], held) - np.multiply.outer(back, nodes[1])
+        event = SlipEvent(float(fold.load), *map(float, found), "shear", "fold", True)
+        return SlipSensitivity(event, by, self._on_cell(np.vstack([nodes[0], moved])))
 
-    def _nodes(self, at, left, bent, speed, duals, x, back):
-        """(4, nodes): as of SlipSensitivity."""
-        tangent = at.tangent
-        held = tangent.scale * self.pressure_nodes
-        load = -((left * tangent.T).sum(axis=0) - (at.psi[-1] * held if self.held else 0.0)) / speed
-        turned = (left * bent).sum(axis=0)
-        moved = (duals * tangent.T).sum(axis=1) - np.multiply.outer(x[:, -1], held)
-        moved += np.multiply.outer(x @ tangent.direction, load) - np.multiply.outer(back, turned)
-        rows = np.vstack([load, moved])
+    def _on_cell(self, rows):
+        """Derivatives (4, nodes) by the strength of every node, from those (4, m) of the patch."""
         if self.contact.uniform:  # each of all nodes has its share in what they do together
             return np.repeat(rows / self.scene.nodes, self.scene.nodes, axis=1)
         out = np.zeros((4, self.scene.nodes))
-        out[:, self.first : self.first + tangent.m] = rows
+        out[:, self.first : self.first + rows.shape[1]] = rows
         return out

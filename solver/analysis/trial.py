@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..continuation.state import NotConverged, OutOfTime
 from ..following.branch import NotFollowed
 from ..following.follow import follow
-from ..following.reading import skeleton_from
+from ..following.from_frames import skeleton_from
 from ..following.skeleton import Skeleton
 from ..run.slices import advance
 from ..scene import LIMITS, Scene, SceneError

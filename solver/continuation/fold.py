@@ -67,19 +67,19 @@ class Bordered:
         psi = self.here.mirrored(c) if psi is None else psi
         self.load = problem.direction / np.linalg.norm(problem.direction)
         psi = psi / (psi @ self.load)
-        self.solves = Solves(self.here, self.load, c, options.products)
-        unit, accuracy = np.append(np.zeros(v.size), 1.0), options.accuracy
-        right, rest = self.solves.reduced(unit, guess=np.append(c, 0.0), accuracy=accuracy)
-        lefts = accuracy * np.linalg.norm(psi)
-        self.psi = self.solves(unit, transposed=True, guess=np.append(psi, 0.0), accuracy=lefts)[:-1]
+        self.solves = Solves(self.here, self.load, c, options.accuracy, options.products)
+        unit, lefts = np.append(np.zeros(v.size), 1.0), options.accuracy * np.linalg.norm(psi)
+        right, rest = self.solves.reduced(unit, guess=np.append(c, 0.0))
+        self.psi = self.solves(unit, True, np.append(psi, 0.0), lefts)[:-1]
         self.phi, self.g = right[:-1], right[-1] + self.psi @ rest[:-1]  # its error is the product of both vectors'
         self.slopes = self.here.slopes(self.phi, self.psi)
 
-    def turned(self, here, phi, accuracy):
+    def turned(self, here, phi):
         """(phi, g) of another Linearised nearby, from the last phi; one product."""
         change = here.tangent(phi)
         g = -(self.psi @ change)
-        return phi - self.solves(np.append(change + g * self.load, 0.0), accuracy=accuracy)[:-1], g
+        x = self.solves(np.append(change + g * self.load, 0.0))  # x[-1] vanishes where psi is exact
+        return phi - x[:-1], g - x[-1]
 
 
 def fold_near(problem: Problem, guess: Fold, options: FoldOptions = FoldOptions()) -> Fold | None:
@@ -106,8 +106,8 @@ def _search(problem, guess, options):
             matrix = Bordered(problem, v, active, phi, psi, options)
             phi, psi, g = matrix.phi, matrix.psi, matrix.g
         else:
-            phi, g = matrix.turned(problem.linearised(v, active), phi, options.accuracy)
-        dv, ds = _step(problem, matrix, phi, g, r, options.accuracy)
+            phi, g = matrix.turned(problem.linearised(v, active), phi)
+        dv, ds = _step(problem, matrix, phi, g, r)
         last = abs(ds), np.abs(dv).max()
         part = min(1.0, options.longest * unit / max(last[1], 1e-300))
         v, load = v + part * dv, load + part * ds
@@ -119,11 +119,12 @@ def _search(problem, guess, options):
     return None
 
 
-def _step(problem, matrix, phi, g, r, accuracy):
+def _step(problem, matrix, phi, g, r):
     """(dv, ds) of Newton's step from the residual r and the test function g."""
-    dv = matrix.solves(np.append(-r, 0.0), accuracy=accuracy)[:-1]
+    x = matrix.solves(np.append(-r, 0.0))
+    dv, ds = x[:-1], x[-1]
     part = (g - matrix.slopes @ dv) / (matrix.slopes @ phi)
-    return dv + part * phi, (part * g - matrix.psi @ r) / np.linalg.norm(problem.direction)
+    return dv + part * phi, (ds + part * g) / np.linalg.norm(problem.direction)
 
 
 def _fold(problem, matrix, load, v, active, phi, worst):

@@ -55,18 +55,19 @@ class Solves:
     Iterations keep their products for the next solve; where they do not converge, LAPACK factorises M.
     """
 
-    def __init__(self, linearised, column=None, row=None, products=MOST):
-        """products: most iterations for all solves of one kind."""
+    def __init__(self, linearised, column=None, row=None, accuracy=ACCURACY, most=MOST):
+        """accuracy: of x, |M x - f| over |f|; most: iterations for all solves of one kind."""
         self.linearised, self.column, self.row, self._lu = linearised, column, row, None
-        self._most, self._by_iterations = products, {}
+        self.accuracy, self._most, self._by_iterations = accuracy, most, {}
 
-    def __call__(self, f, transposed=False, guess=None, accuracy=ACCURACY):
-        """x for f, to accuracy times the length of f; guess: where iterations begin. Raises NotSolved."""
+    def __call__(self, f, transposed=False, guess=None, accuracy=None):
+        """x for f; guess: where iterations begin; accuracy: another one. Raises NotSolved."""
         return self.reduced(f, transposed, guess, accuracy)[0]
 
-    def reduced(self, f, transposed=False, guess=None, accuracy=ACCURACY):
+    def reduced(self, f, transposed=False, guess=None, accuracy=None):
         """The same x, and f - M x."""
-        product, wanted = self._transposed if transposed else self._product, accuracy * np.linalg.norm(f)
+        product, wanted = self._transposed if transposed else self._product, (accuracy or self.accuracy)
+        wanted *= np.linalg.norm(f)
         if self._lu is None:
             x, r = (np.zeros_like(f), f) if guess is None else (guess, f - product(guess))
             if (size := np.linalg.norm(r)) > wanted:

@@ -1,23 +1,26 @@
 """The states that carry a branch, dense towards its ends, and what lies between them.
 
-A branch goes to a fold with the root of the distance in load, and where the one before it has left, it may come from
-near another. So states stand evenly in t from 0 to 1, load = start + (end - start) sin^2(pi t/2), and are smooth in t.
+A branch reaches its fold with the root of the distance in load, and may begin near another fold. So states stand
+evenly in t from 0 to 1, load = start + (end - start) sin^2(pi t/2), and are smooth in t.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline, make_interp_spline
 
-from ..continuation.interpolation import lagrange
+from ..continuation.fold import Fold
 
-TOLERANCE = 1e-5  # nm, of the residual: a followed run is looked at, not kept; forces are right to 1e-4
-STENCIL = 6  # states through which what lies between them is interpolated
+TOLERANCE = 1e-5  # nm, of residuals: followed runs are looked at, not kept. Forces are right to 1e-4
+DEGREE = 5  # of splines through the states; with 3 a branch needs twice as many states for the same forces
 
 
 class NotFollowed(Exception):
-    """The run under other parameters is no longer that of the skeleton, or cannot be got from it; the message says why.
+    """The run of other parameters does not continue that of the skeleton, or cannot be got from it.
 
-    It has to be computed from its start. nearer: whether states nearer to those wanted might have led there.
+    The message says why. Compute it from its start. nearer: smaller changes of the parameters might lead there.
     """
 
     def __init__(self, reason: str, nearer: bool = False) -> None:
@@ -29,103 +32,74 @@ class Crowded(NotFollowed):
     """A node outside the patch may interact."""
 
 
-@dataclass(frozen=True)
-class Fold:
-    """A maximum of the load along a branch. Near it load = that of the fold + bend/2 (arc)^2, with arc = v[index]."""
-
-    load: float
-    v: np.ndarray  # (size,)
-    active: np.ndarray
-    along: np.ndarray  # (size,) dv per arc at the fold: the null vector of the tangent, one in component `index`
-    bend: float  # per nm, negative
-
-    @property
-    def index(self):
-        """The unknown that moves most."""
-        return int(np.abs(self.along).argmax())
-
-    @staticmethod
-    def of(load, v, active, way, bend):
-        """A fold on the way `way` (size,), any length, with the second derivative of the load along that way."""
-        largest = way[int(np.abs(way).argmax())]
-        return Fold(load, v, active, way / largest, bend / largest**2)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Branch:
-    """v (n + 1, size) and active (n + 1, m) of states at even t; fold: its end, the last state, or None."""
+    """n + 1 states from load `start` to `end`, nm, at even t or, of smooth sliding, at t where they are needed.
+
+    periodic: smooth sliding over one period: t goes with the load, v less the load is periodic.
+    """
 
     start: float
     end: float
-    v: np.ndarray
-    active: np.ndarray
-    fold: Fold | None = None
-    periodic: bool = False  # smooth sliding: one period, states stand evenly in the load, v less the load is periodic
+    v: NDArray[np.float64] = field(repr=False)  # (n + 1, size)
+    active: NDArray[np.bool_] | None = field(repr=False)  # (n + 1, m)
+    fold: Fold | None = field(default=None, repr=False)  # the last state, where the branch ends in one
+    periodic: bool = False
+    uneven: NDArray[np.float64] | None = field(default=None, repr=False)  # t of the states, (n + 1,), if not even
 
     @property
-    def intervals(self):
+    def intervals(self) -> int:
+        """n."""
         return len(self.v) - 1
 
     @property
-    def loads(self):
+    def t(self) -> NDArray[np.float64]:
+        """Of the states, (n + 1,)."""
+        return np.linspace(0.0, 1.0, self.intervals + 1) if self.uneven is None else self.uneven
+
+    @property
+    def loads(self) -> NDArray[np.float64]:
         """Of the states, (n + 1,) nm."""
-        return self.load_at(np.linspace(0.0, 1.0, self.intervals + 1))
+        return self.load_at(self.t)
 
-    def load_at(self, t):
-        return self.start + (self.end - self.start) * (t if self.periodic else np.sin(0.5 * np.pi * t) ** 2)
+    def load_at(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Loads, nm, at t."""
+        part = np.asarray(t, float) if self.periodic else np.sin(0.5 * np.pi * np.asarray(t, float)) ** 2
+        return self.start + (self.end - self.start) * part
 
-    def weights(self, load):
-        """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch in those at its ends."""
+    def weights(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch those of its ends."""
         if self.periodic:
-            return periodic_weights((load - self.start) / (self.end - self.start), self.intervals)
+            return _spline(tuple(self.t), True)((np.asarray(load) - self.start) / (self.end - self.start) % 1.0)
         return even_weights(place(self.start, self.end, load), self.intervals)
 
-    def thinned(self):
-        """The same with every second state."""
-        return replace(self, v=self.v[::2], active=self.active[::2])
+    def without(self, out: NDArray[np.intp]) -> "Branch":
+        """The same without some of its states."""
+        t = None if self.uneven is None and out.size == self.intervals // 2 else np.delete(self.t, out)
+        return replace(self, v=np.delete(self.v, out, 0), active=np.delete(self.active, out, 0), uneven=t)
 
-    def states(self, load, nodes):
+    def states(self, load: NDArray[np.float64], nodes: int) -> NDArray[np.float64]:
         """Unknowns (k, size) at loads (k,), the first `nodes` of which move on with the load."""
         moving = np.zeros(self.v.shape[1])
         moving[:nodes] = 1.0
         return self.weights(load) @ (self.v - self.loads[:, None] * moving) + load[:, None] * moving
 
 
-def place(start, end, load):
-    """t (array) of loads on a branch."""
+def place(start: float, end: float, load: ArrayLike) -> NDArray[np.float64]:
+    """t of loads on a branch; 0 or 1 beyond its ends."""
     part = np.clip((np.asarray(load, float) - start) / (end - start), 0.0, 1.0)
     return np.arcsin(np.sqrt(part)) * (2.0 / np.pi)
 
 
-def even_weights(t, intervals):
-    """Weights (k, n + 1) of values at n + 1 even places of [0, 1] in that at t (k,): Lagrange's, of STENCIL of them."""
-    t = np.atleast_1d(np.asarray(t, float)) * intervals
-    count = min(STENCIL, intervals + 1)
-    low = np.clip(np.floor(t).astype(int) - (count - 1) // 2, 0, intervals + 1 - count)
-    off = (t - low)[:, None] - np.arange(count)
-    weights = np.ones((t.size, count))
-    for i in range(count):
-        for j in range(count):
-            if i != j:
-                weights[:, i] *= off[:, j] / (i - j)
-    out = np.zeros((t.size, intervals + 1))
-    np.put_along_axis(out, low[:, None] + np.arange(count), weights, axis=1)
-    return out
+@lru_cache(maxsize=64)
+def _spline(t: tuple[float, ...], periodic: bool = False) -> BSpline:
+    """Of t: the weights of values at these t in their spline; of a period the last one is zero, as the first counts."""
+    values, n = np.eye(len(t)), len(t) - 1
+    if periodic:
+        return make_interp_spline(t, np.vstack([values[:-1], values[:1]]), DEGREE, bc_type="periodic")
+    return make_interp_spline(t, values, min(DEGREE, n - 1 + n % 2))  # an odd degree, for which there are states enough
 
 
-def periodic_weights(t, intervals):
-    """Weights (k, n + 1) of the values at n + 1 even places of a period [0, 1] in the Fourier series at t (k,)."""
-    off = np.asarray(t, float)[:, None] - np.arange(intervals) / intervals
-    q = 2.0 * np.pi * np.arange(1, (intervals + 1) // 2)
-    weights = (1.0 + 2.0 * np.cos(off[:, :, None] * q).sum(axis=2)) / intervals
-    if intervals % 2 == 0:
-        weights += np.cos(np.pi * intervals * off) / intervals
-    return np.append(weights, np.zeros((len(weights), 1)), axis=1)
-
-
-def weights_near(places, at):
-    """(slice of STENCIL ascending places about `at`, their Lagrange weights in the value there)."""
-    low = int(np.searchsorted(places, at)) - STENCIL // 2
-    low = max(0, min(low, len(places) - STENCIL))
-    near = slice(low, low + STENCIL)
-    return near, lagrange(places[near], at)
+def even_weights(t: ArrayLike, intervals: int) -> NDArray[np.float64]:
+    """Weights (k, n + 1) of values at n + 1 even places of [0, 1] in their spline at t (k,)."""
+    return _spline(tuple(np.linspace(0.0, 1.0, intervals + 1)))(np.atleast_1d(np.asarray(t, float)))

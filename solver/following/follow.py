@@ -4,23 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..continuation.state import NotConverged
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.load_control import LoadControl
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from .branch import Crowded, NotFollowed
-from .moving import followed_branch, followed_fold
+from .held import followed_held
+from .moved import moved_branch, moved_folds
+from .no_contact import refuse_apart, without_contact
+from .patch import widened
+from .refinement import refined
 from .skeleton import Skeleton
-from .solving import Solving
-from .telling import resolved
-from .wider import widened
-from .without import without_contact
+from .solver import Solver
 
 SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not continuous
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
-HALVES = 2  # how often a move is halved, where the states wanted were too far
-LEAST = 0.1  # delta_bar above a jump-in whose fold is lost, from which on it does not matter
+HALVES = 2  # how often a move is halved where states or folds were too far
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
 WIDER = 3  # how often the patch grows in one move
 
@@ -28,26 +29,22 @@ WIDER = 3  # how often the patch grows in one move
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     """The Skeleton of a scene that differs from that of `skeleton` in continuous parameters.
 
-    Raises NotFollowed where its run is another one than that of the skeleton, as far as that can be told from here.
+    Raises NotFollowed where its run is another one than that of the skeleton, as far as that can be seen from here.
     """
-    _refuse(skeleton.scene, scene)
+    for name in SAME:
+        if getattr(skeleton.scene, name) != getattr(scene, name):
+            raise NotFollowed(f"{name} does not change continuously")
+    if scene.path != "shear":
+        raise NotFollowed(f"path {scene.path!r} is computed")
     spent = [0]
     found = _in_parts(skeleton, scene, HALVES, spent)
     return replace(found, evaluations=spent[0])
 
 
-def _refuse(old, scene):
-    for name in SAME:
-        if getattr(old, name) != getattr(scene, name):
-            raise NotFollowed(f"{name} does not change continuously")
-    if scene.path != "shear":
-        raise NotFollowed(f"path {scene.path!r} is computed")
-
-
 def _in_parts(skeleton, scene, halves, spent):
     """Followed in one go or, where that fails, by way of parameters in between; spent[0] takes the evaluations."""
     try:
-        return _patched(skeleton, scene, spent)
+        return moved(skeleton, scene, spent)
     except NotFollowed as failure:
         if not (failure.nearer and halves):
             raise
@@ -65,65 +62,68 @@ def _between(old, new, failure):
         raise failure from None
 
 
-def _patched(skeleton, scene, spent):
-    """Followed on a patch wide enough."""
+def moved(skeleton, scene, spent):
+    """The Skeleton of the scene, in one go, on a patch wide enough."""
     for _ in range(WIDER):
         try:
-            return _followed(skeleton, scene, spent)
+            return _moved(skeleton, scene, spent)
         except Crowded as failure:
             last, skeleton = failure, widened(skeleton)
+        except NotConverged as failure:  # under a held load the surfaces come apart
+            raise NotFollowed(str(failure)) from None
     raise last
 
 
-def _followed(skeleton, scene, spent):
+def _moved(skeleton, scene, spent):
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     try:
-        jumps, lost = _jumps(contact, skeleton)
-        if scene.delta_bar < lost + LEAST:
-            raise NotFollowed("where the surfaces jump into contact is not known")
+        jumps = _jumps(contact, skeleton)
         if jumps and scene.delta < jumps[-1].load:
             return without_contact(contact, skeleton, jumps)
         if skeleton.contact is None:
-            branches = _branches(contact, skeleton)
-            return replace(skeleton, scene=scene, branches=branches, jumps=jumps, lost=lost)
+            held, branches, residual = _branches(contact, skeleton)
+            new = replace(skeleton, scene=scene, branches=branches, jumps=jumps or (), held=held, residual=residual)
+            if jumps is None:
+                refuse_apart(contact, new)
+            return replace(new, lost=jumps is None)
     finally:
         spent[0] += contact.evaluations
-    return _in_parts(skeleton.contact, scene, HALVES, spent)
+    return moved(skeleton.contact, scene, spent)
 
 
 def _jumps(contact, skeleton):
-    """The Folds of the approach; none where they are no longer found, far below the scene's indentation."""
-    scene, old = contact.scene, skeleton.scene
-    if all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in PATH):
-        return skeleton.jumps, skeleton.lost
+    """The Folds of the approach; None where they are lost."""
+    scene, old, jumps = contact.scene, skeleton.scene, skeleton.jumps
+    if skeleton.lost:
+        return None
+    same = all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in PATH)
+    if same and all(np.isfinite(fold.residual) for fold in jumps):
+        return jumps
+    solver = Solver(Equilibrium(contact, vertical(1.0)))
     try:
-        return tuple(_jump(contact, fold) for fold in skeleton.jumps), skeleton.lost
+        return tuple(solver.fold(fold, "the jump into contact") for fold in jumps)
     except NotFollowed:
-        return (), skeleton.jumps[-1].load / old.delta_0
-
-
-def _jump(contact, fold):
-    solving = Solving(Equilibrium(contact, vertical(1.0)))
-    return followed_fold(solving, fold, np.zeros(fold.v.size), "the jump into contact")
+        return None
 
 
 def _branches(contact, skeleton):
-    scene, old, m = contact.scene, skeleton.branches, contact.size
+    """(Held or None, the Branches, the largest residual of their states, nm)."""
+    scene, old, held = contact.scene, skeleton.branches, None
     problem = Equilibrium(contact, sideways(1.0, -scene.delta))
     if scene.hold == "load":
-        rest = (old[0].weights(np.zeros(1)) @ old[0].v)[0, : 2 * m]
-        v, active = Solving(problem).at(rest, old[0].active[0], 0.0, "the state at U_x = 0")
-        pressure = contact.pressure(problem.traction(v, active)[1])
+        held = followed_held(contact, skeleton.held, scene.delta - skeleton.scene.delta)
+        pressure = contact.pressure(problem.traction(held.v, held.active)[1])
         problem = LoadControl(contact, sideways(1.0, 0.0), pressure)
-    solving, branches, change, start = Solving(problem, scene.damping), [], np.zeros(old[0].v[0].size), old[0].start
-    period = skeleton.sites * scene.spacing
-    for k, branch in enumerate(old, 1):
-        end = None if branch.fold else (scene.spacing if branch.periodic else scene.u_x_max)
-        reach, what = period if len(old) == 1 else None, f"branch {k}"
-        found = followed_branch(solving, branch, start, end, change, reach, what)
-        found = resolved(scene, skeleton.first, solving, found, what)
-        branches.append(found)
-        change, start = found.v[0] - branch.v[0], found.end
-    if branches[skeleton.home].start > branches[-1].end - period + NO_LATER:
+    solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
+    folds = moved_folds(solver, old)
+    start, branches = old[0].start, []
+    if period and folds[-1] and not skeleton.home:  # the states in which slips land belong to the first branch
+        start = min(0.0, folds[-1].load - period)
+    for k, (branch, fold) in enumerate(zip(old, folds, strict=True), 1):
+        end = fold.load if fold else scene.spacing if branch.periodic else scene.u_x_max
+        new = refined(scene, skeleton.first, solver, moved_branch(solver, branch, start, end, fold, k), k)
+        branches.append(new)
+        start = new.end
+    if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:
         raise NotFollowed("the surface rests after a slip where it has not been before")
-    return tuple(branches)
+    return held, tuple(branches), solver.residual

@@ -1,20 +1,35 @@
 """What carries a run that slides: its branches until they repeat, and from them the run at any load."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..continuation.fold import Fold
 from ..mechanics.cohesive_law import traction
+from ..mechanics.contact import Contact
 from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
 from ..scene import Scene
-from .branch import Branch, Fold
+from .branch import Branch
 
 FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Held:
+    """The equilibrium at the end of the approach: it carries the load that is held in shear.
+
+    kind: empty, or that of the slip at U_x = 0 by which the surface leaves it, as it is unstable under that load; None:
+    not known yet.
+    """
+
+    v: NDArray[np.float64] = field(repr=False)  # (2 m,) at given indentation
+    active: NDArray[np.bool_] = field(repr=False)
+    kind: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Skeleton:
     """The shear of a scene. Branches in order; the last one leads on to branch `home`, moved on by so many sites.
 
@@ -22,15 +37,17 @@ class Skeleton:
     is `first`. jumps: Folds of the approach, loads delta (nm). Treat it as read-only.
     """
 
-    scene: Scene
+    scene: Scene = field(repr=False)
     first: int
     branches: tuple[Branch, ...]
     home: int = 0
     sites: int = 0
-    jumps: tuple[Fold, ...] = ()
+    jumps: tuple[Fold, ...] = field(default=(), repr=False)
+    lost: bool = False  # whether there are jumps that are not among `jumps`
     evaluations: int = 0  # force evaluations spent in getting it
-    lost: float = -np.inf  # delta_bar of a jump-in whose fold could not be followed on
-    contact: "Skeleton | None" = None  # without contact: that in contact which comes back beyond the jump-in
+    residual: float = np.inf  # nm, the largest of its states
+    contact: "Skeleton | None" = field(default=None, repr=False)  # without contact: that in contact, for the way back
+    held: Held | None = field(default=None, repr=False)  # under a held load
 
     @property
     def period(self) -> float | None:
@@ -47,10 +64,21 @@ class Skeleton:
         """Of the patch."""
         return self.branches[0].v.shape[1] // 2
 
+    @property
+    def pressure(self) -> float | None:
+        """The mean normal traction that is held, GPa, or None."""
+        if self.held is None:
+            return None
+        count = 1 if self.nodes == 1 and self.scene.surface == "flat" else self.scene.nodes
+        return float(self.tractions(self.held.v[None])[0, 1].sum()) / count
+
     @cached_property
     def slips(self) -> tuple[SlipEvent, ...]:
         """The SlipEvents of the shear up to u_x_max."""
         events = []
+        if self.held is not None and self.held.kind:
+            numbers = (float(one[0]) for one in _numbers(self.scene, self.tractions(self.held.v[None])))
+            events.append(SlipEvent(0.0, *numbers, "shear", self.held.kind, True))
         for k, branch in enumerate(self.branches):
             if branch.fold is None:
                 continue
@@ -67,30 +95,36 @@ class Skeleton:
         """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
         return _numbers(self.scene, self.tractions(self.unknowns(U_x)))
 
-    def frames(self, U_x: ArrayLike) -> list[Frame]:
-        """The Frames at loads U_x (k,) nm, with no slips in them and `residual` nan, as none was evaluated."""
+    def frames(self, U_x: ArrayLike, residuals: bool = True) -> list[Frame]:
+        """The Frames at loads U_x (k,) nm, with no slips in them.
+
+        residuals: evaluate them, one force evaluation each; else `Frame.residual` is nan.
+        """
         v, m = self.unknowns(U_x), self.nodes
         heights = v[:, -1] if self.scene.hold == "load" else np.full(len(v), -self.scene.delta)
+        contact = Contact(self.scene, self.first, m) if residuals else None
         rows = zip(np.atleast_1d(U_x), v, heights, self.tractions(v), strict=True)
-        return [self._frame(float(load), u[: 2 * m].reshape(2, m), float(U_z), T) for load, u, U_z, T in rows]
+        return [self._frame(float(U), u[: 2 * m].reshape(2, m), float(U_z), T, contact) for U, u, U_z, T in rows]
 
-    def _frame(self, U_x, u, U_z, T):
-        scene = self.scene
+    def _frame(self, U_x, u, U_z, T, contact):
+        scene, residual = self.scene, np.nan
+        if contact is not None:
+            residual = float(np.abs(np.array([[U_x], [U_z]]) + contact.comply(T) - u).max())
         F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(scene, T[None]))
         u, T = on_nodes(scene, u), on_nodes(scene, T)
         first = 0 if u.shape[1] == scene.nodes else self.first
         index = round(U_x / (scene.du_x * scene.delta_t))
-        return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, T, F_bar, L_bar, A_bar, np.nan, 0)
+        return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, T, F_bar, L_bar, A_bar, residual, 0)
 
     def unknowns(self, U_x: ArrayLike) -> NDArray[np.float64]:
         """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
         U_x = np.atleast_1d(np.asarray(U_x, float))
         ends = np.array([branch.end for branch in self.branches])
         shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.sites else 0.0 * U_x
-        place = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
+        index = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
         v = np.empty((U_x.size, self.branches[0].v.shape[1]))
         for k, branch in enumerate(self.branches):
-            mine = place == k
+            mine = index == k
             v[mine] = branch.states(U_x[mine] - shift[mine], self.nodes)
         v[:, : self.nodes] += shift[:, None]
         return v
@@ -108,12 +142,12 @@ def tractions(scene, first, v):
     for k in range(0, len(v), few):
         part = v[k : k + few]
         gap = profile + part[:, m : 2 * m]
-        field = traction(scene, part[:, :m], gap)
-        field[:, gap > scene.window_n * scene.delta_n] = 0.0
-        T[k : k + few] = field.swapaxes(0, 1)
+        T_part = traction(scene, part[:, :m], gap)
+        T_part[:, gap > scene.window_n * scene.delta_n] = 0.0
+        T[k : k + few] = T_part.swapaxes(0, 1)
     return T
 
 
 def _numbers(scene, T):
     """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
-    return *forces(scene, T), np.array([contact_area(scene, field) for field in T])
+    return *forces(scene, T), np.array([contact_area(scene, one) for one in T])

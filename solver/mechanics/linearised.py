@@ -38,23 +38,30 @@ class Linearised:
 
     def transposed(self, w):
         """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""
-        out = -w[: 2 * self.m]
-        add_product(self.J[[0, 2, 1, 3]], self.by_traction(w), out.reshape(2, -1))
+        out = self.by_unknowns(self.by_traction(w))
+        out[: 2 * self.m] -= w[: 2 * self.m]
         return out
 
     def by_traction(self, w):
-        """<w, R> differentiated by the tractions, (2, m) nm/GPa; a buffer; counts as a force evaluation."""
-        return self.contact.comply(w[: 2 * self.m].reshape(2, -1))
+        """<w, R> differentiated by the tractions, (2, m) nm/GPa; a new array; counts as a force evaluation."""
+        return self.contact.comply(w[: 2 * self.m].reshape(2, -1)).copy()
+
+    def by_unknowns(self, gradient, J=None):
+        """A gradient (2, m) by the tractions as one by the unknowns (problem size,): J^T gradient; J: another one."""
+        out = np.zeros(self.surface.problem.size)
+        J = self.J if J is None else J
+        add_product(J[[0, 2, 1, 3]], gradient, out[: 2 * self.m].reshape(2, -1))
+        return out
+
+    def pull(self, w, J=None):
+        """J w, (2, m), of unknowns w (problem size,); J: another one; a new array."""
+        out = np.zeros((2, self.m))
+        add_product(self.J if J is None else J, w[: 2 * self.m].reshape(2, -1), out)
+        return out
 
     def mirrored(self, w):
         """The left null vector (problem size,) of dR/dv with the right one w, if J were symmetric: J w."""
         return self.pull(w).reshape(-1)
-
-    def pull(self, w):
-        """J w, (2, m), of unknowns w (problem size,); a new array."""
-        out = np.zeros((2, self.m))
-        add_product(self.J, w[: 2 * self.m].reshape(2, -1), out)
-        return out
 
     def slopes(self, right, left):
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
@@ -62,9 +69,7 @@ class Linearised:
         h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), 1e-300)
         change = self.contact.tangents(self.u + h * way, self.active)
         change -= self.contact.tangents(self.u - h * way, self.active)
-        out = np.zeros((2, self.m))
-        add_product(change[[0, 2, 1, 3]] / (2.0 * h), self.by_traction(left), out)
-        return np.append(out, [0.0] * (right.size - out.size))
+        return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
     def matrix(self):
         """dR/dv, dense (problem size, problem size); None beyond `dense.MOST` nodes."""

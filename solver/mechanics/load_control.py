@@ -45,7 +45,9 @@ class HeldLinearised(Linearised):
 
     def transposed(self, w):
         """As of Linearised; w (problem size,)."""
-        return np.append(super().transposed(w), w[self.m : -1].sum())
+        out = super().transposed(w)
+        out[-1] = w[self.m : -1].sum()
+        return out
 
     def by_traction(self, w):
         """As of Linearised; the height's residual is the pressure's."""

@@ -115,8 +115,9 @@ def of_skeleton(skeleton):
     if not touches(start):
         return {"regime": NEVER_TOUCHES, "A_0": start.A_bar}
     known = {"branches": len(skeleton.branches)}
-    if not skeleton.slips:
+    slips = [event for event in skeleton.slips if event.kind != "control"]  # as of `summarize`
+    if not slips:
         return known | {"regime": SMOOTH if skeleton.branches[0].periodic else STICKS, "A_0": start.A_bar}
-    event = skeleton.slips[0]
+    event = slips[0]
     before, after = skeleton.frames([event.load, np.nextafter(event.load, np.inf)])
     return known | at_slip(start, before, after, event)

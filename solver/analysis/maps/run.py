@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from ...continuation.state import NotConverged
 from ...following.branch import NotFollowed
-from ...following.reading import skeleton_from
+from ...following.from_frames import skeleton_from
 from ...run.loadpath import load_path
 from ...run.summary import summarize
 from .point import NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton, touches

@@ -1,0 +1,52 @@
+"""A branch of a changed problem from that of the old one: its fold first, then the states before it, one by one."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..continuation.fold import Fold
+from ..continuation.interpolation import lagrange
+from .branch import Branch, NotFollowed
+from .solver import Solver
+
+NEAR = 3  # changes of states from which that of the next one is extrapolated
+FIRST = 1.5  # units: the first state of a branch without a fold is followed that far; farther off, it is another one
+
+
+def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[Fold | None]:
+    """The Folds that those of the old Branches become; each moves about as the one before."""
+    folds: list[Fold | None] = []
+    change = np.zeros(old[0].v.shape[1])
+    for k, branch in enumerate(old, 1):
+        fold = branch.fold
+        if fold is not None:
+            new = solver.fold(replace(fold, v=fold.v + change, psi=None), f"the end of branch {k}")
+            change, fold = new.v - fold.v, new
+        folds.append(fold)
+    return folds
+
+
+def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: Fold | None, number: int) -> Branch:
+    """The Branch that `old` becomes from load `start` to `end`, nm, where its Fold is, or None."""
+    what = f"a state of branch {number}"
+    if not end > start:
+        raise NotFollowed(f"branch {number} has no states left", nearer=True)
+    new = replace(old, start=start, end=end, v=old.v.copy(), active=old.active.copy(), fold=fold)
+    if fold is None:
+        order = range(old.intervals + 1)
+        first = solver.state(old.v[0], old.active[0], start, what, FIRST)
+    else:
+        order, first = range(old.intervals, -1, -1), (fold.v, fold.active)
+    new.v[order[0]], new.active[order[0]] = first
+    _solve(solver, new, old, order, what)
+    return new
+
+
+def _solve(solver, new, old, order, what):
+    """Fill in the states of a new Branch in that order; the first is there. Each changes as those before let expect."""
+    loads, changes = new.loads, [new.v[order[0]] - old.v[order[0]]]
+    for i in order[1:]:
+        near = changes[-NEAR:]
+        change = np.asarray(lagrange(range(-len(near), 0), 0)) @ np.asarray(near)
+        new.v[i], new.active[i] = solver.state(old.v[i] + change, old.active[i], loads[i], what)
+        changes.append(new.v[i] - old.v[i])

@@ -1,0 +1,50 @@
+"""A skeleton on a wider patch: the nodes added are displaced by the tractions of the others."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..continuation.fold import Fold
+from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium
+from ..mechanics.load_control import LoadControl
+from ..run.loading import sideways, vertical
+from .branch import Branch
+from .skeleton import Held, Skeleton
+
+
+def widened(skeleton: Skeleton) -> Skeleton:
+    """The same Skeleton with more nodes."""
+    scene = skeleton.scene
+    contact = Contact(scene, skeleton.first, skeleton.nodes)
+    given, approach = Equilibrium(contact, sideways(1.0, -scene.delta)), Equilibrium(contact, vertical(1.0))
+    shear = given if skeleton.held is None else LoadControl(contact, sideways(1.0, 0.0), skeleton.pressure)
+    held = skeleton.held and Held(*_state(given, skeleton.held.v, skeleton.held.active, 0.0), skeleton.held.kind)
+    return replace(
+        skeleton,
+        first=contact.wider().first,
+        branches=tuple(_branch(shear, branch) for branch in skeleton.branches),
+        jumps=tuple(_fold(approach, jump) for jump in skeleton.jumps),
+        contact=skeleton.contact and widened(skeleton.contact),
+        held=held,
+    )
+
+
+def _state(problem, v, active, load):
+    """(v, active) with more nodes."""
+    return problem.grown(v, active, load, True)[1:]
+
+
+def _branch(problem, branch: Branch) -> Branch:
+    states = [_state(problem, *each) for each in zip(branch.v, branch.active, branch.loads, strict=True)]
+    v, active = (np.array(rows) for rows in zip(*states, strict=True))
+    return replace(branch, v=v, active=active, fold=branch.fold and _fold(problem, branch.fold))
+
+
+def _fold(problem, fold: Fold) -> Fold:
+    """The Fold with more nodes, which do not move along phi: that is but a guess of the next one's."""
+    m, wide = problem.nodes, problem.contact.wider()
+    before = problem.contact.first - wide.first
+    phi = np.pad(fold.phi[: 2 * m].reshape(2, m), [(0, 0), (before, wide.size - m - before)]).ravel()
+    v, active = _state(problem, fold.v, fold.active, fold.load)
+    return replace(fold, v=v, active=active, phi=np.append(phi, fold.phi[2 * m :]), psi=None)

@@ -1,0 +1,62 @@
+"""How many states a branch needs: its interpolation error, estimated by leaving out every second state."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .branch import DEGREE, Branch
+from .skeleton import tractions
+from .solver import Solver
+
+ERROR = 2e-4  # of the largest force, between states: a fifth of what followed runs promise
+# an error with every second state only is at least so many times larger; in the limit 2 to the power of 6
+HALF = 16.0
+FINEST = 200  # intervals, from which on a branch is not divided any more: smooth sliding close to stick-slip has jerks
+FEWEST = 12  # intervals, below which no states are left out
+
+
+def refined(scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
+    """The Branch with as many states as its forces need: more are solved for, or every second is left out."""
+    while branch.intervals < FINEST:
+        out, errors = _errors(scene, first, branch)
+        poor = out[errors > HALF * ERROR]
+        if not poor.size:
+            break
+        # where it jerks only; towards a fold t stays even
+        where = np.union1d(poor - 1, poor) if branch.periodic else np.arange(branch.intervals)
+        branch = divided(solver, branch, where, number)
+    while branch.uneven is None and branch.intervals % 2 == 0 and branch.intervals >= 2 * FEWEST:
+        out, errors = _errors(scene, first, branch)
+        if errors.max() >= 0.5 * ERROR:
+            break
+        branch = branch.without(out)
+    return branch
+
+
+def divided(solver: Solver, branch: Branch, where, number: int) -> Branch:
+    """The same Branch with a state solved for amid each of the intervals `where`."""
+    amid = 0.5 * (branch.t[where] + branch.t[where + 1])
+    loads = branch.load_at(amid)
+    v, active = branch.states(loads, solver.moving), branch.active[where].copy()
+    for i, load in enumerate(loads):
+        v[i], active[i] = solver.state(v[i], active[i], load, f"a state of branch {number}")
+    t = None if where.size == branch.intervals and branch.uneven is None else np.insert(branch.t, where + 1, amid)
+    v, active = np.insert(branch.v, where + 1, v, 0), np.insert(branch.active, where + 1, active, 0)
+    return replace(branch, v=v, active=active, uneven=t)
+
+
+def forces_of(scene, first, v):
+    """(sums of T_x and T_z (k, 2) over the patch, GPa, of unknowns v (k, size); what they are compared with (2,))."""
+    sums = tractions(scene, first, v).sum(axis=2)
+    largest = np.abs(sums).max(axis=0, initial=1e-300)
+    return sums, np.maximum(largest, 1e-2 * largest.max())  # a flat may carry no normal load at all
+
+
+def _errors(scene, first, branch):
+    """(every second of the states, what their forces are off by if interpolated from the others, over the largest)."""
+    out = np.arange(1, branch.intervals, 2)
+    if branch.intervals // 2 < DEGREE:
+        return out, np.zeros(out.size)
+    between = branch.without(out).states(branch.loads[out], branch.v.shape[1] // 2)
+    exact, largest = forces_of(scene, first, branch.v)
+    return out, (np.abs(forces_of(scene, first, between)[0] - exact[out]) / largest).max(axis=1)

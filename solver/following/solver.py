@@ -1,0 +1,71 @@
+"""Solves one problem for state after state, with secant pairs kept from each to the next; failures are NotFollowed."""
+
+from contextlib import contextmanager
+
+import numpy as np
+
+from ..continuation.corrector import Corrector
+from ..continuation.fold import Fold, FoldOptions, fold_near
+from ..continuation.problem import Problem
+from ..continuation.rest import Judge
+from ..continuation.state import State
+from .branch import TOLERANCE, Crowded, NotFollowed
+
+FEW = 3  # unknowns: one node stands for all, which does not show waves
+SURPRISE = 0.3  # units from its guess: a state farther off may lie on another branch, and is not taken
+# the load of a fold to the tolerance of states; nodes may cross the window's edge a few times on the way
+FOLDS = FoldOptions(load=TOLERANCE, state=TOLERANCE**0.5, window=3)
+
+
+class Solver:
+    """Of a problem as of `continuation.problem`.
+
+    Attributes: moving, the number of unknowns that move on with the load, which come first; residual, nm, the largest
+    of all solutions.
+    """
+
+    def __init__(self, problem: Problem, damping: float = 1.0) -> None:
+        """damping: of the motion, over critical."""
+        self._least = problem.tolerance
+        problem.tolerance = max(TOLERANCE, self._least)
+        self.problem, self.corrector, self.damping = problem, Corrector(problem), damping
+        self.moving = int(np.count_nonzero(problem.direction))
+        self.secants, self._begun, self.residual = self.corrector.secants(), False, 0.0
+
+    def state(self, guess, active, load: float, what: str, surprise: float = SURPRISE):
+        """(v, active) of the state at fixed load next to a guess; raises NotFollowed farther off than `surprise`."""
+        if not self._begun:
+            self.corrector.begin(State.at_rest(load, guess, active))
+            self._begun = True
+        v = guess.copy()
+        active = self.corrector.settle(v, self.problem.active(v, load, active), load, self.secants)
+        if active is None:
+            raise NotFollowed(f"{what} is not found", nearer=True)
+        if np.abs(v - guess).max() > surprise * self.problem.unit:
+            raise NotFollowed(f"{what} lies on another branch", nearer=True)
+        self._check(v, active, load, self.corrector.worst, what)
+        return v, active
+
+    def fold(self, guess: Fold, what: str) -> Fold:
+        """The Fold next to a guess."""
+        fold = fold_near(self.problem, guess, FOLDS)
+        if fold is None:
+            raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
+        self._check(fold.v, fold.active, fold.load, fold.residual, what)
+        return fold
+
+    @contextmanager
+    def within(self, tolerance: float):
+        """Solve to another tolerance, nm."""
+        usual, self.problem.tolerance = self.problem.tolerance, max(tolerance, self._least)
+        try:
+            yield
+        finally:
+            self.problem.tolerance = usual
+
+    def _check(self, v, active, load, residual, what):
+        problem, self.residual = self.problem, max(self.residual, float(residual))
+        if problem.grown(v, active, load) is not None:
+            raise Crowded(f"{what} needs a wider patch")
+        if problem.size <= FEW and Judge(self.damping).rightmost(problem, v, active).hidden:
+            raise NotFollowed(f"at {what} waves grow")
