@@ -212,9 +212,11 @@ class _Reader:
         return u[:, self.first : self.first + self.m]
 
     def branch(self, line, periodic):
-        """The Branch of a _Line with as few states as describe its frames, and what lies between these states."""
+        """The Branch of a _Line: of smooth sliding its frames, else as few states as describe these."""
+        if periodic:
+            return self._period_of(line)
         for n in INTERVALS:
-            branch = Branch(line.start, line.end, np.empty((n + 1, 0)), None, None, periodic)
+            branch = Branch(line.start, line.end, np.empty((n + 1, 0)), None)
             branch = replace(branch, v=line.at(branch.loads))
             between = branch.load_at((np.arange(n) + 0.5) / n)
             loads = np.append(line.loads[(line.loads > line.start) & (line.loads < line.end)], between)
@@ -223,6 +225,14 @@ class _Reader:
             if (np.abs(states - exact) <= ERROR * largest).all():
                 break
         return replace(branch, active=self._active(branch.v), fold=self._fold(line) if line.slips else None)
+
+    def _period_of(self, line):
+        """The Branch of a _Line of one period of smooth sliding, which may jerk between any two frames."""
+        period = line.end - line.start
+        loads, last = np.append(line.loads[line.loads < line.end], line.end), line.v[:1].copy()
+        last[:, : self.m] += period
+        v = np.vstack([line.v[: loads.size - 1], last])
+        return Branch(line.start, line.end, v, self._active(v), None, True, (loads - line.start) / period)
 
     def _active(self, v):
         """(k, m) of v (k, size)."""

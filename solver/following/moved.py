@@ -7,7 +7,7 @@ import numpy as np
 from ..continuation.fold import Fold
 from ..continuation.interpolation import lagrange
 from .branch import Branch, NotFollowed
-from .solver import Solver
+from .solver import SURPRISE, Solver
 
 NEAR = 3  # changes of states from which that of the next one is extrapolated
 FIRST = 1.5  # units: the first state of a branch without a fold is followed that far; farther off, it is another one
@@ -48,5 +48,7 @@ def _solve(solver, new, old, order, what):
     for i in order[1:]:
         near = changes[-NEAR:]
         change = np.asarray(lagrange(range(-len(near), 0), 0)) @ np.asarray(near)
-        new.v[i], new.active[i] = solver.state(old.v[i] + change, old.active[i], loads[i], what)
+        gap = 0.0 if new.fold else np.abs(np.diff(old.v[max(i - 1, 0) : i + 2], axis=0)).max() / solver.problem.unit
+        surprise = max(SURPRISE, gap)  # smooth sliding may jerk, and that between other states than before
+        new.v[i], new.active[i] = solver.state(old.v[i] + change, old.active[i], loads[i], what, surprise)
         changes.append(new.v[i] - old.v[i])

@@ -6,7 +6,7 @@ import numpy as np
 
 from .branch import DEGREE, Branch
 from .skeleton import tractions
-from .solver import Solver
+from .solver import SURPRISE, Solver
 
 ERROR = 2e-4  # of the largest force, between states: a fifth of what followed runs promise
 # an error with every second state only is at least so many times larger; in the limit 2 to the power of 6
@@ -38,8 +38,9 @@ def divided(solver: Solver, branch: Branch, where, number: int) -> Branch:
     amid = 0.5 * (branch.t[where] + branch.t[where + 1])
     loads = branch.load_at(amid)
     v, active = branch.states(loads, solver.moving), branch.active[where].copy()
-    for i, load in enumerate(loads):
-        v[i], active[i] = solver.state(v[i], active[i], load, f"a state of branch {number}")
+    for i, (load, k) in enumerate(zip(loads, where, strict=True)):
+        gap = np.abs(branch.v[k + 1] - branch.v[k]).max() / solver.problem.unit  # between states, one may be anywhere
+        v[i], active[i] = solver.state(v[i], active[i], load, f"a state of branch {number}", max(gap, SURPRISE))
     t = None if where.size == branch.intervals and branch.uneven is None else np.insert(branch.t, where + 1, amid)
     v, active = np.insert(branch.v, where + 1, v, 0), np.insert(branch.active, where + 1, active, 0)
     return replace(branch, v=v, active=active, uneven=t)
