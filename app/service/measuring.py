@@ -9,7 +9,6 @@ from app.service import worker
 from solver import Scene, SceneError
 
 PAUSE = 0.2  # s between two messages that bring nothing but progress
-LEAST = {"seconds": 1e-4, "error": 1e-13}  # a logarithmic axis has no zero; smaller is round-off or nothing
 
 
 def work(scene):
@@ -53,13 +52,15 @@ def _news(scene):
 
 def points(report):
     """The sweep of the tolerance as plain data, without runs that did not finish."""
+    from solver.validation.accuracy import LEAST
+
     swept = report.of("tolerance") if report else []
     return [
         {
             "series": p.series,
             "tolerance": p.value,
             "seconds": max(p.seconds, LEAST["seconds"]),
-            "evaluations": max(p.evaluations, 1),
+            "evaluations": max(p.evaluations, LEAST["evaluations"]),
             "error": max(p.branch_error, LEAST["error"]),
             "astray": p.branches[0] < p.branches[1],
         }

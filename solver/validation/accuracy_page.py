@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from .. import html_page
 from ..scene import LIMITS
-from .accuracy import SWEEPS, Report
+from .accuracy import LEAST, SWEEPS, Report
 from .accuracy_text import choice, command, failures, notes, sentence, table, title
 
 
@@ -33,8 +33,6 @@ STYLE = {
     "FIRE": Style("#CC79A7", "diamond", 14),
 }
 WORK = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
-LEAST = {"seconds": 1e-4, "evaluations": 1}  # a log axis has no zero
-FLOOR = 1e-13  # smallest error drawn: what is smaller is round-off
 WIDER = 2.5  # factor of the largest work at which the axis ends, for the value beside the last point
 PANELS = (
     Panel("tolerance", "F, L, A before the first slip: largest relative error", lambda p: p.branch_error),
@@ -85,13 +83,13 @@ def _diagram(report, panel, work):
     )
     for series, style in STYLE.items():
         points = _drawn(report.of(panel.sweep, series), panel)
-        errors = [max(panel.error(p), FLOOR) for p in points]
+        errors = [max(panel.error(p), LEAST["error"]) for p in points]
         source = {"x": [work_of(p) for p in points], "y": errors, "name": [f"{p.value:g}" for p in points]}
         if points:
             shown.line(source["x"], source["y"], color=style.colour, width=2, legend_label=series)
             dots = {"source": source, "size": 10, "marker": style.marker}
             source = shown.scatter(**dots, color=style.colour, legend_label=series).data_source
-            look = {"color": style.colour, "font_size": "9pt", "x_offset": 8, "y_offset": style.below}
+            look = {"color": style.colour, "text_font_size": "9pt", "x_offset": 8, "y_offset": style.below}
             shown.text(source=source, text="name", **look)
         astray = [(work_of(p), error) for p, error in zip(points, errors, strict=True) if not p.right]
         if astray:

@@ -46,7 +46,7 @@ def springs(scene: Scene, ux, gap, active) -> tuple[np.ndarray, np.ndarray]:
     """T (2, m) GPa, paper Eq. 2-4, of nodes displaced by ux (m,) at that gap (m,), nm; and the springs' size (m,), GPa.
 
     The size is the same sum with |dn| + 1 and |dt| + 1 for the factors that pass through zero. It is at least that of
-    one spring at dt = 0, because a node between two sites has no spring but at the edge of the window.
+    one spring at dt = 0: a node between two sites may have springs only at the edge of the window.
     """
     count, shear, _, size = _sums(scene, ux)
     dn, t, n = _strengths(scene, gap, active)

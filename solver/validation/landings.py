@@ -1,9 +1,9 @@
 """The equilibrium that each slip reaches, by the paper's GFMD alone; the branches of all runs are compared with it.
 
 Nothing but the damped motion in explicit steps, from equilibrium to equilibrium. An increment with a slip is halved
-until it is shorter than SHORT, so that the transient begins at rest just beyond the end of the branch, and not with the
-swing that the rest of a long increment would excite. Where half the time step leads elsewhere, the transient itself
-bifurcates, and neither branch is right.
+until it is shorter than SHORT. The transient then begins at rest just beyond the end of the branch; the remainder of a
+long increment would set it swinging. Where half the time step leads elsewhere, the transient itself bifurcates, and
+neither branch is right.
 """
 
 from dataclasses import dataclass, replace

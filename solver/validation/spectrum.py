@@ -1,10 +1,10 @@
 """Whether a frame is stable: the growth rates of all small disturbances of the whole surface, by dense eigenvalues.
 
-The transient obeys u'' = K (U - u) + T(u) - gamma u', one unit mass for every Fourier mode, gamma = 2 zeta k_min^1/2,
-with k_min the least stiffness of any mode and zeta the scene's damping. A disturbance exp(lambda t) of an equilibrium
-obeys lambda^2 + gamma lambda = mu, with mu an eigenvalue of dT/du - K (GPa/nm). It grows where mu lies outside the
-parabola Im(mu)^2 = -gamma^2 Re(mu): in a fold through mu = 0, in flutter through a complex pair. Overdamped: lambda is
-mu. Layer and springs are those of `extended`.
+The transient obeys u'' = K (U - u) + T(u) - gamma u' with one unit mass for every Fourier mode. The friction is
+gamma = 2 zeta k_min^1/2, where k_min is the least stiffness of any mode and zeta the scene's damping. A disturbance
+exp(lambda t) of an equilibrium obeys lambda^2 + gamma lambda = mu, with mu an eigenvalue of dT/du - K (GPa/nm). It
+grows where mu lies outside the parabola Im(mu)^2 = -gamma^2 Re(mu): in a fold through mu = 0, in flutter through a
+complex pair. Overdamped: lambda is mu. Layer and springs are those of `extended`.
 """
 
 from dataclasses import dataclass

@@ -29,8 +29,8 @@ DENSE = 256  # nodes of the cell up to which the stability of frames is checked:
 SPECTRA = 3  # frames whose stability is checked, besides those that slipped and the last
 SIDEWAYS = ("shear", "back", "forth")  # stages in which a load may be held
 UNSTABLE = 1e-3  # growth per unit of time of the transient, above which a frame is unstable; a branch ends at 0
-# delta_n by which a node may stand on the wrong side of the window's edge, because a node that changed sides in an
-# increment stays; within 0.1 its traction is that at the edge to a tenth
+# delta_n by which a node may stand on the wrong side of the window's edge: it changes sides once in an increment.
+# Within 0.1 its traction is that at the edge to a tenth
 EDGE = 0.1
 SAME_TRACTION = 1e-9  # of the springs' size, besides one spring at the tangential edge of the window
 
