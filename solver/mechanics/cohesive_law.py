@@ -15,31 +15,26 @@ from math import factorial
 import numpy as np
 from numba import njit
 
-DEEPEST = -50.0  # dn/delta_n; nodes deeper than that (in iterates only, never in a solution) count as this deep
-TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: enough for |r| <= ln(2)/2
-ALIKE = 1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: well above round-off
+DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count as this deep; exp(50) is finite
+TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: round-off for |r| <= ln(2)/2
+ALIKE = 1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: round-off is 1e-13
 WORK = 10  # rows of the scratch array `work`
 
 _fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
 
 
-def law_constants(scene):
-    """What a kernel needs: [phi_n/delta_n, 2 phi_t/delta_t (GPa), delta_n, delta_t (nm), a/delta_t, window_t], (6,)."""
-    return np.array(
-        [
-            scene.phi_n / scene.delta_n,
-            2.0 * scene.phi_t / scene.delta_t,
-            scene.delta_n,
-            scene.delta_t,
-            scene.spacing / scene.delta_t,
-            scene.window_t,
-        ]
-    )
+def law_constants(scene) -> np.ndarray:
+    """`law` of the kernels, (6,): phi_n/delta_n, 2 phi_t/delta_t (GPa), delta_n, delta_t (nm), a/delta_t, window_t.
+
+    An array, as unpacking a NamedTuple takes numba as long as a tenth of an evaluation.
+    """
+    strengths = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t
+    return np.array([*strengths, scene.delta_n, scene.delta_t, scene.spacing / scene.delta_t, scene.window_t])
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def exponential(x, power):
-    """x = exp(x) in place, to round-off, x kept within +-700; power: scratch of the same length.
+    """Replace x by exp(x), to round-off, with x limited to +-700; power: scratch of the same length.
 
     exp(x) = 2^k p(r), r = x - k ln 2. Adding 1.5 2^52 leaves k in the low bits of the sum; shifted up they are 2^k.
     """
@@ -65,13 +60,13 @@ def window_sums(u_x, u_z, profile, law, work):
 
     u_x, u_z, profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
     """
-    a, window, m = law[4], law[5], profile.size
+    delta_n, delta_t, a, window, m = law[2], law[3], law[4], law[5], profile.size
     e, s0, up, s1, s2, dn, r = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
     down, ahead, behind = work[7], work[8], work[9]
     for i in range(m):
-        x = u_x[i] / law[3]
+        x = u_x[i] / delta_t
         r[i] = x - a * np.floor(x / a + 0.5)
-        dn[i] = max((profile[i] + u_z[i]) / law[2], DEEPEST)
+        dn[i] = max((profile[i] + u_z[i]) / delta_n, DEEPEST)
         e[i] = -dn[i]
         s0[i] = -r[i] * r[i]
         up[i] = 2.0 * a * r[i]
@@ -100,17 +95,19 @@ def window_sums(u_x, u_z, profile, law, work):
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def _tractions(work, active, law, T_x, T_z):
+    normal, shear = law[0], law[1]
     e, s0, s1, dn = work[0], work[1], work[3], work[5]
     for i in range(active.size):
         force = e[i] if active[i] else 0.0
-        T_x[i] = law[1] * s1[i] * force
-        T_z[i] = -law[0] * dn[i] * s0[i] * force
+        T_x[i] = shear * s1[i] * force
+        T_z[i] = -normal * dn[i] * s0[i] * force
 
 
-def tractions(u, profile, active, law, work, out):
-    """Traction of every node, GPa, out: (2, m) with rows T_x, T_z; active bool (m,): the others get zero.
+def tractions(u, profile, active, law, work, out) -> None:
+    """Fill out (2, m), rows T_x and T_z, with the tractions of nodes displaced by u (2, m) nm, GPa.
 
-    Kernels get rows, so that slices of wider buffers have the type of whole arrays, and they are compiled once.
+    profile: undeformed gap, (m,) nm; active: bool (m,), the other nodes get zero; law: `law_constants`; work: scratch,
+    (WORK, m). Kernels get rows: slices of wider buffers then have the type of whole arrays, and compile once.
     """
     window_sums(u[0], u[1], profile, law, work)
     _tractions(work, active, law, out[0], out[1])
@@ -118,19 +115,20 @@ def tractions(u, profile, active, law, work, out):
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def _tangents(work, active, law, out):
+    normal, shear, delta_n, delta_t = law[0], law[1], law[2], law[3]
     e, s0, s1, s2, dn = work[0], work[1], work[3], work[4], work[5]
     for i in range(active.size):
         force = e[i] if active[i] else 0.0
-        out[0, i] = -law[1] * (s0[i] - 2.0 * s2[i]) * force / law[3]
-        out[1, i] = -law[1] * s1[i] * force / law[2]
-        out[2, i] = -law[0] * dn[i] * 2.0 * s1[i] * force / law[3]
-        out[3, i] = -law[0] * (1.0 - dn[i]) * s0[i] * force / law[2]
+        out[0, i] = -shear * (s0[i] - 2.0 * s2[i]) * force / delta_t
+        out[1, i] = -shear * s1[i] * force / delta_n
+        out[2, i] = -normal * dn[i] * 2.0 * s1[i] * force / delta_t
+        out[3, i] = -normal * (1.0 - dn[i]) * s0[i] * force / delta_n
 
 
-def tangents(u, profile, active, law, work, out):
-    """Tangent of every node, GPa/nm, out: (4, m) with rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z.
+def tangents(u, profile, active, law, work, out) -> None:
+    """Fill out (4, m), rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z, with tangents, GPa/nm; else as `tractions`.
 
-    Not symmetric: NP1 has no potential.
+    They are not symmetric: NP1 has no potential.
     """
     window_sums(u[0], u[1], profile, law, work)
     _tangents(work, active, law, out)
@@ -144,8 +142,8 @@ def _add_product(J, x, z, out_x, out_z):
         out_z[i] += J[2, i] * a + J[3, i] * b
 
 
-def add_product(J, w, out):
-    """out += J w, (2, m) each; J: (4, m) as of `tangents`."""
+def add_product(J, w, out) -> None:
+    """Add J w to out, (2, m) each; J: (4, m) as of `tangents`."""
     _add_product(J, w[0], w[1], out[0], out[1])
 
 
@@ -154,18 +152,18 @@ def alike(tangents) -> bool:
     return bool(np.ptp(tangents, axis=1).max() <= ALIKE * np.abs(tangents).max())
 
 
-def traction(scene, ux, gap):
-    """(T_x, T_z), GPa, of nodes displaced by ux (nm) at that gap (nm); arrays of one shape, or numbers."""
+def traction(scene, ux, gap) -> np.ndarray:
+    """(T_x, T_z), GPa, of single nodes displaced by ux (nm) at a gap (nm); arrays of one shape, or numbers."""
     return _free(tractions, 2, scene, ux, gap)
 
 
-def tangent(scene, ux, gap):
-    """The tangents, rows as in `tangents`, GPa/nm; arguments as in `traction`."""
+def tangent(scene, ux, gap) -> np.ndarray:
+    """The tangents of single nodes, rows as in `tangents`, GPa/nm; arguments as in `traction`."""
     return _free(tangents, 4, scene, ux, gap)
 
 
 def _free(kernel, rows, scene, ux, gap):
-    """What a kernel says of nodes that belong to no surface, all of them active."""
+    """The rows of a kernel for nodes without a surface, all of them active."""
     u = np.array(np.broadcast_arrays(ux, gap), float)
     m, out = u[0].size, np.empty((rows, *u[0].shape))
     profile, active, work = np.zeros(m), np.ones(m, bool), np.empty((WORK, m))

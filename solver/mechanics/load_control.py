@@ -1,9 +1,8 @@
-"""A held normal load: the contact as a problem in which the height of the top follows.
+"""A held normal load, as of a dead weight: the contact as a problem whose unknowns include the height of the top.
 
-A dead weight: the top has no mass and bears no other force, so that the layer always carries p_0, the mean of T_z over
-the cell. Unknowns: those at given height, and the height U_z of the top, nm. Residual for the top: `scale` (p - p_0),
-with `scale` a compliance that merely turns a pressure into nm. In the motion the uniform normal mode then has no
-stiffness, and p_0 acts on it as a force.
+The top has no mass and bears no other force, so the layer always carries p_0, the mean of T_z over the cell. Unknowns:
+those at a given height, and the height U_z of the top, nm. Residual of the top: `scale` (p - p_0), with a compliance
+`scale` that turns a pressure into nm. In the motion the uniform normal mode has no stiffness, and p_0 is a force on it.
 """
 
 import numpy as np
@@ -15,20 +14,20 @@ from .surface import Surface
 
 
 class HeldSurface(Surface):
-    """The motion under a top that carries the load: the uniform normal mode is free, and the load pulls at it."""
+    """The motion of a surface under a held load: the uniform normal mode is free, and the load acts on it."""
 
     def __init__(self, problem):
         super().__init__(problem)
         self.stiffness = self.stiffness.copy()
         self.stiffness[1, 0] = 0.0
 
-    def unknowns(self, y):
-        """v (size,), nm, of y; the top is where the layer carries the load."""
+    def unknowns(self, y) -> np.ndarray:
+        """v (size,), nm, of y, with the top at the height where the layer carries the load; a new array."""
         height = float(y[1, 0].real) / self.count - float(self.compliance[1, 0]) * self.problem.pressure
         return np.append(self._displacement(y), height)
 
-    def force(self, y, active, s):
-        """That of Surface, less the load."""
+    def force(self, y, active, s) -> np.ndarray:
+        """As of Surface, less the load."""
         spectrum = super().force(y, active, s)
         spectrum[1, 0] -= self.problem.pressure * self.count
         return spectrum
@@ -78,7 +77,7 @@ class HeldLinearised(Linearised):
 
 
 class LoadControl(Equilibrium):
-    """The Contact under the mean normal traction `pressure`, GPa, driven along a Loading whose U_z means nothing."""
+    """The Contact under the mean normal traction `pressure`, GPa, driven along a Loading; its U_z plays no role."""
 
     dynamics, disturbed = HeldSurface, HeldLinearised
 
@@ -90,26 +89,26 @@ class LoadControl(Equilibrium):
         self.direction[self.nodes :] = 0.0
         self.scale = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)  # nm/GPa
 
-    def on(self, contact):
+    def on(self, contact) -> "LoadControl":
         """The same problem on another patch."""
         return LoadControl(contact, self.loading, self.pressure)
 
-    def top(self, v, s):
+    def top(self, v, s) -> tuple[float, float]:
         """(U_x, U_z) of the top at load s, nm."""
         return self.loading.at(s)[0], float(v[-1])
 
-    def undeformed(self, s):
-        """The unknowns (size,), nm, of a layer that nothing acts on at load s, nm."""
+    def undeformed(self, s) -> np.ndarray:
+        """The unknowns (size,), nm, of a layer without tractions at load s, nm."""
         return np.append(super().undeformed(s), self.loading.at(s)[1])
 
-    def residual(self, v, active, s, out):
+    def residual(self, v, active, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
         worst = super().residual(v, active, s, out)
         out[-1] = self.scale * (self.contact.pressure(self.contact.last_traction[1]) - self.pressure)
         return max(worst, abs(out[-1]))
 
-    def active(self, v, s, before=None, settled=None):
-        """As at given height; raises PulledOff if no node interacts and the load is tensile."""
+    def active(self, v, s, before=None, settled=None) -> np.ndarray:
+        """As at a given height; raises PulledOff if the load is tensile and no node interacts."""
         active = super().active(v, s, before, settled)
         if self.pressure < 0.0 and not active.any():
             raise PulledOff(
@@ -120,7 +119,7 @@ class LoadControl(Equilibrium):
         return active
 
     def preconditioner(self, v, active):
-        """As at given height, bordered by the height that keeps the load."""
+        """As at a given height, bordered by the height that keeps the load."""
         inner = super().preconditioner(v, active)
         if inner is None:
             return None
@@ -137,7 +136,7 @@ class LoadControl(Equilibrium):
 
         return bordered
 
-    def pressure_of(self, J, w):
+    def pressure_of(self, J, w) -> float:
         """Mean of the normal traction J w over the cell, GPa, of J (4, m) GPa/nm and w, nm."""
         x, z = self.surface(w)
         return self.contact.pressure(J[2] * x + J[3] * z)
