@@ -9,7 +9,7 @@ import toys
 
 from solver import NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
 from solver.continuation.fold import Fold
-from solver.following.branch import TOLERANCE, Branch, even_weights
+from solver.following.branch import TOLERANCE, Branch
 from solver.following.moved import moved_branch, moved_folds
 from solver.following.solver import Solver
 from solver.mechanics.contact import Contact
@@ -330,7 +330,9 @@ def test_a_state_on_another_branch_is_refused():
 
 def test_polynomials_are_interpolated_exactly_and_waves_to_the_sixth_order():
     t, at = np.linspace(0.0, 1.0, 13), np.linspace(0.0, 1.0, 41)
-    assert np.abs(even_weights(at, 12) @ t**5 - at**5).max() < 1e-12
+    branch = Branch(0.0, 1.0, np.zeros((13, 1)), None)
+    assert np.abs(branch.weights_at(at) @ t**5 - at**5).max() < 1e-12
+    assert np.abs(branch.weights_at(at, 1) @ t**5 - 5.0 * at**4).max() < 1e-11
     wave = lambda x: 1.0 + np.cos(2.0 * np.pi * x) - np.sin(4.0 * np.pi * x)  # noqa: E731
     for n, error in ((12, 0.02), (48, 1e-5)):  # of a quintic spline: (q h)^6/100, with q h = 4 pi/n of the shorter wave
         branch = Branch(0.0, 1.0, np.zeros((n + 1, 1)), None, periodic=True)

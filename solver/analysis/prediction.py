@@ -7,13 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..following.branch import even_weights, place
+from ..following.branch import place
 from .sensitivities import Sensitivities, passed
 
 Floats = NDArray[np.float64]
 END = 1e-3  # of t from 0 and 1; nearer, dF/dU is 0/0 or infinite, and F changes by the square of that
 PART = 0.9  # of the largest drop of F: drops that are all too small to be visible may grow in later trials
-BESIDE = 1e-5  # of t, half the interval of a central difference of F
 AHEAD = 2.0  # times the measured range, up to which slips are listed: parameters move them into and out of the range
 
 
@@ -130,13 +129,13 @@ def _without_end(branch, loads, names):
 
 def _to_a_fold(branch, loads, names):
     """The Curve on a branch to a fold, interpolated in t, in which it is smooth."""
-    start, end, n = branch.values[0, 0], branch.values[0, -1], branch.branch.intervals
+    start, end = branch.values[0, 0], branch.values[0, -1]
     t = place(start, end, loads)
-    weights = even_weights(t, n).T
+    weights = branch.branch.weights_at(t).T
     inside = np.clip(t, END, 1.0 - END)
-    change = even_weights(inside + BESIDE, n) - even_weights(inside - BESIDE, n)
+    change = branch.branch.weights_at(inside, 1)
     speed = 0.5 * np.pi * (end - start) * np.sin(np.pi * inside)
-    slopes = branch.values[1:] @ change.T / (2.0 * BESIDE) / speed
+    slopes = branch.values[1:] @ change.T / speed
     slopes[:, (loads < start) | (loads > end)] = 0.0
     moved = np.array([branch.by[name] @ weights for name in names]).reshape(len(names), 4, loads.size)
     return Curve(branch.values[1:] @ weights, slopes, moved[:, 1:] - slopes * moved[:, :1])

@@ -25,6 +25,7 @@ class FoldOptions:
     # of the linear solves: a step leaves that part of the error. 1e-3 takes as many evaluations, in fewer steps
     accuracy: float = 1e-2
     alike: float = 0.05  # units from where the matrix was formed, within which it serves: steps then gain a digit
+    slow: float = 0.3  # of the last step, beyond which the next one shows that the matrix no longer serves
     longest: float = 0.3  # units, of one step; from longer ones punches reached the folds of other branches
     farthest: float = 1.5  # units from the guess: beyond, it is another fold
     steps: int = 15  # most Newton steps; folds that exist took 10 at most in the slider box
@@ -96,19 +97,19 @@ def fold_near(problem: Problem, guess: Fold, options: FoldOptions = FoldOptions(
 def _search(problem, guess, options):
     v, load, active, unit = guess.v.copy(), guess.load, guess.active, problem.unit
     phi, psi, r, changes = guess.phi, guess.psi, np.empty(problem.size), 0
-    matrix, last = None, (np.inf, np.inf)
+    matrix, slow, last = None, False, (np.inf, np.inf)
     for _ in range(options.steps):
         worst = problem.residual(v, active, load, r)
         sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
         if sharp and worst <= problem.tolerance:
             return _fold(problem, matrix, load, v, active, phi, worst)
-        if matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
+        if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
             matrix = Bordered(problem, v, active, phi, psi, options)
             phi, psi, g = matrix.phi, matrix.psi, matrix.g
         else:
             phi, g = matrix.turned(problem.linearised(v, active), phi)
         dv, ds = _step(problem, matrix, phi, g, r)
-        last = abs(ds), np.abs(dv).max()
+        slow, last = np.abs(dv).max() > options.slow * last[1], (abs(ds), np.abs(dv).max())
         part = min(1.0, options.longest * unit / max(last[1], 1e-300))
         v, load = v + part * dv, load + part * ds
         if not np.abs(v - guess.v).max() <= options.farthest * unit:  # nan fails it too

@@ -34,7 +34,7 @@ class Crowded(NotFollowed):
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """n + 1 states from load `start` to `end`, nm, at even t or, of smooth sliding, at t where they are needed.
+    """n + 1 states from load `start` to `end`, nm, at even t, or at t where they are needed.
 
     periodic: smooth sliding over one period: t goes with the load, v less the load is periodic.
     """
@@ -70,12 +70,19 @@ class Branch:
     def weights(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch those of its ends."""
         if self.periodic:
-            return _spline(tuple(self.t), True)((np.asarray(load) - self.start) / (self.end - self.start) % 1.0)
-        return even_weights(place(self.start, self.end, load), self.intervals)
+            return self.weights_at((np.asarray(load) - self.start) / (self.end - self.start) % 1.0)
+        return self.weights_at(place(self.start, self.end, load))
+
+    def weights_at(self, t: ArrayLike, derivative: int = 0) -> NDArray[np.float64]:
+        """Of the states in those at t (k,), (k, n + 1), or in a derivative of these by t."""
+        return _spline(tuple(self.t), self.periodic)(np.atleast_1d(np.asarray(t, float)), derivative)
 
     def without(self, out: NDArray[np.intp]) -> "Branch":
         """The same without some of its states."""
-        t = None if self.uneven is None and out.size == self.intervals // 2 else np.delete(self.t, out)
+        if not out.size:
+            return self
+        halved = self.uneven is None and 2 * out.size == self.intervals
+        t = None if halved else np.delete(self.t, out)
         return replace(self, v=np.delete(self.v, out, 0), active=np.delete(self.active, out, 0), uneven=t)
 
     def states(self, load: NDArray[np.float64], nodes: int) -> NDArray[np.float64]:
@@ -98,8 +105,3 @@ def _spline(t: tuple[float, ...], periodic: bool = False) -> BSpline:
     if periodic:
         return make_interp_spline(t, np.vstack([values[:-1], values[:1]]), DEGREE, bc_type="periodic")
     return make_interp_spline(t, values, min(DEGREE, n - 1 + n % 2))  # an odd degree, for which there are states enough
-
-
-def even_weights(t: ArrayLike, intervals: int) -> NDArray[np.float64]:
-    """Weights (k, n + 1) of values at n + 1 even places of [0, 1] in their spline at t (k,)."""
-    return _spline(tuple(np.linspace(0.0, 1.0, intervals + 1)))(np.atleast_1d(np.asarray(t, float)))

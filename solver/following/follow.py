@@ -12,7 +12,7 @@ from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from .branch import Crowded, NotFollowed
 from .held import followed_held
-from .moved import moved_branch, moved_folds
+from .moved import NEAR, moved_branch, moved_folds
 from .no_contact import refuse_apart, without_contact
 from .patch import widened
 from .refinement import refined
@@ -116,13 +116,13 @@ def _branches(contact, skeleton):
         problem = LoadControl(contact, sideways(1.0, 0.0), pressure)
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
-    start, branches = old[0].start, []
+    start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # guesses of one run
     if period and folds[-1] and not skeleton.home:  # the states in which slips land belong to the first branch
         start = min(0.0, folds[-1].load - period)
     for k, (branch, fold) in enumerate(zip(old, folds, strict=True), 1):
         end = fold.load if fold else scene.spacing if branch.periodic else scene.u_x_max
-        new = refined(scene, skeleton.first, solver, moved_branch(solver, branch, start, end, fold, k), k)
-        branches.append(new)
+        new = moved_branch(solver, branch, start, end, fold, k, near)
+        branches.append(refined(scene, skeleton.first, solver, new, k))
         start = new.end
     if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:
         raise NotFollowed("the surface rests after a slip where it has not been before")

@@ -3,18 +3,17 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from ..continuation.fold import Fold
+from ..continuation.interpolation import lagrange
 from ..run.frame import Frame
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
 from ..scene import Scene
-from .branch import DEGREE, Branch, NotFollowed, place
+from .branch import Branch, NotFollowed, place
 from .follow import moved
 from .refinement import ERROR, forces_of
 from .skeleton import Held, Skeleton
@@ -23,9 +22,12 @@ SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the 
 LONGEST = 12  # sites, longest period that is looked for
 ALIKE = 1e-4  # nm, between ends of branches that are the same
 MOST = 12  # branches that are worth following
+STENCIL = 6  # frames through which a state between them is interpolated: a jerk farther off does not spoil it
+STEP = 1e-4  # of t, for the way of a branch at its end: the square of it is its error
 FEWEST = 3  # frames of a branch, from which its states can be interpolated
 INTERVALS = (12, 16, 24, 36, 48, 72)  # between the states of a branch: as few as will do
 OFF = 1e-3  # of the largest force, by which a skeleton may be off its run's frames: what followed runs promise
+MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may be held at nearly nothing
 CLEAR = 1e-4  # nm from a slip: nearer, one of the two has slipped and the other has not; and the promise for its load
 
 
@@ -87,7 +89,7 @@ def _compare(skeleton, sheared):
     exact = np.array([[frame.F_bar, frame.L_bar] for frame in clear])
     curve = np.array(skeleton.curve(np.array([frame.U_x for frame in clear]))[:2]).T
     largest = np.abs(exact).max(axis=0)
-    largest = np.maximum(largest, 1e-2 * largest.max())
+    largest = np.maximum(largest, MINOR * largest.max())
     if not (np.abs(curve - exact) <= OFF * np.maximum(largest, 1e-300)).all():
         raise NotFollowed("the skeleton's forces are not those of its run")
 
@@ -108,7 +110,6 @@ class _Line:
         other.start, other.end, other.loads = self.start - distance, self.end - distance, self.loads - distance
         other.v = self.v.copy()
         other.v[:, : self.nodes] -= distance
-        other.__dict__.pop("spline", None)
         return other
 
     def until(self, end):
@@ -116,15 +117,19 @@ class _Line:
         within = self.loads <= end
         return _Line(self.start, end, self.slips, self.loads[within], self.v[within], self.nodes)
 
-    @cached_property
-    def spline(self):
-        """Of t, through the states."""
-        degree = min(DEGREE, len(self.loads) - 1)
-        return make_interp_spline(place(self.start, self.end, self.loads), self.v, degree - 1 + degree % 2)
-
     def at(self, load):
-        """v (k, size) at loads (k,), or (size,) at one."""
-        return self.spline(place(self.start, self.end, load))
+        """v (size,) at a load, nm, interpolated through the frames nearest to it."""
+        return self._at(float(place(self.start, self.end, load)))
+
+    def _at(self, t):
+        places = place(self.start, self.end, self.loads)
+        low = max(0, min(int(np.searchsorted(places, t)) - STENCIL // 2, len(places) - STENCIL))
+        near = slice(low, low + STENCIL)
+        return np.asarray(lagrange(places[near], t)) @ self.v[near]
+
+    def end_way(self):
+        """(v, its derivative by t) (size,) at the end, extrapolated."""
+        return self._at(1.0), (self._at(1.0 + STEP) - self._at(1.0 - STEP)) / (2.0 * STEP)
 
 
 def _lines(frames, reader, coordinate=lambda f: f.U_x, held=None):
@@ -217,10 +222,10 @@ class _Reader:
             return self._period_of(line)
         for n in INTERVALS:
             branch = Branch(line.start, line.end, np.empty((n + 1, 0)), None)
-            branch = replace(branch, v=line.at(branch.loads))
+            branch = replace(branch, v=np.array([line.at(load) for load in branch.loads]))
             between = branch.load_at((np.arange(n) + 0.5) / n)
             loads = np.append(line.loads[(line.loads > line.start) & (line.loads < line.end)], between)
-            exact, largest = forces_of(self.scene, self.first, line.at(loads))
+            exact, largest = forces_of(self.scene, self.first, np.array([line.at(load) for load in loads]))
             states = forces_of(self.scene, self.first, branch.states(loads, self.m))[0]
             if (np.abs(states - exact) <= ERROR * largest).all():
                 break
@@ -241,8 +246,8 @@ class _Reader:
 
     def _fold(self, line):
         """A guess of the Fold at the end of a _Line, extrapolated."""
-        v = line.spline(1.0)
-        return Fold.of(line.end, v, self._active(v[None])[0], line.spline(1.0, 1))
+        v, way = line.end_way()
+        return Fold.of(line.end, v, self._active(v[None])[0], way)
 
     def held(self, frame):
         """A guess of Held from the last Frame of the approach."""

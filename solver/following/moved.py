@@ -26,8 +26,13 @@ def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[Fold | None]:
     return folds
 
 
-def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: Fold | None, number: int) -> Branch:
-    """The Branch that `old` becomes from load `start` to `end`, nm, where its Fold is, or None."""
+def moved_branch(
+    solver: Solver, old: Branch, start: float, end: float, fold: Fold | None, number: int, near: int = NEAR
+) -> Branch:
+    """The Branch that `old` becomes from load `start` to `end`, nm, where its Fold is, or None.
+
+    near: changes of states from which that of the next one is extrapolated; 0: none is expected.
+    """
     what = f"a state of branch {number}"
     if not end > start:
         raise NotFollowed(f"branch {number} has no states left", nearer=True)
@@ -38,15 +43,15 @@ def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: Fo
     else:
         order, first = range(old.intervals, -1, -1), (fold.v, fold.active)
     new.v[order[0]], new.active[order[0]] = first
-    _solve(solver, new, old, order, what)
+    _solve(solver, new, old, order, what, near)
     return new
 
 
-def _solve(solver, new, old, order, what):
+def _solve(solver, new, old, order, what, most):
     """Fill in the states of a new Branch in that order; the first is there. Each changes as those before let expect."""
     loads, changes = new.loads, [new.v[order[0]] - old.v[order[0]]]
     for i in order[1:]:
-        near = changes[-NEAR:]
+        near = changes[-most:] if most else [np.zeros(new.v.shape[1])]
         change = np.asarray(lagrange(range(-len(near), 0), 0)) @ np.asarray(near)
         gap = 0.0 if new.fold else np.abs(np.diff(old.v[max(i - 1, 0) : i + 2], axis=0)).max() / solver.problem.unit
         surprise = max(SURPRISE, gap)  # smooth sliding may jerk, and that between other states than before

@@ -9,28 +9,24 @@ from .skeleton import tractions
 from .solver import SURPRISE, Solver
 
 ERROR = 2e-4  # of the largest force, between states: a fifth of what followed runs promise
-# an error with every second state only is at least so many times larger; in the limit 2 to the power of 6
-HALF = 16.0
-FINEST = 200  # intervals, from which on a branch is not divided any more: smooth sliding close to stick-slip has jerks
+# an error with every second state only is so many times larger, as measured; in the limit, 2 to the power of 6
+HALF, LIMIT = 16.0, 64.0
+FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where it jerks
 FEWEST = 12  # intervals, below which no states are left out
 
 
 def refined(scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
-    """The Branch with as many states as its forces need: more are solved for, or every second is left out."""
+    """The Branch with as many states as its forces need: more are solved for, or some are left out."""
     while branch.intervals < FINEST:
         out, errors = _errors(scene, first, branch)
         poor = out[errors > HALF * ERROR]
         if not poor.size:
             break
-        # where it jerks only; towards a fold t stays even
-        where = np.union1d(poor - 1, poor) if branch.periodic else np.arange(branch.intervals)
-        branch = divided(solver, branch, where, number)
-    while branch.uneven is None and branch.intervals % 2 == 0 and branch.intervals >= 2 * FEWEST:
-        out, errors = _errors(scene, first, branch)
-        if errors.max() >= 0.5 * ERROR:
-            break
-        branch = branch.without(out)
-    return branch
+        branch = divided(solver, branch, np.union1d(poor - 1, poor), number)
+    if branch.intervals < 2 * FEWEST:
+        return branch
+    out, errors = _errors(scene, first, branch)
+    return branch.without(out[errors < HALF / LIMIT * ERROR])  # else the others would have to be divided again
 
 
 def divided(solver: Solver, branch: Branch, where, number: int) -> Branch:
