@@ -227,6 +227,7 @@ class _Arc:
         older: points before it, newest first; not all of them have been judged.
         """
         state, inverse, high, last = self.state, self.corrector.inverse, after, None
+        hidden = mode.hidden  # where its growth is zero, a mode no longer shows it
         for low in older:
             found = self.judge.rightmost(self.problem, low[1], state.active, mode, inverse)
             if found.growth < 0.0:
@@ -251,7 +252,7 @@ class _Arc:
             last = side
         away = mode.x * np.copysign(1.0, dot(mode.x, after[1] - older[0][1]))  # the way the state moves
         away *= LIMITS.start * self.unit / max(np.abs(away).max(), 1e-300)
-        return LimitPoint(*ends[1], state.active, away, mode.kind, mode.hidden)
+        return LimitPoint(*ends[1], state.active, away, mode.kind, hidden)
 
     def _fold(self, points):
         """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""
