@@ -18,14 +18,12 @@ def forms():
     return closed_forms()
 
 
-@pytest.mark.thorough
 @pytest.mark.slow
 def test_every_closed_form_holds_within_its_tolerance(forms):
     assert len(forms) >= 19
     assert [(row.name, row.error, row.tolerance) for row in forms if not row.held] == []
 
 
-@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_law_matters_less_as_lambda_grows(forms):
     """Towards JKR the shape of the law is forgotten: the deviation from Maugis-Dugdale falls with lambda."""
