@@ -1,4 +1,4 @@
-"""Work against precision: errors that mean something, branches counted, a report that stands alone."""
+"""Error against run time: errors against a reference, branches against GFMD, a report that opens offline."""
 
 import json
 import pickle
@@ -169,7 +169,7 @@ def test_a_tighter_tolerance_that_is_worse_is_named(report):
     assert "yet tighter is not always better: 1e-10 leaves 1e-02" in choice(replace(report, points=points), "tolerance")
 
 
-def test_a_run_that_takes_too_long_is_stopped_and_says_so():
+def test_a_run_that_takes_too_long_is_stopped_with_a_remedy():
     known = known_of(SMALL.changed(u_x_max=1.0))
     run = Run("tolerance", "gfmd", 1e-8, SMALL.changed(u_x_max=1.0))
     curves = perform(run, known, 0.0)
@@ -186,7 +186,7 @@ def test_steps_of_the_reference_divide_those_compared_with_it():
 
 
 @pytest.mark.thorough
-def test_measuring_can_be_watched_and_stopped(measured):
+def test_a_measurement_yields_progress_and_can_be_left(measured):
     done = [progress for progress, _ in measured]
     assert done[0] == 0.0 and done[-1] == pytest.approx(1.0)
     assert np.diff(done).min() > -1e-12  # sums of parts: round-off
@@ -195,7 +195,7 @@ def test_measuring_can_be_watched_and_stopped(measured):
 
 
 @pytest.mark.thorough
-def test_the_report_in_plain_data_has_every_number(report):
+def test_the_json_report_has_every_number(report):
     plain = json.loads(json.dumps(data(report), allow_nan=False))
     keys = {
         "command",
@@ -244,7 +244,7 @@ def test_the_command_measures_a_scene_that_sticks_and_writes_a_page_and_numbers(
     assert "python -m solver accuracy --quick --set" in page.read_text(encoding="utf-8")
 
 
-def test_bad_input_is_refused_in_one_line(capsys):
+def test_bad_input_is_rejected_in_one_line(capsys):
     assert cli.main(["accuracy", "--slips", "0"]) == 2
     assert "--slips: 0: allowed: 1 or more" in capsys.readouterr().err
     assert cli.main(["accuracy", "--html", "/nowhere/a.html"]) == 2
@@ -252,7 +252,7 @@ def test_bad_input_is_refused_in_one_line(capsys):
 
 
 @pytest.mark.slow
-def test_nothing_to_draw_with_is_imported_before_it_is_needed():
+def test_plotting_libraries_are_imported_only_when_needed():
     code = (
         "import sys, solver.cli\n"
         "from solver.validation import accuracy, accuracy_page, accuracy_text, stability, stability_report\n"

@@ -43,8 +43,8 @@ def test_every_limit_of_floating_point_is_met():
     assert [(limit.name, limit.attained) for limit in conditioning() if not limit.attained <= limit.allowed] == []
 
 
-def test_the_printed_formula_would_not_do():
-    """What the scaled forms are for: the formula as printed loses digits or overflows."""
+def test_the_textbook_formula_loses_digits_or_overflows():
+    """Therefore the solver scales and expands it."""
     worst = [limit.textbook for limit in conditioning() if limit.name.startswith("stiffness")]
     assert sum(not error < 1e-13 for error in worst) >= 3
 

@@ -300,7 +300,7 @@ def test_an_increment_can_be_made_again_from_the_same_state(stepper_of):
     assert first.state.v == pytest.approx(again.state.v, abs=100.0 * toy.tolerance)
 
 
-def test_every_method_slips_by_site_after_site_to_the_same_states(stepper_of):
+def test_all_methods_reach_the_same_states_over_four_periods(stepper_of):
     """Four periods. Steps of 0.05 nm begin a transient at most that far beyond the fold: it goes one site."""
     loads, ends = np.arange(0.05, 4.5 * PERIOD, 0.05), []
     for make in (lambda toy, closed: QuasiStatic(toy, 1.0, closed), stepper_of):
@@ -313,7 +313,7 @@ def test_every_method_slips_by_site_after_site_to_the_same_states(stepper_of):
     assert np.array(ends[1]) == pytest.approx(np.array(ends[0]), abs=1e-6)
 
 
-def test_without_an_equilibrium_a_stepper_says_so(stepper_of):
+def test_a_stepper_without_an_equilibrium_raises_not_converged(stepper_of):
     """R = s + v^2: none for s > 0."""
     toy = toys.Toy(lambda v: v + v**2, lambda v: np.diag(1.0 + 2.0 * v), tolerance=1e-9)
     with np.errstate(all="ignore"), pytest.raises(NotConverged):

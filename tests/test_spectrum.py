@@ -1,4 +1,4 @@
-"""The judge of stability under the paper's motion, against known answers."""
+"""Growth rates of disturbances of a frame, against known answers."""
 
 from copy import copy
 from types import SimpleNamespace
