@@ -19,7 +19,7 @@ from .files import write_json
 
 def add_accuracy(commands: Any) -> None:
     """Adds `accuracy` to the subcommands."""
-    text = "Error against run time of one experiment, by every method, swept over tolerance, steps, windows."
+    text = "Error against run time of one experiment, by every method, swept over the tolerance and the increment du_x."
     parser = add_command(commands, "accuracy", accuracy, "error against run time", text)
     parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
     slips = "end beyond slip N in shear, default 2 (quick 1)"
