@@ -3,6 +3,7 @@
     python docs/pictures.py [--chromium PATH]
 
 Starts the app on a free port; writes app.png, fringes.png and slip.gif, the punch through two slips, beside this file.
+Then measures the default scene for a minute, and writes the first diagrams of that report: accuracy.png.
 """
 
 import argparse
@@ -11,6 +12,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import tempfile
 from io import BytesIO
 from pathlib import Path
 
@@ -77,6 +79,26 @@ def take(browser, address):
     page.locator("#solid").screenshot(path=HERE / "fringes.png")
 
 
+def measure(browser):
+    """Write accuracy.png: the two diagrams of the sweep over the tolerance."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "accuracy.html"
+        subprocess.run([sys.executable, "-m", "solver", "accuracy", "--html", report], cwd=HERE.parent, check=True)
+        picture(browser, report)
+
+
+def picture(browser, report):
+    """Write accuracy.png from the page of a report."""
+    page = browser.new_page(viewport={"width": 1180, "height": 900}, color_scheme="light")
+    page.goto(report.as_uri())
+    page.wait_for_function("Bokeh.documents.length == 1 && Bokeh.documents[0].is_idle")
+    both = [page.locator(".bk-Figure").nth(k).bounding_box() for k in range(2)]
+    left, top = both[0]["x"], both[0]["y"]
+    clip = {"x": left, "y": top, "width": both[1]["x"] + both[1]["width"] - left, "height": both[0]["height"]}
+    image = Image.open(BytesIO(page.screenshot(clip=clip))).convert("RGB")
+    image.quantize(64).save(HERE / "accuracy.png", optimize=True)  # a third of the bytes
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
@@ -86,6 +108,7 @@ def main():
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=arguments.chromium, args=["--no-sandbox"])
             take(browser, address)
+            measure(browser)
             browser.close()
     finally:
         server.terminate()
