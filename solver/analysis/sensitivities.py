@@ -26,6 +26,7 @@ from ..mechanics.load_control import LoadControl
 from ..run.frame import SlipEvent
 from ..run.loading import sideways
 from ..scene import LIMITS, Scene
+from ..threads import one_thread
 from .outputs import explicit, gradients, over_own, values
 from .partial import Change, Pulled, States, continuous
 
@@ -93,6 +94,7 @@ class Sensitivities:
     branches: tuple[BranchSensitivity, ...]
 
 
+@one_thread()
 def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
     """The Sensitivities of a run by the parameters `names`, all `continuous` ones by default.
 

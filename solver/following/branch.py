@@ -14,6 +14,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from ..continuation.fold import Fold
 
 TOLERANCE = 1e-5  # nm, of residuals: followed runs are looked at, not kept. Forces are right to 1e-4
+PADDED = 12  # states before and after a period: the ends of a quintic spline act on the next state 0.43 times as much
 DEGREE = 5  # of splines through the states; with 3 a branch needs twice as many states for the same forces
 
 
@@ -99,9 +100,14 @@ def place(start: float, end: float, load: ArrayLike) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=64)
-def _spline(t: tuple[float, ...], periodic: bool = False) -> BSpline:
+def _spline(t: tuple[float, ...], periodic: bool) -> BSpline:
     """Of t: the weights of values at these t in their spline; of a period the last one is zero, as the first counts."""
-    values, n = np.eye(len(t)), len(t) - 1
+    n, at, weights = len(t) - 1, np.array(t), np.eye(len(t))
     if periodic:
-        return make_interp_spline(t, np.vstack([values[:-1], values[:1]]), DEGREE, bc_type="periodic")
-    return make_interp_spline(t, values, min(DEGREE, n - 1 + n % 2))  # an odd degree, for which there are states enough
+        weights[-1] = weights[0]
+        few = min(PADDED, n)
+        at = np.concatenate([at[-few - 1 : -1] - 1.0, at, at[1 : few + 1] + 1.0])
+        weights = np.concatenate([weights[-few - 1 : -1], weights, weights[1 : few + 1]])
+    return make_interp_spline(
+        at, weights, min(DEGREE, n - 1 + n % 2)
+    )  # an odd degree, for which there are states enough

@@ -10,6 +10,7 @@ from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.load_control import LoadControl
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
+from ..threads import one_thread
 from .branch import Crowded, NotFollowed
 from .held import followed_held
 from .moved import NEAR, moved_branch, moved_folds
@@ -26,6 +27,7 @@ NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a sli
 WIDER = 3  # how often the patch grows in one move
 
 
+@one_thread()
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     """The Skeleton of a scene that differs from that of `skeleton` in continuous parameters.
 

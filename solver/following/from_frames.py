@@ -13,6 +13,7 @@ from ..run.frame import Frame
 from ..run.loadpath import load_path
 from ..run.summary import whole_surface
 from ..scene import Scene
+from ..threads import one_thread
 from .branch import Branch, NotFollowed, place
 from .follow import moved
 from .refinement import ERROR, forces_of
@@ -42,6 +43,7 @@ def skeleton_of(scene: Scene) -> Skeleton:
     return replace(skeleton, evaluations=skeleton.evaluations + sum(frame.evaluations for frame in frames))
 
 
+@one_thread()
 def skeleton_from(scene: Scene, frames: Sequence[Frame]) -> Skeleton:
     """The Skeleton of a scene from the Frames of its run, in order and from the first on.
 

@@ -9,7 +9,7 @@ from ..continuation.interpolation import lagrange
 from .branch import Branch, NotFollowed
 from .solver import SURPRISE, Solver
 
-NEAR = 3  # changes of states from which that of the next one is extrapolated
+NEAR = 3  # changes of states from which that of the next one is extrapolated; 2 and 4 take as many evaluations
 FIRST = 1.5  # units: the first state of a branch without a fold is followed that far; farther off, it is another one
 
 
