@@ -1,25 +1,26 @@
 """Adhesive contact of an elastic layer with a rigid flat under mixed-mode loading (doi:10.1016/j.jmps.2019.06.010).
 
-Lengths in nm, moduli and tractions in GPa, works of separation in N/m. x runs along the interface, z up; the layer lies
-above, its top is moved rigidly by (U_x, -delta). Arrays (2, m) hold x in row 0 and z in row 1.
-Tractions are those on the layer: repulsion T_z > 0; F = -sum(T_x) a, L = sum(T_z) a, F_bar = F/(wE), L_bar = L/(wE).
-Fourier: numpy's rfft signs and scaling; K_xz = -i K_c, K_zx = +i K_c; q = 0 is the uniform mode; Nyquist uncoupled.
-The residual max |U + C T(u) - u| (nm) measures every method.
-
     for frame in load_path(Scene(delta_bar=0.2)): print(frame.U_x, frame.F_bar, frame.A_bar)
 
-scene (schema), surfaces, profile, presets  what is computed: parameters with ranges, shapes, files, named scenes
-text            the one reader of parameters given as text
-mechanics/      the physics: NP1 law, elastic layer, contact
-continuation/   branches of equilibria, their ends, the motion between them; knows nothing of contacts
-run/            load steps, increments, frames
-following/      a run followed to other parameters, as a branch is to the next load
-cautions        when a result depends on a choice
-cli, mapping, derivatives, reports, command, files    the command line and what it writes
-isolated, cluster                           calls with a deadline in processes of their own, or on a cluster
-threads                                     one thread of linear algebra while something is computed
-analysis/  validation/    not needed to run anything: stress inside, derivatives and fits; checks against independent
-                          calculations, error against run time
+Lengths are in nm, moduli and tractions in GPa, works of separation in N/m. x runs along the interface, z up. The layer
+lies above; its top is moved rigidly by (U_x, -delta). Arrays (2, m) hold x in row 0 and z in row 1.
+Tractions T act on the layer, so repulsion is T_z > 0. Over the node spacing a, the width w and Young's modulus E,
+F = -sum(T_x) a, L = sum(T_z) a, F_bar = F/(wE), L_bar = L/(wE).
+Fourier fields have the signs and scaling of numpy's rfft: K_xz = -i K_c, K_zx = +i K_c. q = 0 is the uniform mode; the
+Nyquist mode is uncoupled. The residual max |U + C T(u) - u| (nm) is the error measure of every method.
+
+What each module and folder holds; none imports from a line below its own:
+schema, surfaces, scene         parameters with ranges and choices, shapes of the surface, the Scene
+text, profile, presets          scenes from text, profiles from files, named scenes
+continuation/                   branches of equilibria, their ends, the motion between them, for any problem
+mechanics/                      the physics: NP1 law, elastic layer, contact
+threads, isolated, cluster      one BLAS thread; calls with a time limit in other processes, or on a cluster
+run/                            load steps, increments, Frames, summaries
+following/                      a sliding run continued to other parameters
+cautions                        sentences on choices that affect a result
+analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
+validation/                     independent calculations of the same, accuracy over run time
+cli                             the command line, with command, mapping, derivatives, reports, files, html_page
 """
 
 from .analysis.energy_balance import Work, work_of

@@ -61,6 +61,24 @@ def test_the_solver_does_not_know_the_app(path):
     assert '"app"' not in path.read_text()
 
 
+def lines():
+    """{module or folder: number of its line} in the list of the solver's docstring."""
+    text = solver.__doc__.split("below its own:\n")[1]
+    named = [re.split(" {2,}", line)[0].split(", ") for line in text.splitlines() if line and line[:3] != "cli"]
+    return {name.rstrip("/"): k for k, names in enumerate(named) for name in names}
+
+
+def test_modules_import_only_from_their_line_of_the_docstring_and_above():
+    order = lines()
+    assert {"scene", "mechanics", "run", "validation"} <= order.keys()
+    for path in modules(*(f"{name}.py" if (HERE / f"{name}.py").is_file() else name for name in order)):
+        own = path.relative_to(HERE).parts[0].removesuffix(".py")
+        for name in imported(path):
+            first, *rest = name.split(".")
+            if first == "solver" and rest[0] in order:
+                assert order[rest[0]] <= order[own], f"{path.relative_to(HERE)} imports {name}"
+
+
 def test_no_test_borrows_from_another():
     for path in Path(__file__).parent.rglob("*.py"):
         borrowed = [name for name in imported(path) if name.split(".")[0].startswith("test_")]
