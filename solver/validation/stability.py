@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from math import exp, isfinite
 from time import perf_counter
+from traceback import extract_tb
 from typing import NamedTuple
 
 import numpy as np
@@ -88,11 +89,8 @@ def _described(case):
 
 def _traced(error):
     """Type, text and the innermost lines of the traceback."""
-    lines, frame = [], error.__traceback__
-    while frame is not None:
-        lines.append(f"{os.path.basename(frame.tb_frame.f_code.co_filename)}:{frame.tb_lineno}")
-        frame = frame.tb_next
-    return f"{type(error).__name__}: {error} at {' > '.join(lines[-4:])}"
+    lines = [f"{os.path.basename(frame.filename)}:{frame.lineno}" for frame in extract_tb(error.__traceback__)[-4:]]
+    return f"{type(error).__name__}: {error} at {' > '.join(lines)}"
 
 
 def _assessed(case):
