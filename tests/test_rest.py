@@ -188,3 +188,15 @@ def test_the_accuracy_report_says_where_waves_may_flutter():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(accuracy_text, "_landed", lambda report: [])
         assert sentence in accuracy_text.notes(report)
+
+
+@pytest.mark.parametrize("damping", [2.0, 4.0])
+def test_much_damping_costs_no_searches_along_a_branch(damping):
+    """States of a branch do not depend on the damping, and above critical their growths differ by its scale only."""
+    scene = Scene(u_x_max=10.0)
+    spent = [
+        sum(f.evaluations for f in load_path(scene.changed(damping=value)) if f.stage == "shear")
+        for value in (1.0, damping)
+    ]
+    # a single search takes some 15 evaluations more or less, of about 600; a search in every increment doubles them
+    assert spent[1] < 1.1 * spent[0]

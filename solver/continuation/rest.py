@@ -94,9 +94,9 @@ class Judge:
         return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
 
     def _scale(self, problem):
-        """gamma, or k_min where gamma is infinite: what growths are compared with."""
+        """What growths are compared with: twice the decay of the slowest mode of the layer alone, gamma up to critical."""
         critical = problem.motion().critical
-        return self.damping * critical if np.isfinite(self.damping) else 0.25 * critical**2
+        return -2.0 * float(rate(-0.25 * critical**2, self.damping * critical))
 
     def _looked(self, problem, here, v, active, known, smooth, fine):
         critical, fits = problem.motion().critical, _fits(known, v)
