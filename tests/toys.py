@@ -15,6 +15,7 @@ class Toy:
     """T and its Jacobian are functions of u (size,); period: of the lattice, if there is one."""
 
     unit = 1.0
+    uniform = False
 
     def __init__(self, T, J, size=1, k=1.0, tolerance=1e-12):
         self.T, self.J, self.size, self.k, self.tolerance = T, J, size, k, tolerance
@@ -37,6 +38,15 @@ class Toy:
 
     def grown(self, v, active, s, hidden=False):
         return None
+
+    def sites(self, v, w):
+        return 0.0  # no lattice
+
+    def alike(self, v):
+        return False
+
+    def loose(self, v, active):
+        return False
 
     def linearised(self, v, active):
         return Disturbed(self, v)

@@ -77,6 +77,7 @@ class Problem(Protocol):
     size: int
     unit: float  # nm, over which the interaction changes
     tolerance: float  # nm, of max |R|
+    uniform: bool  # one node stands for all, so that waves do not show
     direction: np.ndarray  # dR/ds (size,), constant; v + k a direction is v moved on by k periods a of the lattice
 
     def residual(self, v, active, s, out) -> float:
@@ -91,6 +92,15 @@ class Problem(Protocol):
 
     def grown(self, v, active, s, hidden=False) -> tuple | None:
         """(problem, v, active) with more unknowns, if these are needed, or asked for by `hidden`; else None."""
+
+    def sites(self, v, w) -> float:
+        """By how many sites of the lattice the unknown that moves farthest along it lies elsewhere in w than in v."""
+
+    def alike(self, v) -> bool:
+        """Whether all nodes are alike in v, so that no wave begins to grow without a disturbance."""
+
+    def loose(self, v, active) -> bool:
+        """Whether single nodes have several equilibria next to v, so that small errors decide where each rests."""
 
     def linearised(self, v, active) -> Linearised:
         """The problem linearised at an equilibrium; a later call leaves it valid."""

@@ -8,8 +8,8 @@ from .branch import LIMITS as BRANCH
 from .branch import continue_branch
 from .corrector import Corrector
 from .rest import Judge
-from .slip import motion_to_rest
-from .state import Increment, LimitPoint, NotConverged, Slip, State, slipped
+from .slip import motion_to_rest, widened
+from .state import Crowded, Increment, LimitPoint, NotConverged, Slip, State, slipped
 
 SLIPS = 100  # of an increment, at most; soft layers drawn into contact make some ten
 
@@ -34,10 +34,10 @@ class QuasiStatic:
                 reached = self._continued(reached, target)
             if isinstance(reached, LimitPoint):
                 before, problem = state, self.problem
-                state = self._through(reached)
+                state, sensitive = self._through(reached)
                 if problem is not self.problem or self._ended(before, reached, state):
-                    slip = Slip(reached.load, reached.v, reached.active, reached.kind, reached.located, state)
-                    slips.append((problem, slip))
+                    end = reached.load, reached.v, reached.active, reached.kind, reached.located
+                    slips.append((problem, Slip(*end, state, sensitive)))
                 if state.unsure or state.load < target:
                     continue
             else:
@@ -83,16 +83,23 @@ class QuasiStatic:
         return slip
 
     def _through(self, end):
-        """The State in which the motion from the end of a branch comes to rest."""
+        """The Landing of the motion from the end of a branch, on as many unknowns as it needs."""
         if end.hidden:  # the wave that grows there shows on all nodes only
-            problem, v, active = self.problem.grown(end.v, end.active, end.load, True)
-            self._solve(problem)
-            away = self._away(self.judge.rightmost(problem, v, active))
-            end = replace(end, v=v, active=active, away=away)
-        problem, state = motion_to_rest(self.problem, self.judge, self.damping, end, self.closed, self.film)
-        if problem is not self.problem:
-            self._solve(problem)
-        return replace(state, unsure=state.mode.hidden)
+            end = self._on_more(end)
+            away = self._away(self.judge.rightmost(self.problem, end.v, end.active))
+            end = replace(end, away=away)
+        while True:
+            try:
+                state, sensitive = motion_to_rest(self.problem, self.judge, self.damping, end, self.closed, self.film)
+                return replace(state, unsure=state.mode.hidden), sensitive
+            except Crowded:
+                end = self._on_more(end)
+
+    def _on_more(self, end):
+        """The same LimitPoint of a problem of more unknowns, which is solved from now on."""
+        problem, end = widened(self.problem, end)
+        self._solve(problem)
+        return end
 
     def _solve(self, problem):
         """From now on solve another problem, grown from the last one."""

@@ -94,7 +94,7 @@ class Judge:
         return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
 
     def _scale(self, problem):
-        """What growths are compared with: twice the decay of the slowest mode of the layer alone, gamma up to critical."""
+        """What growths are compared with: twice the decay of the layer's slowest mode, gamma up to critical damping."""
         critical = problem.motion().critical
         return -2.0 * float(rate(-0.25 * critical**2, self.damping * critical))
 

@@ -26,6 +26,10 @@ class OutOfTime(NotConverged):
     """An increment took longer than it was given; a longer time may do."""
 
 
+class Crowded(NotConverged):
+    """A motion needs more unknowns than the problem has; it is repeated with these."""
+
+
 class PulledOff(NotConverged):
     """Under a held load the contact came apart in a slip: the end of the run."""
 
@@ -87,7 +91,10 @@ class LimitPoint:
 
 @dataclass(frozen=True)
 class Slip:
-    """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again."""
+    """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again.
+
+    sensitive: as of `slip.Landing`.
+    """
 
     load: float  # nm
     v: np.ndarray  # (size,)
@@ -95,6 +102,7 @@ class Slip:
     kind: str
     located: bool
     after: State
+    sensitive: bool = False
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,9 @@ from .dense import MOST, DenseInverse
 from .linearised import Linearised
 from .surface import Surface
 
+# stiffness of springs over that of the layer against one node, from which single nodes may rest in several places
+LOOSE = 2.0
+
 
 class Equilibrium:
     """The Contact driven along a Loading; attributes as of `continuation.problem.Problem`."""
@@ -30,6 +33,11 @@ class Equilibrium:
     def evaluations(self) -> int:
         """Force evaluations so far, of the contact."""
         return self.contact.evaluations
+
+    @property
+    def uniform(self) -> bool:
+        """Whether one node stands for all."""
+        return self.contact.uniform
 
     def on(self, contact) -> "Equilibrium":
         """The same problem on another patch."""
@@ -95,6 +103,20 @@ class Equilibrium:
         among[contact.part] = active
         u, among = np.broadcast_to(u, (2, wide.nodes)), np.broadcast_to(among, wide.nodes)
         return self.on(wide), np.append(u[:, wide.part], v[2 * self.nodes :]), among[wide.part].copy()
+
+    def sites(self, v, w) -> float:
+        """By how many sites of the lattice the node that moves farthest along it lies elsewhere in w than in v."""
+        return float(np.abs((w - v)[: self.nodes]).max()) / self.contact.scene.spacing
+
+    def alike(self, v) -> bool:
+        """Whether all nodes are alike in v, to the accuracy of a followed state."""
+        flat = self.contact.scene.surface == "flat"
+        return flat and bool(np.ptp(self.surface(v), axis=1).max() <= 1e-5 * self.unit)
+
+    def loose(self, v, active) -> bool:
+        """Whether the springs of a node are LOOSE times as stiff as the layer against that node alone."""
+        stiffest = np.abs(self.contact.tangents(self.surface(v), active)[0]).max()
+        return bool(stiffest * self.contact.modes.kernels[0, 0] > LOOSE)
 
     def linearised(self, v, active) -> Linearised:
         """The Linearised at an equilibrium."""

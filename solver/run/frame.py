@@ -29,7 +29,8 @@ class SlipEvent:
     """The end of a branch: load U_x (or delta, in approach and retraction) in nm, and F_bar, L_bar, A_bar just before.
 
     kind: as of `continuation.state.LimitPoint`. located: whether the load is that of the end itself, to 1e-6 nm, or
-    only that of the increment in which it lies.
+    only that of the increment in which it lies. sensitive: motions with other time steps, or from another start, came
+    to rest elsewhere.
     """
 
     load: float
@@ -39,6 +40,7 @@ class SlipEvent:
     stage: str = ""
     kind: str = "fold"
     located: bool = True
+    sensitive: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
@@ -93,6 +95,11 @@ class Frame:
     def L(self) -> float:
         """Normal load, N/m."""
         return self.L_bar * self.unit
+
+    @property
+    def sensitive(self) -> bool:
+        """Whether which equilibrium a slip of this increment reaches depends on details of the motion."""
+        return any(event.sensitive for event in self.slips)
 
     @property
     def slip(self) -> bool:

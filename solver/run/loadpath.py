@@ -183,7 +183,7 @@ class Run:
         """The SlipEvent of a Slip."""
         scene, T = self.scene, self._stepper.problem.traction(slip.v, slip.active)
         numbers = step.loading.coordinate(slip.load), *forces(scene, T), contact_area(scene, T)
-        return SlipEvent(*map(float, numbers), step.stage, slip.kind, slip.located)
+        return SlipEvent(*map(float, numbers), step.stage, slip.kind, slip.located, slip.sensitive)
 
 
 def _turned(problem, state, was_held, following):
