@@ -11,10 +11,11 @@ STRAIN = 0.1  # (|delta| + u_x_max) / h, a bound of the layer's mean strain
 SLOPE = 0.1  # half that width over R, the slope of the punch where the contact ends
 
 
-def cautions(scene, widest=0.0, safe_damping=0.0):
+def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
     """One sentence for every choice that shows in the result.
 
-    widest: the largest width that acted, over w; safe_damping: the largest of the run's frames.
+    widest: the largest width that acted, over w; safe_damping: the largest of the run's frames; sensitive: whether a
+    slip of the run is.
     """
     found = []
     ratio = scene.spacing / scene.delta_t
@@ -29,6 +30,11 @@ def cautions(scene, widest=0.0, safe_damping=0.0):
             " sideways, out of reach of their springs, and the contact grows too wide."
         )
     found += flutter(scene, safe_damping)
+    if sensitive:
+        found.append(
+            "Which equilibrium a slip of this run reaches is sensitive: motions with other time steps or from another"
+            " start came to rest elsewhere, so that later slips may differ as well."
+        )
     softness = scene.phi_t / (scene.E * scene.delta_t)
     if softness > SOFT and scene.surface != "flat":
         found.append(

@@ -126,7 +126,11 @@ def run(arguments: argparse.Namespace) -> int:
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
-    caution(sentence for sentence in cautions(scene, safe_damping=report["safe_damping"]) if sentence not in before)
+    caution(
+        sentence
+        for sentence in cautions(scene, safe_damping=report["safe_damping"], sensitive=report["sensitive"] > 0)
+        if sentence not in before
+    )
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames)))

@@ -23,6 +23,7 @@ ORDER = tuple(STAGES)  # what the column "stage" counts
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 FLAT = 160  # nodes sent of a flat surface, where all are alike
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
+LARGEST = ("residual", "widest", "safe_damping", "sensitive")  # of Frames: of two parts the larger one
 
 
 @dataclass(frozen=True)
@@ -35,12 +36,13 @@ class Frames:
     residual: float = 0.0  # nm, the largest
     widest: float = 0.0  # part of w over which anything acts, at most
     safe_damping: float = 0.0  # the largest
+    sensitive: bool = False  # whether a slip is, as of `solver.Frame`
     skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
 
     def __add__(self, more):
         """These frames and those that follow."""
         counted = (getattr(self, name) + getattr(more, name) for name in ("blocks", "frames", "evaluations"))
-        largest = (max(getattr(self, name), getattr(more, name)) for name in ("residual", "widest", "safe_damping"))
+        largest = (max(getattr(self, name), getattr(more, name)) for name in LARGEST)
         return Frames(*counted, *largest, more.skeleton)
 
 

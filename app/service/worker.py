@@ -100,6 +100,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         residual=float(max((frame.residual for frame in frames), default=0.0)),
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=float(max((frame.safe_damping for frame in frames), default=0.0)),
+        sensitive=any(frame.sensitive for frame in frames),
         checkpoint=checkpoint,
         last=last,
         done=checkpoint.done,

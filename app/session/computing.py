@@ -259,7 +259,7 @@ class Computing:
 
     def _ended(self, whole):
         """A hand that moves goes on from this run; if it has brought the pictures here, were they right?"""
-        self.cautions = cautions(self.run.scene, whole.widest, whole.safe_damping)
+        self.cautions = cautions(self.run.scene, whole.widest, whole.safe_damping, whole.sensitive)
         if self.run.state == "finished" and not self.run.coarse:
             self.following.judge(self.run.scene, whole.blocks)
         if whole.skeleton or not self.run.coarse:

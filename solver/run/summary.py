@@ -44,6 +44,7 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
         "events": events,
         "safe_damping": max((f.safe_damping for f in frames), default=0.0),
         "may_flutter": sum(f.may_flutter for f in frames),
+        "sensitive": sum(f.sensitive for f in frames),
         "A_0": after[0].A_bar if after else None,
         "slips": sum(len(f.slips) for f in after),
         "U_s": first.get("U_x"),
