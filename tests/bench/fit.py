@@ -27,7 +27,7 @@ from solver.analysis.fit import fit
 from solver.analysis.measurement import Measurement
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from follow import scenes
+from scenes import scene_of, slider_box
 
 BASE = Scene(nodes=256, width=625.0, delta_bar=0.1, u_x_max=40.0)
 FREE = ("phi_n", "phi_ratio", "delta_bar")
@@ -163,7 +163,7 @@ def main():
     report["coverage"] = coverage(base, arguments.draws, arguments.points)
     report["starts"] = starts(near(arguments.starts), arguments.points)
     report["sparse"] = sparse(arguments.sparse)
-    report["box"] = starts(list(scenes(arguments.box)), arguments.points)
+    report["box"] = starts([scene_of(values) for values in slider_box(arguments.box)], arguments.points)
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(report, indent=2), encoding="utf-8")
     return 0

@@ -1,41 +1,28 @@
 """What following a slider costs and whether it is right: 120 scenes of its box, three small moves and a long one each.
 
-    python tests/bench/follow.py [--json FILE] [--scenes N]
+    python tests/bench/follow.py [--json FILE] [--scenes N] [--held]
 
-Scenes are random over E 10 .. 1000, delta_bar -0.6 .. 1 and phi_ratio 0.02 .. 2. The small moves are one event of a
-drag, the long one is many at once. Every move is followed from the frames of its scene, and also run from the start.
-Of those whose exact runs are of one kind (both slip by as many sites each time, or neither slips): the share followed,
+Scenes are random over E 10 .. 1000, delta_bar -0.6 .. 1 and phi_ratio 0.02 .. 2; --held: under held loads, delta_bar
+-0.4 .. 0.8. The small moves are one event of a drag, the long one is many at once. Every move is followed from the
+frames of its scene, and also run from the start. Of those whose exact runs are of one kind (both slip by as many sites each time, or neither slips): the share followed,
 force evaluations, processor time over that of the exact run, the largest error of a slip's load U_s (nm) and of F, L
 and A over their largest, at all increments. Each move that was not followed says why, and what the exact runs do.
 """
 
-import argparse
-import json
-import math
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
+from scenes import held_box, parser, ran, scene_of, sheared, slider_box, spread, write
 
-from solver import NotConverged, NotFollowed, Scene, follow, load_path, skeleton_from
+from solver import NotFollowed, Scene, follow, load_path, skeleton_from
 
-BOX = {"E": (10.0, 1000.0), "delta_bar": (-0.6, 1.0), "phi_ratio": (0.02, 2.0)}
 SMALL = {"delta_bar": lambda x: x + 0.03, "E": lambda x: 1.08 * x, "phi_ratio": lambda x: 0.93 * x}
 LONG = {"delta_bar": lambda x: x + 0.2, "E": lambda x: 1.6 * x, "phi_ratio": lambda x: 0.6 * x}
-LIMIT = 120.0  # s of processor time of an exact run
 WANTED = {"U_s": 1e-4, "F": 1e-3, "L": 1e-3, "A": 1e-3}  # errors; U_s in nm
 LEAST = np.array([1e-12, 1e-12, 1e-4])  # F_bar, L_bar and A_bar that count as none
 TOUCHING = 1.5  # delta_n, largest gap in the middle of a contact
 SAME = 1e-3  # of a site, by which periods of slips may differ
-
-
-def scenes(count):
-    """The first `count` scenes: E and phi_ratio even in their logarithms, delta_bar even."""
-    rng = np.random.default_rng(20)
-    for _ in range(count):
-        values = [rng.uniform(*(map(math.log, ends) if name != "delta_bar" else ends)) for name, ends in BOX.items()]
-        yield Scene(E=math.exp(values[0]), delta_bar=values[1], phi_ratio=math.exp(values[2]))
 
 
 def moves(number, scene):
@@ -46,22 +33,9 @@ def moves(number, scene):
     yield name, "long", scene.changed(**{name: LONG[name](getattr(scene, name))})
 
 
-def ran(scene):
-    """(frames, seconds) of the exact run; frames None where it has no end."""
-    frames, start = [], time.process_time()
-    try:
-        for frame in load_path(scene):
-            frames.append(frame)
-            if time.process_time() > start + LIMIT:
-                return None, LIMIT
-    except NotConverged:
-        return None, time.process_time() - start
-    return frames, time.process_time() - start
-
-
 def slips(frames):
     """Loads of the slips in shear, nm."""
-    return [event.load for frame in frames if frame.stage == "shear" for event in frame.slips]
+    return [event.load for event in sheared(frames)]
 
 
 def kind(scene, frames):
@@ -96,37 +70,32 @@ def compared(skeleton, frames):
 def row_of(scene, before, skeleton, name, size, moved):
     """One move in numbers."""
     row = {"E": scene.E, "delta_bar": scene.delta_bar, "phi_ratio": scene.phi_ratio, "moved": name, "size": size}
-    exact, exact_seconds = ran(moved)
+    exact, exact_seconds, failure = ran(moved)
     start = time.process_time()
     try:
         followed = follow(skeleton, moved)
         row["evaluations"] = followed.evaluations
-    except NotFollowed as failure:
-        followed, row["why"] = None, str(failure)
+    except NotFollowed as refusal:
+        followed, row["why"] = None, str(refusal)
     row["seconds"] = time.process_time() - start
     row["ratio"] = row["seconds"] / exact_seconds
-    if exact is None:
+    if failure:
         return row | {"alike": False, "exact": "not done"}
     kinds = kind(scene, before), kind(moved, exact)
     row |= {"alike": alike(kinds), "slips": [slips(before)[:3], slips(exact)[:3]]}
     return row | {"errors": compared(followed, exact)} if followed else row
 
 
-def rows_of(count):
-    for number, scene in enumerate(scenes(count)):
-        before, _ = ran(scene)
+def rows_of(scenes):
+    for number, scene in enumerate(map(scene_of, scenes)):
+        before, _, failure = ran(scene)
         try:
-            skeleton = skeleton_from(scene, before) if before else None
-        except NotFollowed as failure:
-            print(f"scene {number}: {failure}", flush=True)
+            skeleton = None if failure else skeleton_from(scene, before)
+        except NotFollowed as refusal:
+            print(f"scene {number}: {refusal}", flush=True)
             continue
         for name, size, moved in moves(number, scene) if skeleton else ():
             yield row_of(scene, before, skeleton, name, size, moved)
-
-
-def spread(values):
-    """(median, 95 in 100, worst)."""
-    return [float(value) for value in np.percentile(values, [50, 95, 100])] if len(values) else [math.nan] * 3
 
 
 def summary(rows):
@@ -164,21 +133,19 @@ def report(found):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", metavar="FILE")
-    parser.add_argument("--scenes", metavar="N", type=int, default=120)
-    arguments = parser.parse_args()
+    options = parser(__doc__, 120)
+    options.add_argument("--held", action="store_true", help="under held loads")
+    arguments = options.parse_args()
     list(load_path(Scene(u_x_max=12.0)))  # compiled, before anything is timed
     rows = []
-    for row in rows_of(arguments.scenes):
+    for row in rows_of((held_box if arguments.held else slider_box)(arguments.scenes)):
         rows.append(row)
         if "why" in row and row["alike"]:
             where = "E {E:.4g} delta_bar {delta_bar:.3f} ratio {phi_ratio:.3g}, {size} {moved}: {why}".format(**row)
             print(f"not followed: {where}; slips at {row['slips'][0]}, then at {row['slips'][1]}", flush=True)
     found = summary(rows)
     report(found)
-    if arguments.json:
-        Path(arguments.json).write_text(json.dumps({"summary": found, "rows": rows}, indent=2), encoding="utf-8")
+    write(arguments.json, {"summary": found, "rows": rows})
     return 0
 
 

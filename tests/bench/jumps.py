@@ -48,7 +48,7 @@ def scenes(count):
 
 def unreported(scene, frames):
     """[(frame, move in nm)] of the jumps without an event."""
-    found, before = [], None
+    found, before, last = [], None, None
     for frame in frames:
         surface = whole_surface(scene, frame)
         if before is not None and not frame.slips:

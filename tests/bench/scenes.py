@@ -25,6 +25,11 @@ ROUGH_2575 = {
 }  # fmt: skip
 
 
+HELD_TENSION = {  # under this load sensitivities described another slip (FINDINGS X1)
+    "hold": "load", "E": 856.01968, "phi_ratio": 0.40262, "delta_bar": -0.2989, "u_x_max": 14.0,
+}  # fmt: skip
+
+
 def geometric(rng, low, high):
     """A random number, its logarithm evenly distributed."""
     return float(f"{np.exp(rng.uniform(np.log(low), np.log(high))):.5g}")
@@ -73,12 +78,21 @@ def soft_punches(count):
         yield {"nodes": 512, "width": 1250.0, "radius": 5.0, "u_x_max": 40.0} | own
 
 
-def slider_box(count, seed=32, **others):
-    """Parameters of `count` scenes of the app's sliders: E and phi_ratio even in their logarithms."""
-    for k in range(count):
-        rng = np.random.default_rng((seed, k))
-        own = {"E": geometric(rng, *BOX["E"]), "delta_bar": even(rng, *BOX["delta_bar"])}
-        yield own | {"phi_ratio": geometric(rng, *BOX["phi_ratio"])} | others
+def slider_box(count, seed=20, **others):
+    """Parameters of `count` scenes of the app's sliders: E and phi_ratio even in their logarithms, delta_bar even."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        log_E = rng.uniform(*np.log(BOX["E"]))
+        own = {"E": float(np.exp(log_E)), "delta_bar": float(rng.uniform(*BOX["delta_bar"]))}
+        yield own | {"phi_ratio": float(np.exp(rng.uniform(*np.log(BOX["phi_ratio"]))))} | others
+
+
+def held_box(count):
+    """Parameters of `count` scenes under a held load, a third of them in tension; the first is HELD_TENSION."""
+    rng = np.random.default_rng(35)
+    yield from [HELD_TENSION][:count]
+    for values in slider_box(count - 1, 36, hold="load", u_x_max=16.0):
+        yield values | {"delta_bar": even(rng, -0.4, 0.8)}
 
 
 def profile_of(seed, width):
@@ -116,8 +130,8 @@ def ran(scene, limit=120.0, until=lambda frame: False):
 
 
 def sheared(frames):
-    """The SlipEvents in shear, in order."""
-    return [event for frame in frames if frame.stage == "shear" for event in frame.slips]
+    """The SlipEvents in shear, in order; the jump where a held load takes over is none."""
+    return [e for frame in frames if frame.stage == "shear" for e in frame.slips if e.kind != "control"]
 
 
 class Cache:
