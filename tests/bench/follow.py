@@ -4,9 +4,10 @@
 
 Scenes are random over E 10 .. 1000, delta_bar -0.6 .. 1 and phi_ratio 0.02 .. 2; --held: under held loads, delta_bar
 -0.4 .. 0.8. The small moves are one event of a drag, the long one is many at once. Every move is followed from the
-frames of its scene, and also run from the start. Of those whose exact runs are of one kind (both slip by as many sites each time, or neither slips): the share followed,
-force evaluations, processor time over that of the exact run, the largest error of a slip's load U_s (nm) and of F, L
-and A over their largest, at all increments. Each move that was not followed says why, and what the exact runs do.
+frames of its scene, and also run from the start. Two runs are of one kind if both slip by as many sites each time, or
+neither slips. Of the moves between such runs: the share followed, force evaluations, processor time over that of the
+exact run, the largest error of a slip's load U_s (nm) and of F, L and A over their largest, at all increments. Each
+move that was not followed prints why, and what the exact runs do.
 """
 
 import sys
