@@ -27,7 +27,7 @@ from .analysis.energy_balance import Work, work_of
 from .continuation.state import NotConverged
 from .following.branch import NotFollowed
 from .following.follow import follow
-from .following.from_frames import skeleton_from, skeleton_of
+from .following.from_run import skeleton_from, skeleton_of
 from .following.skeleton import Skeleton
 from .profile import ProfileError, read_profile
 from .run.carry import carried_path, carry_on

@@ -7,21 +7,19 @@ the whole run in front. It takes some 40 kB, a run 1.3 MB.
 import pickle
 import re
 import struct
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, e
 
 import numpy as np
 
 from app.service.packing import FREE, headed, middle, pack
-from solver import NotFollowed, follow, skeleton_from
+from solver import NotFollowed, follow
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
 MOST = 500  # loads of a curve; beside these, those right before and after every slip
 CELLS = 30_000  # of a map, a byte each
 SHADES = 127  # of either sign in a map
 NOTHING = -128  # where nothing acts
-LARGEST = 1_000_000  # numbers that go from slice to slice, at most
 SHOWN = ("delta_bar", "phi_ratio", "E")  # parameters that a hand changes
 NO_FORCE = 1e-9  # of F_bar: where nothing touches, round-off
 AGREE_U, AGREE_F = 1e-4, 1e-3  # nm; of the largest: what was followed and the exact run are the same
@@ -121,45 +119,3 @@ def _acting_width(skeleton):
     """Nodes that act where sliding begins, and some more."""
     (frame,) = skeleton.frames([0.0], residuals=False)
     return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1
-
-
-def remembered(scene, frames, last, done):
-    """(pickled Skeleton of a run that is done, else None; what the next slice needs for it) after Frames of a slice.
-
-    last: what it needs of the slice before, None for the first one. The frames go along until the run repeats itself.
-    """
-    known, skeleton = last or (b"", None)
-    if skeleton is None and known is not None:
-        all_frames = _unpacked(scene, known) + frames
-        repeats = next((k for k, frame in enumerate(all_frames) if frame.repeated), None)
-        if repeats is not None or done:
-            known = None
-            with suppress(NotFollowed):
-                skeleton = pickle.dumps(skeleton_from(scene, all_frames[: None if repeats is None else repeats + 1]))
-        else:
-            known = _packed(all_frames)
-    return (skeleton if done else None), (known, skeleton)
-
-
-def _packed(frames):
-    """Frames as bytes, of nodes that are all alike one; None if they are too many."""
-    if sum(frame.u.size for frame in frames) > LARGEST:
-        return None
-    alike = [frame.u.strides[1] == 0 for frame in frames]
-    return pickle.dumps(
-        [
-            replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) if one else frame
-            for frame, one in zip(frames, alike, strict=True)
-        ]
-    )
-
-
-def _unpacked(scene, packed):
-    frames = pickle.loads(packed) if packed else []
-    shape = 2, scene.nodes
-    return [
-        frame
-        if frame.u.shape[1] > 1
-        else replace(frame, **{name: np.broadcast_to(getattr(frame, name), shape) for name in "uT"})
-        for frame in frames
-    ]

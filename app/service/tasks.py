@@ -25,7 +25,7 @@ from solver.cli import report_of
 from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
 from solver.following.branch import NotFollowed
-from solver.following.from_frames import skeleton_of
+from solver.following.from_run import skeleton_of
 from solver.run.film import through
 from solver.run.frame import STAGES, Frame
 from solver.run.load_steps import lifts

@@ -1,6 +1,8 @@
 """What runs inside a worker process: a slice of the load path, packed for the browser; NumPy and `solver` only."""
 
 import os
+import pickle
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import e, inf
@@ -9,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from app.service.following import remembered
 from app.service.packing import Frames, packed
-from solver import Checkpoint, NotConverged, Scene, SceneError, advance
+from solver import Checkpoint, NotConverged, NotFollowed, Scene, SceneError, advance, skeleton_from
 from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
 from solver.continuation.state import OutOfTime
@@ -30,7 +31,7 @@ class Slice(Frames):
     """The outcome of one task.
 
     ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: what the next slice
-    needs of the frames, for the work of a loop or for the skeleton of the run.
+    needs of the frames, for the work of a loop.
     """
 
     ahead: int | None = None
@@ -86,12 +87,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
     heavy = checkpoint.late or (limit == SLOW and _slow(begun, budget))
     if checkpoint.late and limit < SLOW:
         checkpoint = in_time(checkpoint)
-    skeleton = None
-    if scene.path == "shear" and not history:
-        works = [0.0] * len(frames)
-        skeleton, last = remembered(scene, frames, last, checkpoint.done and not checkpoint.failure)
-    else:
-        works, last = _works(scene, frames, last)
+    works, last = _works(scene, frames, last)
     return Slice(
         blocks=packed(scene, list(zip(frames, works, strict=True)), checkpoint.done),
         frames=len(frames),
@@ -106,8 +102,16 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
-        skeleton=skeleton,
+        skeleton=None if history else _skeleton(scene, checkpoint),
     )
+
+
+def _skeleton(scene, checkpoint):
+    """The pickled Skeleton of a run that is done, or None."""
+    if checkpoint.done and not checkpoint.failure:
+        with suppress(NotFollowed):
+            return pickle.dumps(skeleton_from(scene, checkpoint))
+    return None
 
 
 def _on_the_way(scene, way, begun, budget, history, limit):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..continuation.state import NotConverged, OutOfTime
 from ..following.branch import NotFollowed
 from ..following.follow import follow
-from ..following.from_frames import skeleton_from
+from ..following.from_run import skeleton_from
 from ..following.skeleton import Skeleton
 from ..run.slices import advance
 from ..scene import LIMITS, Scene, SceneError
@@ -61,15 +61,14 @@ class Trial(NamedTuple):
 def exact_run(scene: Scene, limit: float) -> Skeleton:
     """The Skeleton of a scene from a run; raises OutOfTime after `limit` s, NotConverged and NotFollowed."""
     frames, checkpoint, end = [], None, perf_counter() + limit
-    while not (checkpoint and checkpoint.done) and not any(frame.repeated for frame in frames[-1:]):
+    while not (checkpoint and checkpoint.done) and not any(frame.repeated for frame in frames):
         left = end - perf_counter()
         if left <= 0.0:
             raise OutOfTime(f"the run of a trial takes more than {limit:.3g} s")
-        more, checkpoint = advance(scene, checkpoint, min(SLICE, left), limit=left)
-        frames += more
+        frames, checkpoint = advance(scene, checkpoint, min(SLICE, left), limit=left)
     if checkpoint.failure:
         raise (OutOfTime if checkpoint.late else NotConverged)(checkpoint.failure)
-    return skeleton_from(scene, frames)
+    return skeleton_from(scene, checkpoint)
 
 
 class Model:

@@ -12,6 +12,7 @@ motion       the damped motion from the end of a branch to the next rest
 stepper      what a run asks of a method: the contract of the next two and of replay
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion
 slip         that motion step by step until Anderson steps may finish it
+trace        what a run has passed: branches, ends, and its period once it repeats itself
 replay       a stepper that moves known states on by lattice periods
 
 Nothing here knows of contacts: tests run it on problems of one and two unknowns.

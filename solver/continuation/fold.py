@@ -40,7 +40,7 @@ class Fold:
     load: float  # nm
     v: np.ndarray  # (size,)
     active: np.ndarray
-    phi: np.ndarray  # (size,) the right null vector of dR/dv; its largest component is 1 or -1
+    phi: np.ndarray | None  # (size,) the right null vector of dR/dv, largest component 1 or -1; None: not known
     bend: float = np.nan  # 1/nm, negative; as of a state within `FoldOptions.alike`, and so is
     psi: np.ndarray | None = None  # (size,) the left null vector, <R_s, psi> = 1; None: not known
     residual: float = np.inf  # nm, of v
@@ -86,7 +86,7 @@ class Bordered:
 def fold_near(problem: Problem, guess: Fold, options: FoldOptions = FoldOptions()) -> Fold | None:
     """The Fold of a problem next to a guess, or None if there is none within reach.
 
-    The guess's phi must be about right; its psi may be None.
+    The guess's phi and psi may be None: without phi its state must be close to the fold.
     """
     try:
         return _search(problem, guess, options)
@@ -97,6 +97,8 @@ def fold_near(problem: Problem, guess: Fold, options: FoldOptions = FoldOptions(
 def _search(problem, guess, options):
     v, load, active, unit = guess.v.copy(), guess.load, guess.active, problem.unit
     phi, psi, r, changes = guess.phi, guess.psi, np.empty(problem.size), 0
+    if phi is None:
+        phi = problem.direction  # near a fold, solves with the bordered matrix turn it
     matrix, slow, last = None, False, (np.inf, np.inf)
     for _ in range(options.steps):
         worst = problem.residual(v, active, load, r)

@@ -9,7 +9,7 @@ from .anderson import Secants
 from .rest import Mode
 
 if TYPE_CHECKING:
-    from .replay import Record
+    from .trace import Trace
 
 MOVED = 0.5  # units of the problem, farther than which a state may be on another branch
 
@@ -46,7 +46,7 @@ class State:
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
     mode: Mode | None = None  # the one that grows fastest, as judged last
     unsure: bool = False  # it may be unstable, or no equilibrium at all, under the loading to come
-    record: "Record | None" = None  # the states before, as `replay.Replay` knows them
+    trace: "Trace | None" = None  # what the run has passed in this load step, where a `replay.Replay` keeps it
     residual: float = np.inf  # nm, where it was solved for
 
     @staticmethod
@@ -101,7 +101,7 @@ class Slip:
     active: np.ndarray
     kind: str
     located: bool
-    after: State
+    after: State | None  # None in a Trace, which has it as the first of the next branch
     sensitive: bool = False
 
 

@@ -9,5 +9,5 @@ held        the load that is held
 patch       a skeleton on a wider patch
 no_contact  left of the jump into contact
 follow      the skeleton of another scene from that of one nearby
-from_frames the skeleton of a run from its frames
+from_run    the skeleton of a run from its trace
 """

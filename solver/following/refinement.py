@@ -42,11 +42,14 @@ def divided(solver: Solver, branch: Branch, where, number: int) -> Branch:
     return replace(branch, v=v, active=active, uneven=t)
 
 
-def forces_of(scene, first, v):
-    """(sums of T_x and T_z (k, 2) over the patch, GPa, of unknowns v (k, size); what they are compared with (2,))."""
+def forces_of(scene, first, v, minor=1e-2):
+    """(sums of T_x and T_z (k, 2) over the patch, GPa, of unknowns v (k, size); what they are compared with (2,)).
+
+    That is the largest of each, or the share `minor` of the larger one: a flat may carry no normal load at all.
+    """
     sums = tractions(scene, first, v).sum(axis=2)
     largest = np.abs(sums).max(axis=0, initial=1e-300)
-    return sums, np.maximum(largest, 1e-2 * largest.max())  # a flat may carry no normal load at all
+    return sums, np.maximum(largest, minor * largest.max())
 
 
 def _errors(scene, first, branch):

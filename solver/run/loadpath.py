@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter, thread_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,16 @@ BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the fi
 BUSY = 10.0  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
 
 
+class Jump(NamedTuple):
+    """A slip of the approach: its load (delta, nm), unknowns there, and the patch (first node, nodes) they are of."""
+
+    load: float
+    v: np.ndarray
+    active: np.ndarray
+    kind: str  # as of `continuation.state.LimitPoint`
+    patch: tuple[int, int]
+
+
 @dataclass(frozen=True)
 class Checkpoint:
     """Where a run stands between two slices; picklable."""
@@ -39,6 +49,7 @@ class Checkpoint:
     late: bool = False  # whether that was for want of time only: see `slices.in_time`
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
+    jumps: tuple[Jump, ...] = ()  # of the approach
     carried: bool = False  # whether the state rested under other parameters: in the next increment it may jump
 
 
@@ -49,10 +60,17 @@ def load_path(
 
     leave_out: the rules of `shortcuts` that the fast method may use. Raises ValueError for a name not in METHODS.
     """
+    yield from (frame for frame, _ in walk(scene, method, leave_out))
+
+
+def walk(
+    scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL
+) -> Iterator[tuple[Frame, Checkpoint]]:
+    """Yield each Frame of `load_path` and the Checkpoint after it."""
     checkpoint, run = Checkpoint(), Run(scene, method, leave_out)
     while not checkpoint.done:
         frame, checkpoint = run.next_frame(checkpoint)
-        yield frame
+        yield frame, checkpoint
 
 
 def _deadline(limit):
@@ -99,7 +117,11 @@ class Run:
         frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
         where = problem.contact.first, problem.contact.size
         self._place = step, where, checkpoint.pressure
-        return frame, replace(checkpoint, **self._after(checkpoint, load_steps, step, index, done), patch=where)
+        after = self._after(checkpoint, load_steps, step, index, done) | {"patch": where}
+        if step.stage == "approach" and done.slips:
+            jumps = tuple(Jump(slip.load, slip.v, slip.active, slip.kind, where) for slip in done.slips)
+            after["jumps"] = checkpoint.jumps + jumps
+        return frame, replace(checkpoint, **after)
 
     def _increment(self, step, index, state):
         """(its index, the Increment) to the next increment of `step`, from `index` on, at whose load the surface rests.

@@ -53,7 +53,7 @@ def owned(checkpoint):
     state = checkpoint.state
     if state is None:
         return checkpoint
-    own = replace(state, secants=state.secants and state.secants.copy(), record=state.record and state.record.copy())
+    own = replace(state, secants=state.secants and state.secants.copy())
     return replace(checkpoint, state=own)
 
 

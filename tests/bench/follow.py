@@ -16,7 +16,7 @@ import time
 import numpy as np
 from scenes import held_box, parser, ran, scene_of, sheared, slider_box, spread, write
 
-from solver import NotFollowed, Scene, follow, load_path, skeleton_from
+from solver import NotFollowed, Scene, follow, load_path, skeleton_of
 
 SMALL = {"delta_bar": lambda x: x + 0.03, "E": lambda x: 1.08 * x, "phi_ratio": lambda x: 0.93 * x}
 LONG = {"delta_bar": lambda x: x + 0.2, "E": lambda x: 1.6 * x, "phi_ratio": lambda x: 0.6 * x}
@@ -91,7 +91,7 @@ def rows_of(scenes):
     for number, scene in enumerate(map(scene_of, scenes)):
         before, _, failure = ran(scene)
         try:
-            skeleton = None if failure else skeleton_from(scene, before)
+            skeleton = None if failure else skeleton_of(scene)
         except NotFollowed as refusal:
             print(f"scene {number}: {refusal}", flush=True)
             continue

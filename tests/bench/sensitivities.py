@@ -18,7 +18,7 @@ import time
 import numpy as np
 from scenes import held_box, parser, ran, scene_of, sheared, slider_box, spread, write
 
-from solver import NotConverged, NotFollowed, Scene, SceneError, follow, load_path, skeleton_from
+from solver import NotConverged, NotFollowed, Scene, SceneError, follow, skeleton_of
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 
@@ -98,7 +98,7 @@ def row_of(scene, following):
     if failure or not events:
         return {"class": "no slip" if not failure else "run ends early", "why": failure}
     try:
-        skeleton = skeleton_from(scene, frames)
+        skeleton = skeleton_of(scene)
         skeleton = follow(skeleton, scene)  # its active nodes are then those of the runs beside it
         costs = []
         for branches in (False, True):
@@ -145,7 +145,7 @@ def main():
     options.add_argument("--held", action="store_true", help="held loads, by exact runs alone")
     chosen, rows = options.parse_args(), []
     small = Scene(u_x_max=12.0)
-    sensitivities(skeleton_from(small, list(load_path(small))))  # compiled, before anything is timed
+    sensitivities(skeleton_of(small))  # compiled, before anything is timed
     for number, values in enumerate(scenes(chosen)):
         if number < chosen.first:
             continue

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from ...continuation.state import NotConverged
 from ...following.branch import NotFollowed
-from ...following.from_frames import skeleton_from
-from ...run.loadpath import load_path
+from ...following.from_run import skeleton_from
+from ...run.loadpath import walk
 from ...run.summary import summarize
 from .point import NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton, touches
 
@@ -20,7 +20,7 @@ def computed(scene):
     run = _Run(scene)
     reason = ""
     try:
-        for frame in load_path(scene):
+        for frame, run.checkpoint in walk(scene):
             run.frames.append(frame)
             run.spent += frame.evaluations
             if run.told(frame):
@@ -35,6 +35,7 @@ class _Run:
 
     def __init__(self, scene):
         self.scene, self.frames, self.spent, self.slips, self.skeleton = scene, [], 0, 0, None
+        self.checkpoint = None  # after the last of them
         self._looked = False  # whether the run slides smoothly
 
     def told(self, frame):
@@ -55,7 +56,7 @@ class _Run:
     def read(self):
         """Sets the skeleton, if there is one so far."""
         with suppress(NotFollowed):
-            self.skeleton = skeleton_from(self.scene, self.frames)
+            self.skeleton = skeleton_from(self.scene, self.checkpoint)
 
     def point(self, reason):
         """The Point, but for what it cost."""

@@ -1,0 +1,167 @@
+"""The skeleton of a run from its trace: this gives guesses, and the skeleton's states are solved for."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..continuation.fold import Fold
+from ..continuation.trace import Trace, TracedBranch
+from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium
+from ..run.load_steps import vertical
+from ..run.loadpath import Checkpoint, walk
+from ..scene import Scene
+from ..threads import one_thread
+from .branch import Branch, NotFollowed
+from .follow import moved
+from .refinement import ERROR, forces_of
+from .skeleton import Held, Skeleton
+
+SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
+ALIKE = 1e-4  # nm, between ends of branches that are the same
+MOST = 12  # branches that are worth following
+FEWEST = 3  # states of a branch, from which others can be interpolated
+INTERVALS = (12, 16, 24, 36, 48, 72)  # between the states of a branch: as few as will do
+OFF = 1e-3  # of the largest force, by which a skeleton may be off its run's states: what followed runs promise
+MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may be held at nearly nothing
+CLEAR = 1e-4  # nm, by which its slips may be off
+
+
+def skeleton_of(scene: Scene) -> Skeleton:
+    """The Skeleton of a scene, from a run; raises NotFollowed where it has none, NotConverged as the run does."""
+    spent, checkpoint = 0, Checkpoint()
+    for frame, checkpoint in walk(scene):  # noqa: B007  the last one counts
+        spent += frame.evaluations
+        if frame.repeated:
+            break
+    skeleton = skeleton_from(scene, checkpoint)
+    return replace(skeleton, evaluations=skeleton.evaluations + spent)
+
+
+@one_thread()
+def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
+    """The Skeleton of a scene from a Checkpoint of its run.
+
+    Its states are solved for, which takes a small part of the run's evaluations. The run may stop where it begins to
+    repeat itself. Raises NotFollowed where it has no skeleton, or its skeleton does not describe it.
+    """
+    if scene.path != "shear":
+        raise NotFollowed(f"path {scene.path!r} is computed")
+    trace = checkpoint.state.trace if checkpoint.state else None
+    if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
+        raise NotFollowed("the run has not slid yet, or was not recorded from its start")
+    first, spent = checkpoint.patch[0], [0]
+    guess, passed = _guess(scene, first, trace, checkpoint.jumps)
+    skeleton = moved(guess, scene, spent)
+    _compare(skeleton, passed, guess)
+    return replace(skeleton, evaluations=spent[0])
+
+
+def _guess(scene, first, trace: Trace, jumps):
+    """(the Skeleton as interpolated from the trace, not solved for; the TracedBranches that it describes)."""
+    begin, branches = trace.branches[0], list(trace.branches)
+    m = begin.states[0].v.size // 2
+    held = Held(begin.states[0].v[: 2 * m], begin.states[0].active) if scene.hold == "load" else None
+    if begin.end and begin.end.kind == "control":
+        branches = branches[1:]
+    home, sites = 0, 0
+    if trace.period is not None:
+        home, sites = _home(branches, trace.home), round(trace.period / scene.spacing)
+        branches, home = _longest(branches, home, sites * scene.spacing, m)
+    elif len(branches) == 1 and (smooth := _one_period(scene, branches[0], m)):
+        branches, sites = [smooth], 1
+    elif branches[-1].states[-1].load < scene.u_x_max - scene.du_x * scene.delta_t:
+        raise NotFollowed("the run has not come to where it repeats itself")
+    if len(branches) > MOST:
+        raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
+    starts = [branches[0].start, *(branch.end.load for branch in branches[:-1])]
+    made = tuple(
+        _branch(scene, first, m, branch, start, bool(sites)) for branch, start in zip(branches, starts, strict=True)
+    )
+    folds = _jumps(scene, jumps, m)
+    return Skeleton(scene, first, made, home, sites, folds or (), folds is None, held=held), branches
+
+
+def _home(branches, load):
+    return max(k for k, branch in enumerate(branches) if k == 0 or branch.start <= load + ALIKE)
+
+
+def _longest(branches, home, period, m):
+    """(branches, home), the branch before `home` left out where it is but a part of the last one, a period before."""
+    if not home:
+        return branches, home
+    part, last = branches[home - 1], branches[-1]
+    if last.start - period > part.start or abs(last.end.load - period - part.end.load) > ALIKE:
+        return branches, home
+    return [*branches[: home - 1], last.moved(-period, _along(last, m)), *branches[home:-1]], home - 1
+
+
+def _along(branch, m):
+    """The change (size,) of unknowns that move on with the load."""
+    along = np.zeros(branch.states[0].v.size)
+    along[:m] = 1.0
+    return along
+
+
+def _one_period(scene, branch: TracedBranch, m):
+    """The first period of a TracedBranch that slides smoothly, or None if it does not repeat itself."""
+    a, first = scene.spacing, branch.states[0]
+    end = first._replace(load=first.load + a, v=first.v + a * _along(branch, m))
+    if branch.states[-1].load < end.load:
+        return None
+    if np.abs(branch.at(end.load).v - end.v).max() > SAME * min(scene.delta_n, scene.delta_t):
+        return None
+    return TracedBranch((*(state for state in branch.states if state.load < end.load - ALIKE), end))
+
+
+def _branch(scene, first, m, branch: TracedBranch, start, repeats):
+    """A guess of the Branch from load `start` on: of smooth sliding its own states, else as few as describe it."""
+    if branch.end is None and repeats:
+        return _period_of(branch)
+    if branch.end and branch.end.kind != "fold":
+        raise NotFollowed(f"a branch ends by {branch.end.kind} at {branch.end.load:g} nm: that is computed")
+    if len(branch.states) < FEWEST:
+        raise NotFollowed(f"a branch that begins at {start:g} nm has but {len(branch.states)} states")
+    loads, end = np.array([state.load for state in branch.states]), branch.states[-1]
+    for n in INTERVALS:
+        new = Branch(start, end.load, np.empty((n + 1, 0)), None)
+        new = replace(new, v=np.array([branch.at(load).v for load in new.loads]))
+        exact, largest = forces_of(scene, first, np.array([state.v for state in branch.states]))
+        between = forces_of(scene, first, new.states(loads, m))[0]
+        if (np.abs(between - exact) <= ERROR * largest).all():
+            break
+    fold = Fold(end.load, end.v, end.active, None) if branch.end else None
+    return replace(new, active=np.array([branch.at(load).active for load in new.loads]), fold=fold)
+
+
+def _period_of(branch: TracedBranch):
+    """The Branch of one period of smooth sliding, which may jerk between any two of its states."""
+    loads, v, active = (np.array(column) for column in zip(*branch.states, strict=True))
+    return Branch(loads[0], loads[-1], v, active, None, True, (loads - loads[0]) / (loads[-1] - loads[0]))
+
+
+def _jumps(scene, jumps, m):
+    """Guesses of the Folds of the approach, of a patch of m nodes; None where one is not a fold."""
+    folds = []
+    for load, v, active, kind, patch in jumps:
+        problem = Equilibrium(Contact(scene, *patch), vertical(1.0))
+        while problem.nodes < m:
+            problem, v, active = problem.grown(v, active, load, True)
+        if kind != "fold":
+            return None
+        folds.append(Fold(load, v, active, None))
+    return tuple(folds)
+
+
+def _compare(skeleton, passed, guess):
+    """Raises NotFollowed where a Skeleton is not its run."""
+    ends = [(new.end, old.end) for new, old in zip(skeleton.branches, guess.branches, strict=True) if new.fold]
+    if any(abs(new - old) > CLEAR for new, old in ends):
+        raise NotFollowed("the skeleton's slips are not those of its run")
+    slips = np.array([np.inf, *(old for _, old in ends)])  # there, states before and after have the same load
+    states = [state for branch in passed for state in branch.states if np.abs(state.load - slips).min() > CLEAR]
+    v, loads = np.array([state.v for state in states]), np.array([state.load for state in states])
+    exact, largest = forces_of(skeleton.scene, skeleton.first, v, MINOR)
+    curve = forces_of(skeleton.scene, skeleton.first, skeleton.unknowns(loads))[0]
+    if not (np.abs(curve - exact) <= OFF * largest).all():
+        raise NotFollowed("the skeleton's forces are not those of its run")
