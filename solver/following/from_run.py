@@ -130,7 +130,7 @@ def _branch(scene, first, m, branch: TracedBranch, start, repeats):
         between = forces_of(scene, first, new.states(loads, m))[0]
         if (np.abs(between - exact) <= ERROR * largest).all():
             break
-    fold = Fold(end.load, end.v, end.active, None) if branch.end else None
+    fold = Fold.of(end.load, end.v, end.active, end.v - branch.states[-2].v) if branch.end else None
     return replace(new, active=np.array([branch.at(load).active for load in new.loads]), fold=fold)
 
 
