@@ -57,7 +57,7 @@ def alike(kinds):
 
 def compared(skeleton, frames):
     """Errors of a followed run: U_s in nm, F, L and A over their largest."""
-    theirs, mine = slips(frames), [event.load for event in skeleton.slips]
+    theirs, mine = slips(frames), [event.load for event in skeleton.slips if event.kind != "control"]
     U_s = np.abs(np.subtract(mine, theirs)).max(initial=0.0) if len(mine) == len(theirs) else np.inf
     # so near to a slip, one of the two has slipped and the other has not
     ends = np.array([*theirs, -np.inf])
