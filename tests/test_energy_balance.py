@@ -154,6 +154,19 @@ def test_what_friction_takes_is_what_the_top_pays_but_for_the_law_s_own_work(sce
     assert least < dissipated(scene) / paid - 1.0 < most
 
 
+def test_a_jump_to_the_held_load_is_released_and_no_work_of_the_interface():
+    """A saddle under the held load: the surfaces jump into contact at U_x = 0, and energy is lost there."""
+    scene = Scene(hold="load", delta_bar=-0.5, u_x_max=1.0, nodes=512, width=1250.0, radius=5.0)
+    frames = list(load_path(scene))
+    jump = next(k for k, frame in enumerate(frames) if frame.stage == "shear")
+    work, before = work_of(scene, frames), frames[jump - 1]
+    assert frames[jump].slip and abs(frames[jump].delta - before.delta) > scene.delta_n  # the premise
+    assert work.surface[jump] == work.surface[jump - 1]
+    assert work.released[jump] != work.released[jump - 1]
+    # between all other frames the two accounts of the work agree to the residual, as they do without a jump
+    assert np.abs(work.defect).max() < 1e-6 * np.abs(work.top).max()
+
+
 @pytest.mark.parametrize("values", [{}, {"hold": "load", "delta_bar": 0.2}])
 def test_over_a_friction_loop_the_two_accounts_agree(values):
     """The state repeats, so the layer stores nothing: what the top does is what slips release and springs give back."""
