@@ -1,13 +1,12 @@
-"""What an experiment costs: presets in one process, against the reference method at equal error, and against nodes.
+"""Cost of the presets in one process, against the method gfmd at equal error, and against the number of nodes.
 
     python tests/bench/bench.py [--json FILE] [--quick]
 
-Columns: force evaluations, median seconds of five runs (compiled, warm), microseconds per evaluation and median
-evaluations per increment on a branch, with known states reused and with everything solved; the error of F_bar on the
-branch before the first slip, relative to its largest value, against a reference at tolerance 1e-12 and a tenth of the
-step; and how many times longer gfmd takes. gfmd runs once, at the same tolerance and with u_x_max cut to three slips,
-over which fast is timed for the ratio "solved" as well; for "reused" gfmd's time goes on as in its last period.
---quick leaves gfmd, the reference and the larger sizes out.
+Columns: force evaluations; median seconds of five runs (compiled, warm); microseconds per evaluation; median
+evaluations per increment on a branch, with earlier states reused and with every state solved. The error is that of
+F_bar before the first slip, relative to its largest value, against a run at tolerance 1e-12 with a tenth of the step.
+The last columns give gfmd's time over that of fast. gfmd runs once, at the same tolerance, up to its third slip; its
+later periods are assumed to cost as much as the last one. --quick leaves out gfmd, the error and the larger sizes.
 """
 
 import argparse

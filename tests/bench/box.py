@@ -1,17 +1,17 @@
-"""What the slider box costs and whether it is right: 120 scenes over the ranges of the app's sliders, defaults else.
+"""Cost and errors over the slider box: 120 scenes over the ranges of the app's sliders, defaults else.
 
     python tests/bench/box.py [--json FILE] [--gfmd [plain]] [--cache FILE] [--limit SECONDS] [--jobs N] [--every N]
 
-Columns: time of a whole run over that of the default scene in the same run (processor time, median: the default is
-timed before every scene), force evaluations, slips and how many of them were located; a scene that is not done within
-the limit or gives up says so. --gfmd compares F_bar, L_bar and A_bar, at the last increment at which both rest, with
-the paper's GFMD (the solver's method gfmd, or with `plain` the independent one in tests/plain_gfmd.py), relative to
-their largest values in the run,
-and says how many times longer GFMD takes than `fast` over the same increments at the same tolerance (both with
-du_x = du_z = 0.5, tolerance 1e-5; times in units of a fixed numpy job, so that they may be cached). --cache keeps
-GFMD's results in a file; --only-gfmd fills it and does nothing else. Where the plain GFMD flutters for ever, its next
-increment starts from there, and the row says in how many increments. Where `fast` differs, the plain GFMD is asked
-again with half the time step and with du_x = 0.1: if it differs from itself, the scene is unsure, not wrong.
+Columns: processor time of a whole run over that of the default scene (the median; the default is timed before every
+scene), force evaluations, slips, and how many of them are located. A scene that exceeds the limit or fails prints why.
+
+--gfmd compares F_bar, L_bar and A_bar with the paper's GFMD, at the last increment at which both rest, relative to
+their largest values in the run. GFMD is the solver's method gfmd or, with `plain`, the independent one in
+tests/plain_gfmd.py. It also prints the ratio of GFMD's time to that of fast over the same increments at the same
+tolerance (du_x = du_z = 0.5, tolerance 1e-5), in units of a fixed numpy job, so that times may be cached.
+--cache keeps GFMD's results in a file; --only-gfmd fills it and does nothing else. Where the plain GFMD flutters for
+ever, its next increment starts from there, and the row gives the number of such increments. Where fast differs, the
+plain GFMD runs again with half the time step and with du_x = 0.1: if it differs from itself, the scene is unsure.
 """
 
 import argparse

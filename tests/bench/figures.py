@@ -1,9 +1,9 @@
-"""What the paper's figures cost: the 27 runs of Fig. 8 up to the onset of sliding, and Figs. 4 and 5 in closed form.
+"""Cost of the paper's figures: the 27 runs of Fig. 8 up to the onset of sliding, and Figs. 4 and 5 in closed form.
 
     python tests/bench/figures.py [--processes N]
 
-Fig. 8 in N processes (default 2) that are started, compiled and warm, each with the cost of one run and the median of
-five repetitions; then in this process. The friction curve is 120 moduli.
+Runs Fig. 8 in N processes (default 2), which are started, compiled and warm, and then in this process. Prints the cost
+of each run and the median of five repetitions. The friction curve has 120 moduli.
 """
 
 import argparse

@@ -1,15 +1,16 @@
-"""Whether fits find what made a curve, how long they take, and whether their errors are right.
+"""Fits of synthetic curves: whether they find the truth, how long they take, and whether their errors are right.
 
     python tests/bench/fit.py [--draws N] [--starts N] [--box N] [--sparse N] [--points N] [--json FILE]
 
-F and L at 400 points, each with noise of 1 % of its largest, three free parameters: F alone does not tell these apart,
-which a fit says (tests/test_fit.py). Time: one fit from 20 % off, seconds.
-Coverage: over 200 draws of truth (within 5 %) and noise, how often the 95 % interval of each parameter holds its truth.
-Starts: from 50 % off, 30 scenes near one punch, how many fits reach the truth (within four standard errors), and what
-the others say; a fit that is elsewhere, and says neither so nor that the data do not tell parameters apart, is wrong.
+Data are F and L at 400 points, with noise of 1 % of the largest of each, and three parameters are free. F alone does
+not determine these three, which a fit reports (tests/test_fit.py).
+Time: seconds of one fit from 20 % off.
+Coverage: 200 draws of truth (within 5 %) and noise; how often the 95 % interval of each parameter holds its truth.
+Starts: 30 scenes near one punch from 50 % off; how many fits reach the truth within four standard errors, and what the
+others report. A fit that ends elsewhere without a warning is wrong.
 Box: the same for 30 scenes of the slider box, those of `follow.py`.
 Sparse: F alone at few points (SPARSE) over 13 periods, with and without noise, one parameter from 20 % off, of 24
-scenes: how many fits are right, and how many are wrong without a warning.
+scenes; how many fits are right, and how many are wrong without a warning.
 """
 
 import argparse

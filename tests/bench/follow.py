@@ -14,7 +14,7 @@ import sys
 import time
 
 import numpy as np
-from scenes import held_box, parser, ran, scene_of, sheared, slider_box, spread, write
+from scenes import held_box, numbered, ran, scene_of, sheared, slider_box, spread, write
 
 from solver import NotFollowed, Scene, follow, load_path, skeleton_of
 
@@ -134,7 +134,7 @@ def report(found):
 
 
 def main():
-    options = parser(__doc__, 120)
+    options = numbered(__doc__, 120)
     options.add_argument("--held", action="store_true", help="under held loads")
     arguments = options.parse_args()
     list(load_path(Scene(u_x_max=12.0)))  # compiled, before anything is timed

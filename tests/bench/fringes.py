@@ -1,7 +1,9 @@
-"""How often the hero is drawn while a run plays, and how busy that keeps the browser: `python tests/bench/fringes.py`.
+"""How often the page draws the large picture while a run plays, and how busy the browser is.
 
-Chromium without a graphics processor, 1440 x 900, the default run at 4 and at 20 nm/s, fringes on and plain. Prints
-frames drawn a second and the share of the main thread's time.
+    python tests/bench/fringes.py
+
+Chromium without a graphics processor, 1440 x 900, the default run at 4 and at 20 nm/s, with and without fringes. Prints
+frames per second and the share of the main thread's time.
 """
 
 import sys

@@ -10,7 +10,7 @@ A jump where the control changes (increment 0 of a stage) needs no decision.
 """
 
 import numpy as np
-from scenes import even, geometric, parser, ran, scene_of, write
+from scenes import even, geometric, numbered, ran, scene_of, write
 
 from plain_gfmd import NoRest, Plain  # isort: skip  (scenes makes it importable)
 from solver import whole_surface
@@ -81,7 +81,7 @@ def jumps(scene, u, last, frame, move):
 
 
 def main():
-    options = parser(__doc__, 60)
+    options = numbered(__doc__, 60)
     chosen, rows = options.parse_args(), []
     for k, values in enumerate(scenes(chosen.scenes)):
         if k < chosen.first:

@@ -21,7 +21,7 @@ du_x 0.1, and against GFMD with du_x 0.1. GFMD starts each slip within 1e-3 or 1
 import time
 
 import numpy as np
-from scenes import Cache, cells, parser, ran, scene_of, sheared, soft_punches, write
+from scenes import Cache, cells, numbered, ran, scene_of, sheared, soft_punches, write
 
 from plain_gfmd import NoRest, Plain, run  # isort: skip  (scenes makes it importable)
 from solver import whole_surface
@@ -227,7 +227,7 @@ def summary(rows):
 
 
 def main():
-    options = parser(__doc__, None)
+    options = numbered(__doc__, None)
     options.add_argument("--cache", metavar="FILE")
     options.add_argument("--only-gfmd", action="store_true", help="fill the cache, compare nothing")
     options.add_argument("--soft", action="store_true", help="soft punches, to the end of the run")

@@ -1,11 +1,10 @@
-"""How soon a moved slider shows, in a real browser: the first changed frame and the whole new curve, p50 and p95.
+"""How soon a moved slider shows in a real browser: the first changed frame and the whole new curve, p50 and p95.
 
 Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--json FILE]`. Times
-are taken in the page, from the slider's input event to the animation frame after that in which the new run was painted;
-one visitor, warm. Without --drag, one key step after the other, each waited for. With it, each of the three sliders is
-dragged with the mouse at 20 moves a second, slowly and quickly, forth and back: new curves a second, their age, and how
-long after the hand has let go the exact run is on screen.
-The scenes are new to the server (its stiffness is a little different each time) unless --known is given.
+are taken in the page, from the slider's input event to the animation frame after the one that painted the new run. One
+visitor, warm. Without --drag: single key steps, each after the curve of the one before. With it: each of the three
+sliders is dragged at 20 moves a second, slowly and quickly, forth and back; prints new curves per second, their age,
+and the time from the release to the exact run. The scenes are new to the server unless --known is given.
 """
 
 import argparse

@@ -1,20 +1,18 @@
-"""What a map of first slips costs and whether it is right: delta_bar x phi_ratio, 41 x 31, on two processes.
+"""Cost and errors of a map of first slips: delta_bar x phi_ratio, 41 x 31 points, on two processes.
 
     python tests/bench/map.py [--x AXIS] [--y AXIS] [--set NAME=VALUE ...] [--workers N] [--checks N] [--json FILE]
 
-Says when the first level was there, when each next one, the share of points followed, and force evaluations; then runs
-points chosen at random from their start: how many are of another regime, the largest error of U_s (nm), and how many
-followed points are wrong. Two small tiles first: processes are started and kernels compiled before the clock starts.
+Prints when each level was complete, the share of points followed, and force evaluations. Random points are then run
+from their start: how many are of another regime, the largest error of U_s (nm), how many followed points are wrong.
+Processes start and kernels compile before the clock starts.
 """
 
-import argparse
-import json
 import sys
 import time
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
+from scenes import options, sheared, write
 
 from solver import NotConverged, Scene, load_path
 from solver.analysis.maps import Axis, Map, Tile, worked_off
@@ -29,7 +27,7 @@ WARM = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0
 
 
 def explored(grid, workers):
-    """(Points, seconds until each level was there)."""
+    """(Points, seconds until each level was complete)."""
     known, seconds = {}, []
     with crew(workers) as outcomes_of:
         warm = Tile(WARM, Axis("E", 60.0, 80.0, 3), Axis("nu", 0.4, 0.45, 2), tuple(((i, 0), {}) for i in range(3)))
@@ -45,15 +43,15 @@ def explored(grid, workers):
 
 
 def slip_of(scene):
-    """(U_s or None, whether it touches) of a run that ends at its first slip, by nothing that maps are made of."""
+    """(U_s or None, whether it touches) of a run up to its first slip; shares nothing with maps but `load_path`."""
     begun = None
     try:
         for frame in load_path(scene):
             if frame.stage != "shear":
                 continue
             begun = frame if begun is None else begun
-            if frame.slips:
-                return frame.slips[0].load, touches(begun)
+            if events := sheared([frame]):
+                return events[0].load, touches(begun)
             if frame.U_x > 1.2 * scene.spacing and frame.u[0].min() > scene.spacing:  # all of it slides
                 return None, touches(begun)
     except NotConverged:
@@ -95,7 +93,7 @@ def summary(points, seconds, rows):
 
 
 def report(found, rows):
-    print("levels there after " + ", ".join(f"{s:.1f}" for s in found["seconds"]) + " s")
+    print("levels complete after " + ", ".join(f"{s:.1f}" for s in found["seconds"]) + " s")
     print("{points} points, followed {followed:.1%}, of those that touch {followed_of_touching:.1%}".format(**found))
     for name, (total, median) in found["evaluations"].items():
         print(f"evaluations, {name}: {total}, median {median:g}")
@@ -109,22 +107,19 @@ def report(found, rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = options(__doc__)
     parser.add_argument("--x", default="delta_bar=-1:1:41")
     parser.add_argument("--y", default="phi_ratio=0.02:2:31:log")
     parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--checks", type=int, default=60)
-    parser.add_argument("--json", metavar="FILE")
     arguments = parser.parse_args()
     grid = Map(scene_of(arguments.set), Axis.of(arguments.x), Axis.of(arguments.y))
     points, seconds = explored(grid, arguments.workers)
     rows = list(checked(grid, points, arguments.checks))
     found = summary(points, seconds, rows)
     report(found, rows)
-    if arguments.json:
-        text = json.dumps({"summary": found, "points": [asdict(p) for p in points], "rows": rows}, indent=2)
-        Path(arguments.json).write_text(text, encoding="utf-8")
+    write(arguments.json, {"summary": found, "points": [asdict(p) for p in points], "rows": rows})
     return 0
 
 

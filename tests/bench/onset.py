@@ -7,14 +7,14 @@ fold lies within a short part of a branch (FINDINGS X5).
 """
 
 import numpy as np
-from scenes import parser, ran, scene_of, sheared, write
+from scenes import numbered, ran, scene_of, sheared, write
 
 STEPS = (0.1, 0.02, 0.005)  # delta_t
 SAME = 1e-5  # nm
 
 
 def main():
-    chosen, rows = parser(__doc__, 13).parse_args(), []
+    chosen, rows = numbered(__doc__, 13).parse_args(), []
     for ratio in np.linspace(0.0755, 0.0779, chosen.scenes):
         row = {"phi_ratio": round(float(ratio), 6), "U_s": [], "slips": []}
         for du_x in STEPS:

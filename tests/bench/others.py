@@ -1,33 +1,29 @@
-"""Whether slips land where the paper's GFMD lands: 160 scenes unlike the default, `fast` against tests/plain_gfmd.py.
+"""Whether slips land where the paper's GFMD lands: 160 scenes unlike the default, against tests/plain_gfmd.py.
 
     python tests/bench/others.py [--cache FILE] [--json FILE] [--only-gfmd] [--kinds NAME ...] [--every N]
 
-Rough, wavy, thick (h = 5 w), thin (0.3 w) and nearly incompressible layers, held loads, other damping; indentation,
-friction and modulus from a low-discrepancy sequence in the slider box. Both make the same increments until just after
-the second slip in shear; F_bar and L_bar are compared in every frame, to 1e-4 of their largest. GFMD finds the start of
-every slip by halving the increment, and then says itself how sure it is: it repeats the slip from a little farther
-beyond the end of the branch (a 16th of the increment, and all of it) and with half the time step. Where `fast` differs,
-it is asked once more, from the state of `fast` before the slip, as it is and with a kick of 1e-3 nm. A difference is
+Rough, wavy, thick (h = 5 w), thin (0.3 w) and nearly incompressible layers, held loads (in tension, too), and other
+damping; indentation, friction and modulus from a low-discrepancy sequence in the slider box. Both methods make the same
+increments until just after the second slip in shear; F_bar and L_bar are compared in every frame, to 1e-4 of their
+largest. GFMD locates the start of every slip by halving the increment. It then repeats the slip from farther beyond the
+end of the branch (a 16th of the increment, and all of it) and with half the time step. Where fast differs, GFMD also
+starts from the state of fast before the slip, as it is and with a kick of 1e-3 nm. A difference is
 
     bifurcation  GFMD itself lands elsewhere with half the time step or from a 16th of the increment
-    increment    GFMD lands as `fast` does, but only where it makes the whole increment at once, or is kicked
-    fast wrong   GFMD lands in one place, and `fast` does not
+    increment    GFMD lands as fast does, but only where it makes the whole increment at once, or is kicked
+    fast wrong   GFMD lands in one state, fast in another
 
 --cache keeps GFMD's results in a file, --only-gfmd fills it and compares nothing; --kinds takes the optional ones too.
 """
 
-import argparse
 import json
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
+from scenes import Cache, options, write
 
+from plain_gfmd import NoRest, Plain, run  # isort: skip  (scenes makes it importable)
 from solver import NotConverged, Scene, load_path, whole_surface
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from plain_gfmd import NoRest, Plain, run
 
 COMMON = {"nodes": 256, "width": 625.0, "du_x": 0.25, "du_z": 0.25, "tolerance": 1e-6, "u_x_max": 25.0}
 BOX = {"delta_bar": (-0.6, 1.0), "phi_ratio": (0.05, 2.0), "E": (10.0, 300.0)}  # the last two by their logarithms
@@ -58,7 +54,7 @@ CLASSES = ("same", "bifurcation", "increment", "fast wrong", "fast gives up", "g
 
 
 def scenes(kinds):
-    """(kind, parameters) of all scenes; a kind's scenes do not depend on which others are asked for."""
+    """(kind, parameters) of all scenes; a kind's scenes do not depend on the choice of other kinds."""
     growth = (
         1.2207440846057596  # the root of x^4 = x + 1: the additive sequence that fills three dimensions most evenly
     )
@@ -83,7 +79,7 @@ def scenes(kinds):
 
 
 class Closely:
-    """Increments of the plain GFMD that look closer at slips; `slips`: those of the last increment, as numbers."""
+    """Increments of the plain GFMD that locate slips; `slips`: those of the last increment, as numbers."""
 
     def __init__(self, scene):
         self.scene, self.top, self.slips = scene, None, []
@@ -92,7 +88,7 @@ class Closely:
     def __call__(self, plain, u, U_x, U_z, p0):
         start, end, self.slips = np.array(self.top or (U_x, U_z)), np.array((U_x, U_z)), []
         if p0 is not None:
-            start[1] = U_z  # which is found, and not given
+            start[1] = U_z  # a result of the held load
         far, done = FAR * min(self.scene.delta_n, self.scene.delta_t) + 2.0 * np.abs(end - start).max(), 0.0
         while True:
             rest = plain.rest(u, *end, p0)
@@ -160,20 +156,20 @@ def by_gfmd(values):
 
 
 def compared(values, gfmd):
-    """The class of a scene, and where and how it differs."""
+    """The class of a scene, and where and how fast differs."""
     scene, frames, failure = Scene(**values), [], None
     try:
         for _, frame in zip(gfmd["frames"], load_path(scene), strict=False):
             frames.append(frame)
     except NotConverged as given_up:
         failure = str(given_up)
-    except Exception as crash:  # which is what this looks for as well
+    except Exception as crash:  # a crash is a result, too
         failure = f"{type(crash).__name__}: {crash}"
     mine = np.array([(f.F_bar, f.L_bar) for f in frames]).reshape(-1, 2)
     theirs = np.array([frame[2:4] for frame in gfmd["frames"]]).reshape(-1, 2)
     error = (np.abs(mine - theirs[: len(mine)]) / np.maximum(np.abs(theirs).max(axis=0), 1e-12)).max(axis=1)
     bad = error > WRONG
-    both = np.flatnonzero(bad & np.append(bad[1:], True))  # one frame alone: the slip came just before it or just after
+    both = np.flatnonzero(bad & np.append(bad[1:], True))  # in one frame alone, the slip came just before or after it
     row = {"error": float(error[~bad].max(initial=0.0)), "alone": int(bad.sum()), "where": None, "why": failure}
     row["sites"] = [slip["sites"] for slip in gfmd["slips"]]
     if not both.size:
@@ -188,7 +184,7 @@ def compared(values, gfmd):
 
 
 def differs(scene, gfmd, frames, k):
-    """Why frame k is the first that is not GFMD's: what GFMD makes of the state of `fast` before it."""
+    """Why frame k is the first that differs from GFMD's: where GFMD goes from the state of fast before it."""
     place = list(gfmd["frames"][k][:2])
     minds = [slip["minds"] for slip in gfmd["slips"] if [slip["stage"], slip["index"]] == place]
     unsure = [name for mind in minds for name, value in mind.items() if value > SAME and name != "whole"]
@@ -230,26 +226,18 @@ def table(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = options(__doc__)
     parser.add_argument("--cache", metavar="FILE")
-    parser.add_argument("--json", metavar="FILE")
     parser.add_argument("--only-gfmd", action="store_true")
     parser.add_argument("--kinds", metavar="NAME", nargs="+", choices=[*KINDS, *OPTIONAL], default=list(KINDS))
     parser.add_argument("--every", metavar="N", type=int, default=1, help="only every N-th scene")
     arguments = parser.parse_args()
-    path = Path(arguments.cache) if arguments.cache else None
-    cache = json.loads(path.read_text(encoding="utf-8")) if path and path.exists() else {}
-    rows = []
+    cache, rows = Cache(arguments.cache), []
     for kind, values in scenes(arguments.kinds)[:: arguments.every]:
-        key = json.dumps(values)
-        if key not in cache:
-            cache[key] = by_gfmd(values)
-            if path:
-                path.write_text(json.dumps(cache), encoding="utf-8")
+        gfmd = json.loads(json.dumps(cache.get(values, by_gfmd)))
         if arguments.only_gfmd:
             continue
         begun = time.perf_counter()
-        gfmd = json.loads(json.dumps(cache[key]))
         rows.append({"kind": kind, "scene": values, **compared(values, gfmd), "seconds": time.perf_counter() - begun})
         row = rows[-1]
         own = {name: value for name, value in values.items() if COMMON.get(name) != value}
@@ -258,8 +246,7 @@ def main():
             print(f"{'':12}{row['evidence']}", flush=True)
     if rows:
         table(rows)
-    if arguments.json:
-        Path(arguments.json).write_text(json.dumps(rows, indent=2), encoding="utf-8")
+    write(arguments.json, rows)
 
 
 if __name__ == "__main__":

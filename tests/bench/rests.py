@@ -1,11 +1,11 @@
-"""Whether every frame rests: scenes at random over the range of every parameter, judged by dense spectra.
+"""Whether every frame is stable: scenes at random over the range of every parameter, judged by dense spectra.
 
     python tests/bench/rests.py [--scenes N] [--seed N] [--jobs N] [--nodes LEAST MOST]
 
-All modes of the motion of the whole surface are computed for some twelve frames of each scene in contact, and for those
-before and after a slip; hence the cells are small, of 16 to 90 nodes. In larger ones than 128, waves are not looked
-for: frames where they may flutter say so. Prints every scene with a frame that does not say so, though its fastest mode
-grows, and how runs ended: a scene has 10 s of processor time, an increment 2 s.
+Computes all modes of the motion of the whole surface for some twelve frames of each scene in contact, and for those
+before and after a slip. Hence the cells are small, of 16 to 90 nodes; in cells of more than 128 the solver does not
+look for waves, and frames where waves may flutter say so. Prints every scene with a frame whose fastest mode grows and
+that does not say so, and how runs ended: a scene has 10 s of processor time, an increment 2 s.
 """
 
 import argparse
@@ -24,7 +24,7 @@ WEAK = 0.4  # damping, over critical, below which the shares are counted apart
 
 
 def scene_at_random(rng, nodes):
-    """Parameters of a Scene, which may be refused."""
+    """Parameters of a Scene, which may reject them."""
 
     def between(low, high):
         return float(f"{np.exp(rng.uniform(np.log(low), np.log(high))):.4g}")

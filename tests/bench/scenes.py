@@ -156,13 +156,19 @@ def spread(values):
     return [float(value) for value in np.percentile(values, [50, 95, 100])] if len(values) else [np.nan] * 3
 
 
-def parser(doc, scenes):
-    """Options that every bench has; scenes: default of --scenes."""
-    options = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--scenes", metavar="N", type=int, default=scenes, help="how many (default: %(default)s)")
-    options.add_argument("--from", metavar="K", type=int, default=0, dest="first", help="skip the first K scenes")
-    options.add_argument("--json", metavar="FILE", help="write every row here")
-    return options
+def options(doc):
+    """A parser of the command line with the options that every bench has."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", metavar="FILE", help="write every row here")
+    return parser
+
+
+def numbered(doc, scenes):
+    """The same for benches of numbered scenes; scenes: default of --scenes."""
+    parser = options(doc)
+    parser.add_argument("--scenes", metavar="N", type=int, default=scenes, help="how many (default: %(default)s)")
+    parser.add_argument("--from", metavar="K", type=int, default=0, dest="first", help="skip the first K scenes")
+    return parser
 
 
 def write(path, rows):

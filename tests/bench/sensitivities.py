@@ -16,7 +16,7 @@ import sys
 import time
 
 import numpy as np
-from scenes import held_box, parser, ran, scene_of, sheared, slider_box, spread, write
+from scenes import held_box, numbered, ran, scene_of, sheared, slider_box, spread, write
 
 from solver import NotConverged, NotFollowed, Scene, SceneError, follow, skeleton_of
 from solver.analysis.partial import continuous
@@ -141,7 +141,7 @@ def report(rows):
 
 
 def main():
-    options = parser(__doc__, None)
+    options = numbered(__doc__, None)
     options.add_argument("--held", action="store_true", help="held loads, by exact runs alone")
     chosen, rows = options.parse_args(), []
     small = Scene(u_x_max=12.0)

@@ -8,7 +8,7 @@ curve was off by 61 % (FINDINGS X7).
 """
 
 import numpy as np
-from scenes import parser, ran, scene_of, sheared, slider_box, spread, write
+from scenes import numbered, ran, scene_of, sheared, slider_box, spread, write
 
 from solver import NotConverged, NotFollowed, skeleton_of
 
@@ -42,7 +42,7 @@ def row_of(values):
 
 
 def main():
-    chosen, rows = parser(__doc__, 200).parse_args(), []
+    chosen, rows = numbered(__doc__, 200).parse_args(), []
     for number, values in enumerate([SMOOTH, *slider_box(chosen.scenes - 1, 37)]):
         if number < chosen.first:
             continue
