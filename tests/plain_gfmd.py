@@ -1,10 +1,10 @@
-"""The paper's GFMD as plainly as it can be written: a reference that shares nothing with the solver but Scene.
+"""The paper's GFMD, written as plainly as possible: a reference that shares nothing with the solver but Scene.
 
 The whole surface of the layer, every node, moves in Fourier space with unit mass for every mode,
 u'' = K (U - u) + T(u) - gamma u', gamma = 2 damping sqrt(k_min), by the Verlet scheme, from rest to rest, increment by
-increment; with damping = inf by u' = K (U - u) + T(u), the layer's part propagated exactly, T(u) kept over a step.
-Under a held load the top is massless: the uniform normal mode has no stiffness and bears the mean pressure p0 that the
-approach has ended with. At rest means max |U + C T(u) - u| <= tolerance at two looks in a row.
+increment. With damping = inf it moves by u' = K (U - u) + T(u): the layer's part is exact, T(u) is kept over a step.
+Under a held load the top is massless: the uniform normal mode has no stiffness and bears the mean pressure p0 at the
+end of the approach. At rest means max |U + C T(u) - u| <= tolerance at two looks in a row.
 
     for record in run(Scene(nodes=256, width=625.0)): print(record.stage, record.load, record.F_bar)
 """
@@ -17,21 +17,21 @@ import pyfftw
 from numba import njit
 
 LOOK_EVERY = 25  # steps between two looks at the residual
-MARGIN = 1e-3  # of delta_n, by which a node must cross the edge of the window to be let in or out
-BUDGET = 400_000  # force evaluations from rest to rest
-OVERDAMPED = 0.25  # of the stability limit: a step of first order must be shorter than stability asks
+MARGIN = 1e-3  # of delta_n; a node must cross the edge of the window by this much to enter or leave
+BUDGET = 400_000  # force evaluations from rest to rest; 40 times what a usual slip takes
+OVERDAMPED = 0.25  # of the stability limit: the scheme is of first order, and accuracy asks for less than stability
 Record = namedtuple("Record", "stage index load F_bar L_bar A_bar u delta residual evaluations")  # load: delta or U_x
 Rest = namedtuple("Rest", "u U_z T residual")  # (2, nodes) nm, nm, (2, nodes) GPa, nm
 
 
 class NoRest(Exception):
-    """The motion does not come to rest: it goes on, diverges, or nothing holds the layer any longer."""
+    """The motion does not come to rest: it continues, diverges, or the contact has pulled off."""
 
 
 class Plain:
     """The motion of one scene; fraction: of the largest stable time step. Counts its force evaluations.
 
-    restless: what still moves when the budget is spent (it flutters) is taken as it is, and told by its residual.
+    restless: accept a state that still moves when the budget is spent (it flutters); its residual shows it.
     """
 
     def __init__(self, scene, fraction=0.5, tolerance=None, budget=BUDGET, restless=False):
@@ -52,7 +52,7 @@ class Plain:
         self._backward = pyfftw.FFTW(self.spectrum, self.u, direction="FFTW_BACKWARD", **plan).execute
 
     def rest(self, u, U_x, U_z, p0=None):
-        """The Rest reached from u (2, nodes) without velocity; p0 (GPa) given: it finds its U_z. Raises NoRest."""
+        """The Rest reached from rest at u (2, nodes); p0 (GPa) holds the load, U_z follows. Raises NoRest."""
         inside, settled = self.gap + u[1] <= self.window, np.zeros(self.n, bool)
         while True:
             steps = (self._moved(u, inside, U_x, U_z, p0, self.fraction / finer) for finer in (1, 4, 16))
@@ -126,7 +126,8 @@ def rest(scene, u, U_x, U_z=0.0, p0=None, fraction=0.5, tolerance=None):
 def run(scene, fraction=0.5, tolerance=None, increment=Plain.rest, restless=False):
     """Yield the Records of the path (shear or loop) in order; raises NoRest.
 
-    increment(plain, u, U_x, U_z, p0): a Rest, for callers that look closer at some; the former top is that of before.
+    increment(plain, u, U_x, U_z, p0) returns a Rest; callers that study slips replace it. Under a held load U_z is that
+    of the last Rest.
     """
     plain, p0 = Plain(scene, fraction, tolerance, restless=restless), None
     n, area, U_z = scene.shear_increments, 1.0 / (scene.nodes * scene.E), scene.delta_0
