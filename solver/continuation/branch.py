@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .anderson import dot
+from .fold import Fold, fold_near
 from .interpolation import combine, lagrange
 from .state import MOVED, LimitPoint, State
 
@@ -32,6 +33,7 @@ class Limits:
     # lie beyond the newest point by that
     beyond: float = 0.1
     sharpness: float = 1e-9  # units, error of the load at the end of a branch
+    folds: int = 4  # searches for a fold from guesses ever nearer to it; one does, but for soft layers
     start: float = 0.05  # units from the end of the branch, where the motion starts; from farther, soft layers
     # reach other rests
 
@@ -257,32 +259,21 @@ class _Arc:
     def _fold(self, points):
         """The LimitPoint at the maximum of the load between the points; the State at `target` if that is below."""
         chord, here = _on_chord(points)
-        bracket = sorted(here, key=lambda p: p[0])
-        sharp = 0  # predictions in a row that were right: a single one may be so by chance
-        for _ in range(20):
-            arc, top = _parabola_top(bracket)
-            found = self._point_at(chord, arc, bracket)
+        active = self.state.active
+        for _ in range(LIMITS.folds):
+            arc, guess = _top(here, active)
+            fold = fold_near(self.problem, guess)
+            if fold is not None and here[-1][0] < dot(chord, fold.v) < here[0][0]:
+                break
+            found = self._point_at(chord, arc, here)  # nearer to the top
             if found is None:
-                break
-            bracket = _narrowed(bracket, (arc, *found))
-            sharp = sharp + 1 if abs(found[0] - top) < LIMITS.sharpness * self.unit else 0
-            if sharp == 2:
-                break
-        _, load, v = max(bracket, key=lambda p: p[1])
-        if load >= self.target:
-            return self._arrived([(load, v), *[p for p in points[1:] if p[0] < load]], load)
-        return LimitPoint(load, v, self.state.active, self._away(chord, bracket, (load, v), points[0][1]), "fold")
-
-    def _away(self, chord, bracket, fold, beyond):
-        """The way from the fold to `start` units beyond it on the unstable branch, whence the motion starts."""
-        load, v = fold
-        away, wanted = beyond - v, LIMITS.start * self.unit
-        distance = np.abs(away).max()
-        arc = dot(chord, v) + dot(chord, away) * min(LIMITS.growth, wanted / max(distance, 1e-12))
-        found = self._point_at(chord, arc, bracket)
-        if found is not None and found[0] < load and np.abs(found[1] - v).max() < 2.0 * wanted:
-            away = found[1] - v
-        return away * (wanted / max(np.abs(away).max(), 1e-300))
+                return self._lost()
+            here = _around_highest([*here, (arc, *found)])
+        else:
+            return self._lost()
+        if fold.load >= self.target:
+            return self._arrived([(fold.load, fold.v), *[p for p in points[1:] if p[0] < fold.load]], fold.load)
+        return LimitPoint(fold.load, fold.v, active, fold.phi * (LIMITS.start * self.unit), "fold")
 
 
 def _on_chord(points):
@@ -297,25 +288,18 @@ def _on_chord(points):
     return chord, [(dot(chord, v), load, v) for load, v in points[:3]]
 
 
-def _narrowed(bracket, point):
-    """The highest of four points (arc, load, v) with its neighbours in arc."""
-    points = sorted([*bracket, point], key=lambda p: p[0])
-    highest = max(range(4), key=lambda i: points[i][1])
-    first = min(max(highest - 1, 0), 1)
-    return points[first : first + 3]
+def _around_highest(points):
+    """The highest of points (arc, load, v) with its neighbours in arc, newest (the largest arc) first."""
+    points = sorted(points, key=lambda p: p[0])
+    highest = max(range(1, len(points) - 1), key=lambda i: points[i][1])
+    return points[highest - 1 : highest + 2][::-1]
 
 
-def _parabola_top(bracket):
-    """(arc, load) of the maximum of the parabola through (arc, load, v) in order of arc, the middle one highest.
-
-    At least a hundredth of a side off the points of the bracket, so that every new point narrows it.
-    """
-    (a, fa), (b, fb), (c, fc) = [(p[0], p[1]) for p in bracket]
-    slope, slope2 = (fb - fa) / (b - a), (fc - fb) / (c - b)
-    bend = (slope2 - slope) / (c - a)
-    top = 0.5 * (a + b) - slope / (2.0 * bend) if bend < 0.0 else b
-    least = 0.01 * min(b - a, c - b)
-    if abs(top - b) < least:
-        top = b + (least if c - b > b - a else -least)
-    top = min(max(top, a + least), c - least)
-    return top, fa + slope * (top - a) + bend * (top - a) * (top - b)
+def _top(points, active):
+    """(arc, Fold) at the maximum of the parabola through three points (arc, load, v), newest first: a guess."""
+    arcs = np.array([p[0] for p in points])
+    bend, slope, _ = np.polyfit(arcs - arcs[1], [p[1] for p in points], 2)
+    arc = float(np.clip(arcs[1] - 0.5 * slope / bend, arcs[2], arcs[0])) if bend < 0.0 else float(arcs[1])
+    v, ahead = (combine(lagrange(arcs, at), [p[2] for p in points]) for at in (arc, arc + 1e-3 * (arcs[0] - arcs[2])))
+    load = sum(weight * p[1] for weight, p in zip(lagrange(arcs, arc), points, strict=True))
+    return arc, Fold.of(load, v, active, ahead - v)
