@@ -33,6 +33,9 @@ class Limits:
     # lie beyond the newest point by that
     beyond: float = 0.1
     sharpness: float = 1e-9  # units, error of the load at the end of a branch
+    # of the load per arc, below which a state is followed by arc length and a fold is looked for a step ahead: the arc
+    # must be finer than the hidden part of the branch, which is about a tenth of a unit where that matters
+    steep: float = 0.3
     folds: int = 4  # searches for a fold from guesses ever nearer to it; one does, but for soft layers
     start: float = 0.05  # units from the end of the branch, where the motion starts; from farther, soft layers
     # reach other rests
@@ -90,6 +93,8 @@ def _by_load(corrector, judge, state, target):
         return None
     if len(past) > 1 and np.abs(v - guess).max() > LIMITS.short * corrector.problem.unit:
         return None
+    if target - state.load < LIMITS.steep * np.abs(v - state.v).max():
+        return None
     mode = judge.accept(corrector.problem, v, active, state.mode, corrector.inverse)
     return on_branch(corrector, state, target, v, active, mode) if mode.rests else None
 
@@ -139,11 +144,44 @@ class _Arc:
             points = [found, *points[:3]]
             if found[0] < points[1][0]:
                 return self._fold(points)
+            if found[0] < self.target and (end := self._ended(points)):
+                return end
+            if end := self._fold_ahead(points):
+                return end
             if found[0] >= self.target:
                 return self._arrived(points)
-            if ended := self._ended(points):
-                return ended
         return self._lost()
+
+    def _fold_ahead(self, points):
+        """The LimitPoint, or the State at `target`, by a fold a step ahead; None if there is none.
+
+        Near the onset of stick-slip the load falls over less than a step: two points show no fold between them.
+        """
+        if len(points) < 3:
+            return None
+        (load, v), (load1, v1), (load2, v2) = points[:3]
+        way, before = np.abs(v - v1).max(), np.abs(v1 - v2).max()
+        slope, last = (load - load1) / way, (load1 - load2) / max(before, 1e-300)
+        if not slope < min(LIMITS.steep, last):
+            return None
+        bend = (last - slope) / (0.5 * (way + before))
+        top = max(slope / bend - 0.5 * way, 0.0)  # units of arc to where the slope is zero
+        if top > LIMITS.long * self.unit or load + 0.5 * bend * top**2 > self.target:
+            return None
+        guess = Fold.of(load + 0.5 * bend * top**2, v + (v - v1) * (top / way), self.state.active, v - v1)
+        fold = fold_near(self.problem, guess)
+        if fold is None or not load <= fold.load:
+            return None
+        ahead = (fold.v - v) @ (v - v1)
+        if ahead < 0.0 or np.abs(fold.v - v).max() > LIMITS.long * self.unit:
+            return None
+        return self._at_fold(fold, points)
+
+    def _at_fold(self, fold, points):
+        """The LimitPoint at a fold, or the State at `target` if that is below it; points: before it, newest first."""
+        if fold.load >= self.target:
+            return self._arrived([(fold.load, fold.v), *points], fold.load)
+        return LimitPoint(fold.load, fold.v, self.state.active, fold.phi * (LIMITS.start * self.unit), "fold")
 
     def _point_at(self, chord, arc, here):
         """The point (load, v) with <chord, v> = arc, or None; extrapolated from `here`, points (arc, load, v)."""
@@ -212,11 +250,26 @@ class _Arc:
         return None if self.mode.rests else self._end(points, points[0], self.mode)
 
     def _end(self, points, after, mode, fold=None):
-        """The LimitPoint before `after`, (load, v), whose `mode` grows: a fold, if the load falls beyond the points."""
-        ahead = self._just_beyond(points) if fold is None and mode.kind != "flutter" else None
-        if ahead is not None and ahead[0] < points[0][0]:
-            return self._fold([ahead, *points])
+        """The end before `after`, (load, v), whose `mode` grows: a fold if there is one, or what `_located` finds."""
+        before = [p for p in points if p[0] < after[0] and p[1] is not after[1]]
+        if fold is None and mode.kind != "flutter" and not mode.hidden and before:
+            ahead = self._just_beyond(points)
+            if ahead is not None and ahead[0] < points[0][0]:
+                return self._fold([ahead, *points])
+            # the branch may have turned round twice as far as the arc can tell: a real mode grows beyond a fold
+            if found := self._fold_between(before[0], after):
+                return self._at_fold(found, before)
         return self._located([p for p in points[1:] if p[0] >= self.state.load], after, mode)
+
+    def _fold_between(self, before, after):
+        """The Fold between two points (load, v) of a branch, the first of them stable and the second not; or None."""
+        way = after[1] - before[1]
+        for part in (0.5, 1.0, 0.0):
+            load, v = (a + part * (b - a) for a, b in zip(before, after, strict=True))
+            fold = fold_near(self.problem, Fold.of(load, v, self.state.active, way))
+            if fold is not None and fold.load >= before[0] and 0.0 <= (fold.v - before[1]) @ way <= way @ way:
+                return fold
+        return None
 
     def _just_beyond(self, points):
         """The point (load, v) a little farther on the arc than the newest, or None. Past a fold, its load is lower."""
@@ -271,9 +324,7 @@ class _Arc:
             here = _around_highest([*here, (arc, *found)])
         else:
             return self._lost()
-        if fold.load >= self.target:
-            return self._arrived([(fold.load, fold.v), *[p for p in points[1:] if p[0] < fold.load]], fold.load)
-        return LimitPoint(fold.load, fold.v, active, fold.phi * (LIMITS.start * self.unit), "fold")
+        return self._at_fold(fold, [p for p in points[1:] if dot(chord, p[1]) < dot(chord, fold.v)])
 
 
 def _on_chord(points):

@@ -37,6 +37,7 @@ class Limits:
     # units of residual and swing below which Anderson steps look for the equilibrium, 0.3 times as much each time they
     # fail; from 0.1 on they reach other equilibria than the motion
     landing: float = 0.03
+    near: float = 1e-4  # the same within `left`: below what drives the motion at its start
     # changes of a node at the edge of the window, after which it stays as it is, lest it swing on
     come_and_go: int = 10
     patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
@@ -203,7 +204,7 @@ class _Passage:
         self.motion = motion_of(self.dynamics, y, self.load, damping, closed)
         self.ahead, self._r, self._worst = np.zeros(problem.size), np.empty(problem.size), None
         self._changes = np.zeros(self.active.size, int)
-        self.landing = LIMITS.landing * self.unit
+        self.landing, self.near = LIMITS.landing * self.unit, LIMITS.near * self.unit / trial.nearer**2
         self.starting, self.steps, self.elapsed = end.located, 0, 0.0
 
     def to_rest(self):
@@ -270,11 +271,11 @@ class _Passage:
 
     def land(self):
         """The State in which Anderson steps come to rest from here; None if it is too early, or they fail."""
-        if self.starting or not self._nearly_at_rest():
+        if not self._nearly_at_rest(self.landing if not self.starting else self.near):
             return None
         state = self._rest_near()
-        if state is None or self._near_end(state.v):
-            self.landing *= 0.3
+        if state is None or self._returned(state.v):
+            self.landing, self.near = 0.3 * self.landing, 0.3 * self.near
             return None
         return state
 
@@ -282,10 +283,14 @@ class _Passage:
         """Whether v is not yet another state than the end of the branch."""
         return self.end.located and bool(np.abs(v - self.end.v).max() < LIMITS.left * self.unit)
 
-    def _nearly_at_rest(self):
-        """Whether velocities and residual are small; velocities first, as they need no force evaluation."""
+    def _returned(self, v):
+        """Whether v is the end of the branch, or before it, as seen along the way on which the motion left."""
+        return self._near_end(v) and bool((v - self.end.v) @ self.end.away < 0.5 * (self.end.away @ self.end.away))
+
+    def _nearly_at_rest(self, bound):
+        """Whether velocities and residual are below a bound, nm; velocities first, as they need no force evaluation."""
         swing = np.abs(self.dynamics.unknowns(self.motion.y + self.motion.swing()) - self.v).max()
-        return swing < self.landing and self.residual < self.landing
+        return swing < bound and self.residual < bound
 
     def _rest_near(self):
         """The State that Anderson steps lead to; None if they fail, go too far or find no rest."""
@@ -304,7 +309,7 @@ class _Passage:
 
     def raise_load(self):
         """Go on under a higher load where the motion does not rest, or where the branch goes on a little farther."""
-        returned = self.starting and self._nearly_at_rest() and self.residual <= self.problem.tolerance
+        returned = self.starting and self._nearly_at_rest(self.problem.tolerance)
         if not returned and not self._restless():
             return
         if not returned and self.pace.finer < 4 and self.end.kind != "flutter":
