@@ -6,6 +6,7 @@ import pytest
 from solver import Scene, load_path
 from solver.mechanics.flutter import FINER, MARGIN, safe_damping, safe_friction
 from solver.mechanics.layer import Modes
+from solver.run.frame import largest_safe_damping
 
 CELL = Scene(nodes=128, width=312.5)
 
@@ -43,13 +44,11 @@ def test_flutter_does_not_depend_on_where_a_patch_begins():
     assert found[0] == pytest.approx(found[1], rel=1e-12) and found[0] > 0.0
 
 
-def test_the_safe_damping_of_a_frame_is_that_of_its_displacements():
-    """The run computes it again only where T_x(u_z) - T_z(u_x) has changed by a twentieth: hence the tolerance."""
-    frames = [frame for frame in load_path(Scene()) if not frame.repeated]
-    active = [(frame.T != 0.0).any(axis=0) for frame in frames]
-    found = [safe_damping(f.scene, f.u, a, f.first) for f, a in zip(frames, active, strict=True)]
-    assert found == pytest.approx([frame.safe_damping for frame in frames], abs=0.05)
-    assert max(found) == pytest.approx(0.55, abs=0.01)  # measured at commit bca590a
+def test_the_safe_damping_of_a_run_is_that_of_its_frames_though_few_are_asked():
+    frames = list(load_path(Scene()))
+    everywhere = max(frame.safe_damping for frame in frames)
+    assert largest_safe_damping(frames) == pytest.approx(everywhere, abs=0.05)
+    assert everywhere == pytest.approx(0.55, abs=0.01)  # measured at commit bca590a
 
 
 def test_a_flat_whose_nodes_are_all_alike_hides_no_wave():

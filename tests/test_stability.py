@@ -225,7 +225,8 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     assert report.all.frames == {"unstable": 1, "said": 0, "judged": 1} and report.failed
     assert report.data()["regions"]["nodes"]["unstable"] == 1
     sample = stability.Sample()
-    sample.take(replace(saddle, safe_damping=2.0 * scene.damping))  # a frame that reports possible flutter itself
+    vars(saddle)["safe_damping"] = 2.0 * scene.damping  # a frame that reports possible flutter itself
+    sample.take(saddle)
     wrong, numbers = stability.stable(scene, sample)
     assert wrong is None and (numbers["unstable"], numbers["said"]) == (0, 1)
 

@@ -17,6 +17,7 @@ from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
 from solver.continuation.state import OutOfTime
 from solver.run.carry import carry_on
+from solver.run.frame import largest_safe_damping
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import in_time, next_frame, owned
 
@@ -95,7 +96,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
-        safe_damping=float(max((frame.safe_damping for frame in frames), default=0.0)),
+        safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
         checkpoint=checkpoint,
         last=last,

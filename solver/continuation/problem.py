@@ -43,9 +43,8 @@ class Linearised(Protocol):
     def seen(self, x):
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""
 
-    def safe_damping(self, known: tuple) -> tuple:
-        """(damping over critical above which no wave can flutter, what that was estimated for), or `known`, the same of
-        a state before, if that will do. Called beyond `rest.LIMITS.most`."""
+    def safe_damping(self) -> float:
+        """The damping over critical above which no wave can flutter; for `rest.LIMITS.most` < N <= `dense_waves`."""
 
     def waves(self) -> tuple | None:
         """(mu (2, waves) of all modes, shown) if every mode is a wave, with shown(i, q) the x of one, complex (N,), or

@@ -60,10 +60,8 @@ class Replay:
         if moved > 0.0:  # interpolation did not meet the tolerance: the trace takes the solution
             trace = trace.added(branch, known._replace(v=v - shift * problem.direction, active=active))
         slips = tuple(trace.slips(state.load, target, problem.direction))
-        past, mode = [(target, v)] if slips else [(target, v), *state.past[:4]], state.mode
-        if mode is not None and mode.safety is not trace.safety:
-            mode = replace(mode, safety=trace.safety)
-        there = replace(state, load=target, v=v, active=active, past=past, secants=secants, mode=mode, trace=trace)
+        past = [(target, v)] if slips else [(target, v), *state.past[:4]]
+        there = replace(state, load=target, v=v, active=active, past=past, secants=secants, trace=trace)
         return Increment(replace(there, residual=self.stepper.corrector.worst), slips, True)
 
     def _same(self, moved, branch, load):

@@ -11,7 +11,7 @@ is carried from state to state. Waves of the contact, with mu far from zero, may
 the local criterion says to be safe; small problems and flats are judged by all their mu, others carry that damping.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -54,7 +54,6 @@ class Mode:
     mu: complex
     x: np.ndarray | None
     hidden: bool = False
-    safety: tuple = (0.0, None)  # damping over critical above which no wave can flutter, and for what state that is
     basis: tuple = ()  # of (x (N,), K x), disturbances near zero
     v: np.ndarray | None = None  # (size,) where it was looked for, and
     margin: float = 0.0  # of the carried modes from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J
@@ -83,10 +82,9 @@ class Judge:
         """
         here, fits = problem.linearised(v, active), _fits(known, v)
         near = fits and np.abs(v - known.v).max() < LIMITS.far * problem.unit * min(known.margin, 1.0)
-        if near and known.growth < -LIMITS.clear * self._scale(problem):
-            safety = here.safe_damping(known.safety)
-            if self.damping >= safety[0] or here.size > LIMITS.dense_waves:
-                return known if safety is known.safety else replace(known, safety=safety)
+        clear = near and known.growth < -LIMITS.clear * self._scale(problem)
+        if clear and (here.size > LIMITS.dense_waves or self.damping >= here.safe_damping()):
+            return known
         return self._looked(problem, here, v, active, known, smooth, fine=not fits)
 
     def rightmost(self, problem, v, active, known=None, smooth=None):
@@ -105,14 +103,13 @@ class Judge:
             return _of_waves(here, *waves, friction)
         if here.size <= LIMITS.most:
             return _dense(here, friction)
-        safety = here.safe_damping(known.safety) if fits else here.safe_damping()
-        if self.damping < safety[0] and here.size <= LIMITS.dense_waves:
+        if here.size <= LIMITS.dense_waves and self.damping < here.safe_damping():
             return _dense(here, friction)
         space, inverse = self._emptied(problem, here, smooth)
         radius, start = LIMITS.radius * 0.25 * critical**2, known.basis if fits else ()
         found = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
         growth, mu, x, basis, margin = found
-        return Mode(growth, mu, here.seen(x), False, safety, basis, v, margin)
+        return Mode(growth, mu, here.seen(x), False, basis, v, margin)
 
     def _emptied(self, problem, here, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""

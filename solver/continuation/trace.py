@@ -87,7 +87,6 @@ class Trace:
     branches: tuple[TracedBranch, ...]
     period: float | None = None
     home: float = 0.0
-    safety: tuple = (0.0, None)  # the largest of its states', as of `rest.Mode`
 
     @staticmethod
     def of(state) -> "Trace":
@@ -110,10 +109,7 @@ class Trace:
         for slip in increment.slips:
             before.append(last.ended(slip))
             last = TracedBranch((_passed(slip.after),))
-        safety, mode = self.safety, increment.state.mode
-        if mode is not None:
-            safety = max(safety, mode.safety, key=lambda each: each[0])
-        return replace(self, branches=(*before, last.added(_passed(increment.state))), safety=safety)
+        return replace(self, branches=(*before, last.added(_passed(increment.state))))
 
     def added(self, branch: TracedBranch, state: Passed) -> "Trace":
         """With one more state of one of its branches."""

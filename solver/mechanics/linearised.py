@@ -11,7 +11,6 @@ from .cohesive_law import add_product, alike
 from .dense import MOST, fill
 from .flutter import safe_friction
 
-SKEWER = 0.05  # of critical: change of the safe damping, estimated, from which on it is computed anew
 BESIDE = 1e-3  # units along a disturbance, for the change of J: the error is the square, round-off 1e-13
 
 
@@ -119,19 +118,9 @@ class Linearised:
     def _raised(self, w, x, force):
         """Add the displacement of the top to that of the surface against it, x (2, n), which bears `force` (2, n)."""
 
-    def safe_damping(self, known=(0.0, None)):
-        """(damping over critical above which no wave can flutter, J_xz - J_zx (m,) that it is for), by `flutter`.
-
-        `known` itself, such a pair, where J_xz - J_zx has hardly changed since.
-        """
-        skew, before = self.J[1] - self.J[2], known[1]
-        if before is not None and before.shape == skew.shape:
-            change = 0.5 * np.abs(skew - before).max()  # of Im mu, here for a wave as stiff as the interface
-            if change <= SKEWER * self.surface.critical * np.sqrt(np.abs(self.J).max()):
-                return known
-        contact = self.contact
-        friction = safe_friction(self.J, contact.modes.stiffness, contact.nodes)
-        return friction / self.surface.critical, skew
+    def safe_damping(self) -> float:
+        """The damping over critical above which no wave can flutter, as of `flutter`."""
+        return safe_friction(self.J, self.contact.modes.stiffness, self.contact.nodes) / self.surface.critical
 
     def waves(self):
         """Where all nodes are alike, so that every mode is a wave, (mu (2, waves) GPa/nm, shown); else None.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
-from .frame import Frame, load_of
+from .frame import Frame, largest_safe_damping, load_of
 from .load_steps import load_steps_of
 
 
@@ -42,8 +42,8 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
         "converged": _converged(scene, frames),
         "evaluations": sum(f.evaluations for f in frames),
         "events": events,
-        "safe_damping": max((f.safe_damping for f in frames), default=0.0),
-        "may_flutter": sum(f.may_flutter for f in frames),
+        "safe_damping": (safe := largest_safe_damping(frames)),
+        "may_flutter": sum(f.may_flutter for f in frames) if safe > scene.damping else 0,
         "sensitive": sum(f.sensitive for f in frames),
         "A_0": after[0].A_bar if after else None,
         "slips": sum(len(f.slips) for f in after),

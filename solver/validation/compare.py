@@ -48,19 +48,19 @@ class Curves:
     states: dict[float, Frame] = field(default_factory=dict)  # by `position`
     seconds: float = 0.0
     evaluations: int = 0
-    safe_damping: float = 0.0  # the largest of the frames
+    safe_damping: float = 0.0  # the largest of the states
     failure: str | None = None
     stopped: bool = False  # for taking too long
 
     def take(self, frame: Frame, keep: bool) -> None:
         """Add one Frame; keep: its state, too."""
         self.evaluations += frame.evaluations
-        self.safe_damping = max(self.safe_damping, frame.safe_damping)
         self.slips += frame.slips
         if frame.stage == "shear":
             self.rows.append((frame.F_bar, frame.L_bar, frame.A_bar))
         if keep:
             self.states[position(frame)] = frame
+            self.safe_damping = max(self.safe_damping, frame.safe_damping)
 
     @property
     def step(self) -> float:
