@@ -16,7 +16,8 @@ from solver.continuation.inverse import Solves
 from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import Replay
-from solver.continuation.state import NotConverged
+from solver.continuation.state import NotConverged, Slip
+from solver.continuation.trace import Passed, TracedBranch
 
 ACTIVE = np.ones(1, bool)
 
@@ -526,6 +527,25 @@ def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
     done = QuasiStatic(toy, 1.0, 2.0).increment(state, 0.05)
     assert abs(done.state.v[0]) > 0.9
     assert abs(0.05 + done.state.v[0] - done.state.v[0] ** 3) < 1e-11
+
+
+def test_a_state_close_to_the_end_of_a_branch_gives_way_to_it():
+    """FINDINGS S4: two states at one load have no interpolation between them."""
+    states = [Passed(load, np.array([load**2]), ACTIVE) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
+    branch = TracedBranch((states[0],))
+    for state in states[1:]:
+        branch = branch.added(state)
+    branch = branch.ended(Slip(1.0, np.ones(1), ACTIVE, "fold", True, None))
+    assert [state.load for state in branch.states] == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+    # quadratic in the load is of the fourth degree in the root of the distance to the end
+    assert branch.at(0.99).v[0] == pytest.approx(0.99**2, abs=1e-12)
+
+
+def test_a_trace_is_not_changed_by_extending_it():
+    branch = TracedBranch((Passed(0.0, np.zeros(1), ACTIVE),))
+    longer = branch.added(Passed(1.0, np.ones(1), ACTIVE))
+    assert len(branch.states) == 1 and len(longer.states) == 2
+    assert longer.added(Passed(1.0 + 1e-7, np.ones(1), ACTIVE)) is longer
 
 
 # folds

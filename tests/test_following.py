@@ -11,6 +11,7 @@ from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, s
 from solver.continuation.fold import Fold
 from solver.following.branch import TOLERANCE, Branch
 from solver.following.moved import moved_branch, moved_folds
+from solver.following.no_contact import refuse_apart
 from solver.following.solver import Solver
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
@@ -192,6 +193,25 @@ def test_the_jump_into_contact_is_followed(jumping):
     scene = WIDE.changed(E=74.0)
     jumps = [event.load for frame in load_path(scene) for event in frame.slips if event.stage == "approach"]
     assert follow(jumping, scene).jumps_in == pytest.approx(jumps[0] / scene.delta_0, abs=1e-5)
+
+
+def test_a_jump_into_contact_that_vanishes_does_not_stop_following():
+    """The stiffer layer comes into contact smoothly; deep in contact nothing depends on it."""
+    scene = Scene(E=78.95, delta_bar=0.424, phi_ratio=0.0695, u_x_max=6.0)
+    skeleton = skeleton_of(scene)
+    stiffer = follow(skeleton, scene.changed(E=1.08 * scene.E))
+    assert skeleton.jumps and stiffer.lost and not stiffer.jumps
+    check(stiffer, stiffer.scene)
+
+
+def test_without_a_fold_of_the_jump_surfaces_that_may_be_apart_are_refused(jumping):
+    lost = replace(jumping, jumps=(), lost=True)
+    check(follow(lost, WIDE.changed(delta_bar=WIDE.delta_bar + 0.02)), WIDE.changed(delta_bar=WIDE.delta_bar + 0.02))
+    contact = Contact(WIDE, lost.first, lost.nodes)
+    refuse_apart(contact, lost)
+    apart = follow(jumping, WIDE.changed(delta_bar=jumping.jumps_in - 0.02))  # there the contact would still adhere
+    with pytest.raises(NotFollowed, match="jumped"):
+        refuse_apart(Contact(apart.scene, lost.first, lost.nodes), lost)
 
 
 @pytest.mark.parametrize(

@@ -20,9 +20,9 @@ from .state import Slip
 class TraceOptions:
     """How a period is recognised, and states are interpolated."""
 
-    same: float = 0.01  # units of the problem; states closer than that are the same, others are part of a site off
-    near: float = 1e-6  # nm; loads that close are the same, lest rounding decide
-    stencil: int = 6  # states through which one in between is interpolated; 4 differ by less than `same` but at ends
+    same: float = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
+    near: float = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
+    stencil: int = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
 
 
 OPTIONS = TraceOptions()
@@ -56,8 +56,9 @@ class TracedBranch:
         return replace(self, states=(*self.states[:i], state, *self.states[i:]))
 
     def ended(self, slip: Slip) -> "TracedBranch":
-        """The same up to its end."""
-        return replace(self.added(Passed(slip.load, slip.v, slip.active)), end=replace(slip, after=None))
+        """The same up to its end; no other state has that load."""
+        before = tuple(state for state in self.states if state.load < slip.load - OPTIONS.near)
+        return TracedBranch((*before, Passed(slip.load, slip.v, slip.active)), replace(slip, after=None))
 
     def moved(self, distance: float, direction: np.ndarray) -> "TracedBranch":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
@@ -146,10 +147,12 @@ class Trace:
             if branch is None or len(branch.states) < 2:
                 continue
             if np.abs(branch.at(home).v + period * problem.direction - landed.v).max() <= same:
-                place = self.branches.index(branch)
-                if not all(passed.end.located for passed in self.branches[place:-1]):
+                k = self.branches.index(branch)
+                if not all(passed.end.located for passed in self.branches[k:-1]):
                     return self
-                return replace(self, branches=self.branches[:-1], period=period, home=home)
+                if home < first:  # the slip lands in a state from before the run began
+                    branch = branch.added(Passed(home, landed.v - period * problem.direction, landed.active))
+                return Trace((*self.branches[:k], branch, *self.branches[k + 1 : -1]), period, home, self.safety)
         return self
 
     def branch_at(self, load: float) -> TracedBranch | None:

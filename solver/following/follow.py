@@ -64,8 +64,8 @@ def _between(old, new, failure):
         raise failure from None
 
 
-def moved(skeleton, scene, spent):
-    """The Skeleton of the scene, in one go, on a patch wide enough."""
+def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
+    """The Skeleton of the scene, in one go, on a patch wide enough; adds its evaluations to spent[0]."""
     for _ in range(WIDER):
         try:
             return _moved(skeleton, scene, spent)

@@ -1,27 +1,27 @@
-"""The skeleton of a run from its trace: this gives guesses, and the skeleton's states are solved for."""
+"""The skeleton of a run from its trace, some of whose states describe it."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from ..continuation.fold import Fold
-from ..continuation.trace import Trace, TracedBranch
+from ..continuation.trace import Passed, Trace, TracedBranch
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import vertical
 from ..run.loadpath import Checkpoint, walk
 from ..scene import Scene
 from ..threads import one_thread
-from .branch import Branch, NotFollowed
+from .branch import Branch, NotFollowed, place
 from .follow import moved
-from .refinement import ERROR, forces_of
+from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
 SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
 ALIKE = 1e-4  # nm, between ends of branches that are the same
 MOST = 12  # branches that are worth following
 FEWEST = 3  # states of a branch, from which others can be interpolated
-INTERVALS = (12, 16, 24, 36, 48, 72)  # between the states of a branch: as few as will do
+BEFORE = 1e-6  # nm of load from the end of a branch to a state that shows how it moves there
 OFF = 1e-3  # of the largest force, by which a skeleton may be off its run's states: what followed runs promise
 MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may be held at nearly nothing
 CLEAR = 1e-4  # nm, by which its slips may be off
@@ -74,10 +74,7 @@ def _guess(scene, first, trace: Trace, jumps):
         raise NotFollowed("the run has not come to where it repeats itself")
     if len(branches) > MOST:
         raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
-    starts = [branches[0].start, *(branch.end.load for branch in branches[:-1])]
-    made = tuple(
-        _branch(scene, first, m, branch, start, bool(sites)) for branch, start in zip(branches, starts, strict=True)
-    )
+    made = tuple(_branch(scene, first, branch, bool(sites)) for branch in branches)
     folds = _jumps(scene, jumps, m)
     return Skeleton(scene, first, made, home, sites, folds or (), folds is None, held=held), branches
 
@@ -114,30 +111,29 @@ def _one_period(scene, branch: TracedBranch, m):
     return TracedBranch((*(state for state in branch.states if state.load < end.load - ALIKE), end))
 
 
-def _branch(scene, first, m, branch: TracedBranch, start, repeats):
-    """A guess of the Branch from load `start` on: of smooth sliding its own states, else as few as describe it."""
-    if branch.end is None and repeats:
-        return _period_of(branch)
+def _branch(scene, first, branch: TracedBranch, repeats):
+    """The Branch of the states that it takes to describe a TracedBranch."""
     if branch.end and branch.end.kind != "fold":
         raise NotFollowed(f"a branch ends by {branch.end.kind} at {branch.end.load:g} nm: that is computed")
     if len(branch.states) < FEWEST:
-        raise NotFollowed(f"a branch that begins at {start:g} nm has but {len(branch.states)} states")
-    loads, end = np.array([state.load for state in branch.states]), branch.states[-1]
-    for n in INTERVALS:
-        new = Branch(start, end.load, np.empty((n + 1, 0)), None)
-        new = replace(new, v=np.array([branch.at(load).v for load in new.loads]))
-        exact, largest = forces_of(scene, first, np.array([state.v for state in branch.states]))
-        between = forces_of(scene, first, new.states(loads, m))[0]
-        if (np.abs(between - exact) <= ERROR * largest).all():
-            break
-    fold = Fold.of(end.load, end.v, end.active, end.v - branch.states[-2].v) if branch.end else None
-    return replace(new, active=np.array([branch.at(load).active for load in new.loads]), fold=fold)
+        raise NotFollowed(f"a branch that begins at {branch.start:g} nm has but {len(branch.states)} states")
+    states = _filled(branch.states, scene.du_x * scene.delta_t)
+    loads, v, active = (np.array(column) for column in zip(*states, strict=True))
+    start, end, periodic = float(loads[0]), float(loads[-1]), branch.end is None and repeats
+    t = (loads - start) / (end - start) if periodic else place(start, end, loads)
+    fold = Fold.of(end, v[-1], active[-1], v[-1] - branch.at(end - BEFORE).v) if branch.end else None
+    return thinned(scene, first, Branch(start, end, v, active, fold, periodic, t))
 
 
-def _period_of(branch: TracedBranch):
-    """The Branch of one period of smooth sliding, which may jerk between any two of its states."""
-    loads, v, active = (np.array(column) for column in zip(*branch.states, strict=True))
-    return Branch(loads[0], loads[-1], v, active, None, True, (loads - loads[0]) / (loads[-1] - loads[0]))
+def _filled(states, step):
+    """States with guesses of others, a step apart, between the first two: a slip may land before the run began."""
+    begin, after = states[:2]
+    part = np.arange(step, after.load - begin.load - 0.5 * step, step) / (after.load - begin.load)
+    between = [
+        Passed(begin.load + x * (after.load - begin.load), begin.v + x * (after.v - begin.v), after.active)
+        for x in part
+    ]
+    return (begin, *between, *states[1:])
 
 
 def _jumps(scene, jumps, m):

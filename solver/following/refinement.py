@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..scene import Scene
 from .branch import DEGREE, Branch
 from .skeleton import tractions
 from .solver import SURPRISE, Solver
@@ -15,37 +16,45 @@ FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where i
 FEWEST = 12  # intervals, below which no states are left out
 
 
-def refined(scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
-    """The Branch with as many states as its forces need: more are solved for, or some are left out."""
+def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
+    """The Branch with as many states as its forces need: solve for more, or leave some out."""
     while branch.intervals < FINEST:
         out, errors = _errors(scene, first, branch)
         poor = out[errors > HALF * ERROR]
         if not poor.size:
             break
         branch = divided(solver, branch, np.union1d(poor - 1, poor), number)
-    if branch.intervals < 2 * FEWEST:
-        return branch
-    out, errors = _errors(scene, first, branch)
-    return branch.without(out[errors < HALF / LIMIT * ERROR])  # else the others would have to be divided again
+    return thinned(scene, first, branch)
 
 
-def divided(solver: Solver, branch: Branch, where, number: int) -> Branch:
-    """The same Branch with a state solved for amid each of the intervals `where`."""
+def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
+    """The Branch without states whose neighbours describe the forces well enough."""
+    while branch.intervals >= 2 * FEWEST:
+        out, errors = _errors(scene, first, branch)
+        out = out[errors < HALF / LIMIT * ERROR]  # with a larger error, the others would have to be divided again
+        if not out.size:
+            break
+        branch = branch.without(out)
+    return branch
+
+
+def divided(solver: Solver, branch: Branch, where: np.ndarray, number: int) -> Branch:
+    """The same Branch with one more state in the middle of each of the intervals `where`."""
     amid = 0.5 * (branch.t[where] + branch.t[where + 1])
     loads = branch.load_at(amid)
     v, active = branch.states(loads, solver.moving), branch.active[where].copy()
     for i, (load, k) in enumerate(zip(loads, where, strict=True)):
-        gap = np.abs(branch.v[k + 1] - branch.v[k]).max() / solver.problem.unit  # between states, one may be anywhere
+        gap = np.abs(branch.v[k + 1] - branch.v[k]).max() / solver.problem.unit  # within it, a state may be anywhere
         v[i], active[i] = solver.state(v[i], active[i], load, f"a state of branch {number}", max(gap, SURPRISE))
     t = None if where.size == branch.intervals and branch.uneven is None else np.insert(branch.t, where + 1, amid)
     v, active = np.insert(branch.v, where + 1, v, 0), np.insert(branch.active, where + 1, active, 0)
     return replace(branch, v=v, active=active, uneven=t)
 
 
-def forces_of(scene, first, v, minor=1e-2):
-    """(sums of T_x and T_z (k, 2) over the patch, GPa, of unknowns v (k, size); what they are compared with (2,)).
+def forces_of(scene: Scene, first: int, v: np.ndarray, minor: float = 1e-2) -> tuple[np.ndarray, np.ndarray]:
+    """(sums of T_x and T_z over the patch, (k, 2) GPa, of unknowns v (k, size); the scales of their errors, (2,)).
 
-    That is the largest of each, or the share `minor` of the larger one: a flat may carry no normal load at all.
+    A scale is the largest sum, or `minor` times the larger of both: a flat may carry no normal load at all.
     """
     sums = tractions(scene, first, v).sum(axis=2)
     largest = np.abs(sums).max(axis=0, initial=1e-300)

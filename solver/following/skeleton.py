@@ -134,7 +134,7 @@ class Skeleton:
         return tractions(self.scene, self.first, v)
 
 
-def tractions(scene, first, v):
+def tractions(scene: Scene, first: int, v: NDArray[np.float64]) -> NDArray[np.float64]:
     """T (k, 2, m), GPa, of unknowns v (k, size) of the patch whose first node is `first`."""
     m = v.shape[1] // 2
     profile, T = scene.profile[first : first + m], np.empty((len(v), 2, m))

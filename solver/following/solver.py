@@ -1,5 +1,6 @@
-"""Solves one problem for state after state, with secant pairs kept from each to the next; failures are NotFollowed."""
+"""Solves one problem for states and folds; each solve uses the secant pairs of those before it."""
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -18,7 +19,7 @@ FOLDS = FoldOptions(load=TOLERANCE, state=TOLERANCE**0.5, window=3)
 
 
 class Solver:
-    """Of a problem as of `continuation.problem`.
+    """Solves a problem, as `continuation.problem` defines one; its failures are NotFollowed.
 
     Attributes: moving, the number of unknowns that move on with the load, which come first; residual, nm, the largest
     of all solutions.
@@ -32,7 +33,9 @@ class Solver:
         self.moving = int(np.count_nonzero(problem.direction))
         self.secants, self._begun, self.residual = self.corrector.secants(), False, 0.0
 
-    def state(self, guess, active, load: float, what: str, surprise: float = SURPRISE):
+    def state(
+        self, guess: np.ndarray, active: np.ndarray, load: float, what: str, surprise: float = SURPRISE
+    ) -> tuple[np.ndarray, np.ndarray]:
         """(v, active) of the state at fixed load next to a guess; raises NotFollowed farther off than `surprise`."""
         if not self._begun:
             self.corrector.begin(State.at_rest(load, guess, active))
@@ -47,7 +50,7 @@ class Solver:
         return v, active
 
     def fold(self, guess: Fold, what: str) -> Fold:
-        """The Fold next to a guess."""
+        """The Fold next to a guess; raises NotFollowed where there is none."""
         fold = fold_near(self.problem, guess, FOLDS)
         if fold is None:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
@@ -55,7 +58,7 @@ class Solver:
         return fold
 
     @contextmanager
-    def within(self, tolerance: float):
+    def within(self, tolerance: float) -> Iterator[None]:
         """Solve to another tolerance, nm."""
         usual, self.problem.tolerance = self.problem.tolerance, max(tolerance, self._least)
         try:
