@@ -75,6 +75,8 @@ class Trial(NamedTuple):
 USUAL = Trial()
 # After slips over several barriers: with both, no first slip of tests/bench/landings.py goes wrong
 FINE = Trial(4.0, 5.0, 1e-3), Trial(8.0, 10.0, -1e-3)
+# After flutter: GFMD leaves a branch before its linear end, by a jolt of that size, and may land elsewhere
+FARTHER = (Trial(nearer=0.2),)
 COARSE = (Trial(0.5),)  # where single nodes have several equilibria: half the cost of the usual motion
 
 
@@ -111,11 +113,16 @@ def motion_to_rest(problem, judge, damping, end, closed, film=None) -> Landing:
 def _repeated(motion, problem, end, state, film):
     """The Landing, from the State in which the usual motion came to rest; others are made where they may differ."""
     sites = problem.sites(end.v, state.v)
+    if state.load > end.load + LIMITS.left * problem.unit:
+        return Landing(state, True)
+    trials, needed = (), 0
     if sites > LIMITS.barrier:
         trials, needed = FINE, 1 if sites < LIMITS.far else 2
     elif sites > LIMITS.half and problem.loose(state.v, state.active):
         trials, needed = COARSE, 1
-    else:
+    if end.kind == "flutter":
+        trials, needed = (*FARTHER, *trials), needed + 1
+    if not needed:
         return Landing(state)
     agreeing = 0
     for trial in trials:
