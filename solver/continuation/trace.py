@@ -152,7 +152,7 @@ class Trace:
                     return self
                 if home < first:  # the slip lands in a state from before the run began
                     branch = branch.added(Passed(home, landed.v - period * problem.direction, landed.active))
-                return Trace((*self.branches[:k], branch, *self.branches[k + 1 : -1]), period, home, self.safety)
+                return Trace((*self.branches[:k], branch, *self.branches[k + 1 : -1]), period, home)
         return self
 
     def branch_at(self, load: float) -> TracedBranch | None:
