@@ -42,6 +42,23 @@ def test_end_of_the_branch_does_not_depend_on_the_increment(du_x):
     assert event.kind == "fold" and event.located
 
 
+@pytest.mark.parametrize("phi_ratio", [0.0761, 0.0767, 0.0773])
+def test_slips_at_the_onset_of_stick_slip_do_not_depend_on_the_increment(phi_ratio):
+    """Folds last for a short part of a period there; an increment of 0.1 nm once stepped over them."""
+    scene = Scene(E=971.78, delta_bar=0.26516, phi_ratio=phi_ratio, u_x_max=9.0)
+    coarse, fine = (events(scene.changed(du_x=du_x)) for du_x in (0.1, 0.02))
+    assert fine  # own fold solver, ratio 0.0759: 1.22075 nm, and every site again
+    assert [e.load for e in coarse] == pytest.approx([e.load for e in fine], abs=1e-5)
+
+
+def test_a_node_at_the_edge_of_the_window_is_no_bifurcation():
+    """Under a held load a node entered the window next to a fold, and the jump of its pull passed for another mode."""
+    scene = Scene(hold="load", E=19.807622511946445, phi_ratio=0.03277056656053025, delta_bar=0.8462368472056309,
+                  radius=2.3584266641529386, u_x_max=4.2)  # fmt: skip
+    (event,) = [e for e in events(scene) if e.kind != "control"]
+    assert event.kind == "fold" and event.load == pytest.approx(4.09616, abs=1e-4)  # as at du_x 0.05 and 0.02
+
+
 @pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
