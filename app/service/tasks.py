@@ -20,7 +20,7 @@ from solver.analysis.measurement import Measurement, MeasurementError, read_meas
 from solver.analysis.outputs import over_own
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
-from solver.analysis.spread import SLIP, WIDE, draw, spread_of, told
+from solver.analysis.spread import SLIP, WIDE, collected, draw, spread_of
 from solver.cli import report_of
 from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
@@ -172,7 +172,7 @@ def spread_band(scene, percent, draws, kept=None):
         if perf_counter() - begun > SLICE:
             return Part((found, rows))
         rows.append(draw(found.sensitivities.skeleton, of, len(rows)))
-    found = replace(found, **dict(zip(("drawn", "lost"), told(rows), strict=True)))
+    found = replace(found, **dict(zip(("drawn", "lost"), collected(rows), strict=True)))
     bands = {name: {"x": [], "y": []} for name in "FLA"}
     for U_x, *rows in found.laid_out():
         for band, value, deviation in zip(bands.values(), rows[:3], rows[3:], strict=True):

@@ -1,19 +1,23 @@
-"""F_bar, L_bar and A_bar as functions of the tractions on a patch, with their derivatives by these."""
+"""F_bar, L_bar and A_bar as functions of the tractions on a patch, and their derivatives by these tractions."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..run.frame import contact_area, forces, least_repulsion, on_nodes
+from ..scene import Scene
+from .partial import Change
 
+Floats = NDArray[np.float64]
 NAMES = ("F_bar", "L_bar", "A_bar")
 
 
-def values(scene, T):
+def values(scene: Scene, T: Floats) -> Floats:
     """(F_bar, L_bar, A_bar) of T (2, m), GPa."""
     T = on_nodes(scene, T)
     return np.array([*forces(scene, T), contact_area(scene, T)])
 
 
-def gradients(scene, T):
+def gradients(scene: Scene, T: Floats) -> Floats:
     """Their derivatives by T, (3, 2, m) per GPa."""
     m, out = T.shape[1], np.zeros((3, 2, T.shape[1]))
     scale = 1.0 / (scene.nodes * scene.E) if m > 1 else 1.0 / scene.E
@@ -40,15 +44,15 @@ def _area(scene, T_z):
     return out[1:-1] / n
 
 
-def over_own(scene, name, found, by):
-    """Derivatives `by` (4, ...) of U_x, F_bar, L_bar and A_bar, `found`, by a parameter, as forces and areas change.
+def over_own(scene: Scene, name: str, outputs: Floats, by: Floats) -> Floats:
+    """Derivatives of U_x, forces and area by a parameter, from those `by` (4, ...) of U_x, F_bar, L_bar and A_bar.
 
-    The forces over the E and width of the scene itself, and the area over its width, whatever these become.
+    outputs (4, ...): the values. Forces over the present E and width, area over the present width: these do not change.
     """
     per_unit = {"E": np.array([0.0, 1.0, 1.0, 0.0]) / scene.E, "width": np.array([0.0, 1.0, 1.0, 1.0]) / scene.width}
-    return by + (found.T * per_unit[name]).T if name in per_unit else by
+    return by + (outputs.T * per_unit[name]).T if name in per_unit else by
 
 
-def explicit(scene, found, change):
-    """What F_bar, L_bar and A_bar, `found` (3, ...), change by at fixed tractions, per unit: forces are over w E."""
-    return (-found.T / scene.E * [1.0, 1.0, 0.0]).T if change.name == "E" else np.zeros_like(found)
+def explicit(scene: Scene, outputs: Floats, change: Change) -> Floats:
+    """Derivatives of F_bar, L_bar and A_bar, `outputs` (3, ...), at fixed tractions: the forces are over w E."""
+    return (-outputs.T / scene.E * [1.0, 1.0, 0.0]).T if change.name == "E" else np.zeros_like(outputs)

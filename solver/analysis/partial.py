@@ -1,17 +1,21 @@
-"""How a state's equations change with the parameters of its Scene at fixed displacements: by differences, no solve.
+"""Derivatives of a state's equations by the parameters of its Scene at fixed displacements.
 
-Central differences of the law and of the layer's compliance, each cheap and smooth, so that they are right to some ten
-digits. Nodes stay active or not: the edge of the window is a cut, not physics.
+Central differences of the law and of the layer's compliance, which are smooth: right to some ten digits. Active nodes
+stay active: the edge of the window is a cut, not physics.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..mechanics import cohesive_law
 from ..mechanics.layer import Modes, multiply
 from ..scene import LIMITS, SURFACES, Scene, SceneError
 
+Floats = NDArray[np.float64]
 STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
 ONE_SIDED = 1e-7  # the same at the end of a range
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
@@ -23,8 +27,8 @@ IN_STEPS = ("cut_off",)  # of which a profile is a step function
 def continuous(scene: Scene) -> tuple[str, ...]:
     """Names of the parameters on which a run of the scene depends smoothly.
 
-    Not among them: what is a choice or a whole number, cut_off, and what the branches do not depend on (u_x_max, steps,
-    tolerance, damping, and the window but for what it cuts off).
+    Left out: choices, whole numbers, cut_off, and parameters without effect on the branches (u_x_max, du_x, du_z,
+    tolerance, damping, window_n).
     """
     own = [name for name in SURFACES[scene.surface].parameters if name in LIMITS and not LIMITS[name].whole]
     names = [*PHYSICS, *(name for name in own if name not in IN_STEPS)]
@@ -62,11 +66,11 @@ class Change:
             return Change(name, low, high, span, profiles, change)
         raise SceneError(name, value, "allowed: a value with others beside it", "change it a little")
 
-    def by(self, quantity):
+    def by(self, quantity: Callable[[Scene], Any]) -> Any:
         """The derivative of quantity(Scene), a number or an array."""
         return (quantity(self.high) - quantity(self.low)) / self.span
 
-    def law(self, kernel, rows, at):
+    def law(self, kernel: Callable[..., Floats], rows: int, at: "States") -> Floats:
         """The derivative of the law (`cohesive_law.traction` or `.tangent`) at nodes of k `States`, (k, rows, m)."""
         if self.profiles is None:
             return np.zeros((len(at.x), rows, at.x.shape[1]))
@@ -74,7 +78,7 @@ class Change:
         change = kernel(self.high, at.x, high) - kernel(self.low, at.x, low)
         return np.where(at.active, change / self.span, 0.0).swapaxes(0, 1)
 
-    def complied(self, pulled):
+    def complied(self, pulled: "Pulled") -> Floats | float:
         """dC T on the patch, (k, 2, m) nm per unit, of Pulled tractions T; 0.0 where C does not change."""
         if self.compliance is None:
             return 0.0
@@ -83,11 +87,11 @@ class Change:
             multiply(spectrum, self.compliance)
         return np.fft.irfft(spectra, self.low.nodes)[..., pulled.nodes]
 
-    def traction(self, at):
+    def traction(self, at: "States") -> Floats:
         """dT (k, 2, m), GPa per unit, at fixed displacements of k `States`."""
         return self.law(cohesive_law.traction, 2, at)
 
-    def stiffness(self, at):
+    def stiffness(self, at: "States") -> Floats:
         """dJ (k, 4, m), GPa/nm per unit, at fixed displacements of k `States`."""
         return self.law(cohesive_law.tangent, 4, at)
 

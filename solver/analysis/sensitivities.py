@@ -1,9 +1,8 @@
 """What matters: derivatives of slips and curves by every continuous parameter, and by the strength of every node.
 
-By implicit differentiation of the states that carry a run. For what is read from a state (F_bar, L_bar, A_bar) one
-solve with the transposed tangent gives its derivatives by all parameters at once: dF/dp = F_p + <lambda, R_p> with
-A^T lambda = F_v, A = -R_v. At a fold dU/dp = -<psi, R_p>/<psi, R_U>, and the state moves on along the null vector such
-that the fold stays one.
+Implicit differentiation of the states of a Skeleton. One solve with the transposed tangent gives the derivatives of
+F_bar, L_bar or A_bar by all parameters: dF/dp = F_p + <x, R_p> with R_v^T x = -F_v. At a fold
+dU/dp = -<psi, R_p>/<psi, R_U>; the state also moves along the null vector, so that the fold remains one.
 """
 
 from collections.abc import Iterator, Sequence
@@ -42,7 +41,7 @@ SHARP = FoldOptions(state=1e-9, accuracy=1e-3)  # units: what is left of the sta
 
 @dataclass(frozen=True)
 class SlipSensitivity:
-    """A slip, and what moves it.
+    """A slip and its derivatives.
 
     by: {parameter: (4,)}, derivatives of U_s (nm), F_s, L_s and A_s (F_bar, L_bar, A_bar just before it) per unit of
     the parameter. nodes: (4, nodes), the same by the strength of each node's spring, phi_n and phi_t of that node
@@ -68,7 +67,7 @@ class SlipSensitivity:
 
 @dataclass(frozen=True)
 class BranchSensitivity:
-    """States of a branch, and how each moves when it keeps its place between the ends of the branch.
+    """States of a branch and their derivatives; each state keeps its relative position between the ends of the branch.
 
     values: (4, n) rows U_x (nm), F_bar, L_bar, A_bar of n states; by: {parameter: (4, n)}, per unit of the parameter.
     slope: (3, n), derivatives of F_bar, L_bar, A_bar by U_x, per nm; infinite at a fold, the last state.
@@ -87,7 +86,10 @@ class BranchSensitivity:
 
 @dataclass(frozen=True)
 class Sensitivities:
-    """Of a run that slides: of its slips up to u_x_max, in order, and of the branches of its Skeleton."""
+    """Derivatives of the slips of a run up to u_x_max, in order, and of the branches of its Skeleton.
+
+    A jump where a held load takes over ("control") is not among the slips.
+    """
 
     skeleton: Skeleton
     slips: tuple[SlipSensitivity, ...]
@@ -98,28 +100,28 @@ class Sensitivities:
 def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
     """The Sensitivities of a run by the parameters `names`, all `continuous` ones by default.
 
-    Without `branches` those of slips alone, which cost a linear solve each. Raises NotFollowed where a state cannot be
-    told sharply enough.
+    Without `branches` those of slips alone, in an eighth of the evaluations. Raises NotFollowed where Newton's steps do
+    not solve a state or a fold.
     """
     try:
-        return _sensitivities(skeleton, _Known(skeleton, names), branches)
+        return _sensitivities(skeleton, _Differentiator(skeleton, names), branches)
     except NotSolved as failure:
         raise NotFollowed(str(failure)) from None
 
 
-def _sensitivities(skeleton, known, branches):
+def _sensitivities(skeleton, of, branches):
     folds, along, start = [], [], None
     for branch in skeleton.branches:
-        fold = None if branch.fold is None else known.slip(branch)
+        fold = None if branch.fold is None else of.slip(branch)
         if branches:
-            along.append(known.branch(branch, start, fold))
+            along.append(of.branch(branch, start, fold))
         start = fold and {name: d[0] for name, d in fold.by.items()}
         folds.append(fold)
     return Sensitivities(skeleton, _slips(skeleton, folds), tuple(along))
 
 
 def passed(skeleton: Skeleton) -> Iterator[tuple[int, int]]:
-    """Yield (index of a branch, periods that it has moved on by), as the run passes them; endless where it repeats."""
+    """Yield (index of a branch, periods by which it is shifted) in the order of the run; endless where that repeats."""
     yield from ((index, 0) for index in range(len(skeleton.branches)))
     for turns in count(1) if skeleton.sites else ():
         yield from ((index, turns) for index in range(skeleton.home, len(skeleton.branches)))
@@ -139,16 +141,15 @@ def _slips(skeleton, folds):
     return tuple(found)
 
 
-def _ahead(every, n, fold):
-    """[x (3, size)] of the next of n even states, extrapolated from `every` (duals, x) before it, or []."""
-    known = [x for _, x in every[-AHEAD:]]
-    if not known:
+def _ahead(every, t, fold):
+    """[x (3, size)] of the next of the states at t (n,), extrapolated from `every` (duals, x) before it, or []."""
+    i, before = len(every), every[-AHEAD:]
+    if not before:
         return []
-    i = len(every)
-    # towards a fold x grows as one over what is left of t
-    left = [n - 1 - j if fold else 1 for j in range(i - len(known), i + 1)]
-    weights = lagrange(range(i - len(known), i), i)
-    return [sum(weight * part / left[-1] * x for weight, part, x in zip(weights, left, known, strict=False))]
+    weights = np.array(lagrange(t[i - len(before) : i], t[i]))
+    if fold:  # towards it x grows as one over what is left of t
+        weights *= (1.0 - t[i - len(before) : i]) / (1.0 - t[i])
+    return [sum(weight * x for weight, (_, x) in zip(weights, before, strict=True))]
 
 
 class _State(NamedTuple):
@@ -159,8 +160,8 @@ class _State(NamedTuple):
     T: Floats
 
 
-class _Known:
-    """What the states of a Skeleton share: the problem, the Changes, and under a held load that of p_0."""
+class _Differentiator:
+    """Differentiates states of one Skeleton by its Changes; under a held load p_0 changes, too."""
 
     def __init__(self, skeleton, names=None):
         self.scene, self.first = skeleton.scene, skeleton.first
@@ -187,11 +188,11 @@ class _Known:
         self.problem.tolerance = FINE
 
     @property
-    def held(self):
+    def held(self) -> bool:
         """Whether a load is held."""
         return isinstance(self.problem, LoadControl)
 
-    def settled(self, v, active, load, accuracy=ACCURACY, tolerance=None):
+    def settled(self, v, active, load, accuracy=ACCURACY, tolerance=None) -> _State:
         """The _State next to v, by Newton's steps; raises NotFollowed where these do not reach the tolerance, nm."""
         problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
         for _ in range(NEWTON):
@@ -201,7 +202,7 @@ class _Known:
             v = v - Solves(here, accuracy=CORRECTED)(r)
         raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
 
-    def duals(self, state, gradients, guess=(None, None, None)):
+    def duals(self, state, gradients, guess=(None, None, None)) -> tuple[Floats, Floats]:
         """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T.
 
         guess: of x (k, size).
@@ -210,7 +211,7 @@ class _Known:
         x = np.array([state.solves(b, True, begun) for b, begun in zip(sides, guess, strict=False)])
         return np.array([one + state.here.by_traction(part) for one, part in zip(gradients, x, strict=True)]), x
 
-    def parts(self, states):
+    def parts(self, states) -> list[tuple[Floats, Floats]]:
         """[(dT (k, 2, m), what R changes by beside C dT (k, size))] of every Change, at k _States."""
         at = States([state.here for state in states], [state.T for state in states], self.first)
         out, pulled = [], Pulled(at.T, self.first, self.contact)
@@ -224,7 +225,7 @@ class _Known:
             out.append((change.traction(at), rest))
         return out
 
-    def branch(self, branch, start, fold):
+    def branch(self, branch, start, fold) -> BranchSensitivity:
         """The BranchSensitivity; start: {parameter: derivative} of its first load, or None where that is fixed."""
         n = branch.intervals + 1
         found, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
@@ -233,7 +234,7 @@ class _Known:
         for i in range(n - (fold is not None)):
             state = self.settled(branch.v[i], branch.active[i], found[0, i], ALONG)
             found[1:, i] = values(self.scene, state.T)
-            every.append(self.duals(state, gradients(self.scene, state.T), *_ahead(every, n, fold)))
+            every.append(self.duals(state, gradients(self.scene, state.T), *_ahead(every, branch.t, fold)))
             slope[:, i] = every[-1][1] @ self.problem.direction
             states.append(state)
         inner, (duals, x) = slice(len(states)), map(np.array, zip(*every, strict=True))
@@ -249,7 +250,7 @@ class _Known:
             by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
         return BranchSensitivity(branch, found, by, slope)
 
-    def slip(self, branch):
+    def slip(self, branch) -> SlipSensitivity:
         """The SlipSensitivity of the fold at the end of a Branch."""
         scene, problem = self.scene, self.problem
         fold = fold_near(problem, branch.fold, SHARP)

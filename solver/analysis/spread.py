@@ -1,4 +1,4 @@
-"""What parameters that are not known exactly make of a run: a band around its curves, and intervals of its slips."""
+"""Uncertain parameters: a band around the curves of a run, and intervals of its slips."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from .sensitivities import Sensitivities, passed, sensitivities
 WIDE = 1.96  # standard deviations on both sides of the mean: 95 % of a normal distribution
 ENDS = (2.5, 97.5)  # per cent, of the draws, for the same
 QUANTILE = 2.67  # standard error of these ends in standard deviations, times the root of the number of draws
-SURE = 3.0  # standard errors by which the ends from draws differ from the linear ones before that is said
+SURE = 3.0  # standard errors between the ends from draws and the linear ones, from which on the report shows both
 SLIP = ("U_s", "F_s", "L_s", "A_s")
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Of a run whose parameters have independent normal distributions; forces and areas over its own wE and w.
+    """The spread of a run with independent normal parameters; forces and areas over its own wE and w.
 
     deviations: {parameter: standard deviation}. band: of each branch (4, n), standard deviations of U_x (nm), F_bar,
     L_bar, A_bar of its states, each at its place on the branch. slips: of each slip (4,), those of U_s, F_s, L_s, A_s.
@@ -51,7 +51,7 @@ class Spread:
         return float(low), float(high)
 
     def differs(self, name: str) -> bool:
-        """Whether the draws say something else than the derivatives, beyond chance."""
+        """Whether the intervals from draws and from derivatives differ by more than chance."""
         drawn = self.drawn_interval(name)
         if drawn is None:
             return False
@@ -62,16 +62,16 @@ class Spread:
         """The intervals of the first slip; those by the draws too where they differ."""
         if not self.slips:
             return ["It slides smoothly, without a slip"]
-        said = []
+        lines = []
         for name in SLIP:
             low, high = self.interval(name)
-            said.append(f"{name} of the first slip: {low:.6g} .. {high:.6g} (95 %, linear)")
+            lines.append(f"{name} of the first slip: {low:.6g} .. {high:.6g} (95 %, linear)")
             if self.differs(name):
                 low, high = self.drawn_interval(name) or (low, high)
-                said.append(f"  by {len(self.drawn)} draws: {low:.6g} .. {high:.6g}")
+                lines.append(f"  by {len(self.drawn)} draws: {low:.6g} .. {high:.6g}")
         if self.lost:
-            said.append(f"{self.lost} draws are runs of another kind, and not among these")
-        return said
+            lines.append(f"{self.lost} draws are runs of another kind, and not among these")
+        return lines
 
     def laid_out(self) -> Iterator[NDArray[np.float64]]:
         """(7, n) of each branch, as often as it repeats: U_x (nm), F_bar, L_bar, A_bar, and deviations of these three.
@@ -112,7 +112,7 @@ class Spread:
 
 def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
     """{parameter: standard deviation} of {'phi_n': '10%'} or {'phi_n': '0.2'}; raises ValueError."""
-    found = {}
+    result = {}
     for name, text in texts.items():
         if name not in continuous(scene):
             raise ValueError(f"--of {name}: allowed: {', '.join(continuous(scene))}")
@@ -124,21 +124,21 @@ def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
             raise ValueError(
                 f"--of {name}={text}: give a standard deviation above 0, as 10% or in the parameter's unit"
             )
-        found[name] = 0.01 * value * abs(getattr(scene, name)) if text.rstrip().endswith("%") else value
-    return found
+        result[name] = 0.01 * value * abs(getattr(scene, name)) if text.rstrip().endswith("%") else value
+    return result
 
 
 def spread_of(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Spread:
     """The Spread of a run for standard deviations {parameter: deviation}; draws: runs followed to check it."""
-    found = sensitivities(skeleton, tuple(of))
+    result = sensitivities(skeleton, tuple(of))
 
-    def deviation(one):
-        own = [over_own(skeleton.scene, name, one.values, one.by[name]) * of[name] for name in of]
-        return np.linalg.norm(np.array([np.zeros_like(one.values), *own]), axis=0)
+    def deviation(part):
+        own = [over_own(skeleton.scene, name, part.values, part.by[name]) * of[name] for name in of]
+        return np.linalg.norm(np.array([np.zeros_like(part.values), *own]), axis=0)
 
-    band, slips = (tuple(map(deviation, ones)) for ones in (found.branches, found.slips))
+    band, slips = (tuple(map(deviation, parts)) for parts in (result.branches, result.slips))
     rows = [draw(skeleton, of, number) for number in range(draws if slips else 0)]
-    return Spread(found, dict(of), band, slips, *told(rows))
+    return Spread(result, dict(of), band, slips, *collected(rows))
 
 
 def draw(skeleton: Skeleton, of: Mapping[str, float], number: int) -> NDArray[np.float64] | None:
@@ -154,7 +154,7 @@ def draw(skeleton: Skeleton, of: Mapping[str, float], number: int) -> NDArray[np
     return slip.values * [1.0, wide * drawn.E / scene.E, wide * drawn.E / scene.E, wide]
 
 
-def told(rows: Sequence[NDArray[np.float64] | None]) -> tuple[NDArray[np.float64], int]:
-    """((draws, 4), how many are lost) of what `draw` gives."""
+def collected(rows: Sequence[NDArray[np.float64] | None]) -> tuple[NDArray[np.float64], int]:
+    """((draws, 4), number of lost ones) of results of `draw`."""
     kept = [row for row in rows if row is not None]
     return np.array(kept).reshape(-1, 4), len(rows) - len(kept)

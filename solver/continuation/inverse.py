@@ -1,4 +1,6 @@
-"""Iterative solves with the tangent of an equilibrium, each using those before it; spaces for Rayleigh-Ritz."""
+"""Solves with the tangent of an equilibrium, by iterations that use earlier ones; spaces for Rayleigh-Ritz."""
+
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
@@ -20,16 +22,16 @@ class Inverse:
         self.size, self.rows, self._most = size, 0, most
         self._z, self._q = np.empty((2, FIRST, size))
 
-    def of_tangent(self, product, smooth):
-        """Start anew with another tangent, w -> A w; smooth: None, or a preconditioner close to -A^-1."""
+    def of_tangent(self, product: Callable, smooth: Callable | None) -> "Inverse":
+        """Change to another tangent, w -> A w; smooth: None, or a preconditioner close to -A^-1."""
         self.product, self._smooth, self.rows = product, smooth, 0
         return self
 
-    def solve(self, b, accuracy=ACCURACY):
+    def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
         """w (size,) with A w = b, to |A w - b| <= accuracy |b| or as near as the products lead."""
         return self.reduced(b, accuracy)[0]
 
-    def reduced(self, b, accuracy=ACCURACY):
+    def reduced(self, b: np.ndarray, accuracy: float = ACCURACY) -> tuple[np.ndarray, np.ndarray]:
         """The same w, and b - A w."""
         w, r = np.zeros(self.size), b.copy()
         _share(self._z, self._q, 0, self.rows, w, r)
@@ -46,7 +48,7 @@ class Inverse:
 
 
 class NotSolved(ArithmeticError):
-    """A linear solve does not converge, and has too many unknowns to be done densely."""
+    """A linear solve does not converge and is too large for LAPACK."""
 
 
 class Solves:
@@ -60,11 +62,11 @@ class Solves:
         self.linearised, self.column, self.row, self._lu = linearised, column, row, None
         self.accuracy, self._most, self._by_iterations = accuracy, most, {}
 
-    def __call__(self, f, transposed=False, guess=None, accuracy=None):
+    def __call__(self, f, transposed=False, guess=None, accuracy=None) -> np.ndarray:
         """x for f; guess: where iterations begin; accuracy: another one. Raises NotSolved."""
         return self.reduced(f, transposed, guess, accuracy)[0]
 
-    def reduced(self, f, transposed=False, guess=None, accuracy=None):
+    def reduced(self, f, transposed=False, guess=None, accuracy=None) -> tuple[np.ndarray, np.ndarray]:
         """The same x, and f - M x."""
         product, wanted = self._transposed if transposed else self._product, (accuracy or self.accuracy)
         wanted *= np.linalg.norm(f)

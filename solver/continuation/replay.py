@@ -5,7 +5,8 @@ from math import ceil
 
 import numpy as np
 
-from .state import Increment
+from .problem import Problem
+from .state import Increment, State
 from .trace import OPTIONS, Trace
 
 
@@ -19,11 +20,11 @@ class Replay:
         self.stepper, self.spacing = stepper, spacing
 
     @property
-    def problem(self):
+    def problem(self) -> Problem:
         """The stepper's."""
         return self.stepper.problem
 
-    def increment(self, state, target):
+    def increment(self, state: State, target: float) -> Increment:
         """As of the stepper; raises what that raises."""
         trace, before = state.trace or Trace.of(state), self.problem
         if trace.period is not None:

@@ -31,7 +31,7 @@ WIDER = 3  # how often the patch grows in one move
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     """The Skeleton of a scene that differs from that of `skeleton` in continuous parameters.
 
-    Raises NotFollowed where its run is another one than that of the skeleton, as far as that can be seen from here.
+    Raises NotFollowed where its run does not continue that of the skeleton. It cannot see that a slip lands elsewhere.
     """
     for name in SAME:
         if getattr(skeleton.scene, name) != getattr(scene, name):
@@ -39,12 +39,11 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     if scene.path != "shear":
         raise NotFollowed(f"path {scene.path!r} is computed")
     spent = [0]
-    found = _in_parts(skeleton, scene, HALVES, spent)
-    return replace(found, evaluations=spent[0])
+    return replace(_in_parts(skeleton, scene, HALVES, spent), evaluations=spent[0])
 
 
 def _in_parts(skeleton, scene, halves, spent):
-    """Followed in one go or, where that fails, by way of parameters in between; spent[0] takes the evaluations."""
+    """The Skeleton of the scene, in one go or by way of scenes in between; adds its evaluations to spent[0]."""
     try:
         return moved(skeleton, scene, spent)
     except NotFollowed as failure:
@@ -118,7 +117,7 @@ def _branches(contact, skeleton):
         problem = LoadControl(contact, sideways(1.0, 0.0), pressure)
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
-    start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # guesses of one run
+    start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # 0: states of the same run
     if period and folds[-1] and not skeleton.home:  # the states in which slips land belong to the first branch
         start = min(0.0, folds[-1].load - period)
     for k, (branch, fold) in enumerate(zip(old, folds, strict=True), 1):

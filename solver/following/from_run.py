@@ -17,14 +17,14 @@ from .follow import moved
 from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
-SAME = 0.01  # delta_n or delta_t, the smaller: states closer than that are the same, others are part of a site off
+SAME = 0.01  # delta_n or delta_t, the smaller: closer states are the same; others differ by a good part of a site
 ALIKE = 1e-4  # nm, between ends of branches that are the same
-MOST = 12  # branches that are worth following
+MOST = 12  # branches: nearly all sliding runs repeat themselves after three
 FEWEST = 3  # states of a branch, from which others can be interpolated
 BEFORE = 1e-6  # nm of load from the end of a branch to a state that shows how it moves there
-OFF = 1e-3  # of the largest force, by which a skeleton may be off its run's states: what followed runs promise
+OFF = 1e-3  # of the largest force, the largest error at the run's states: the accuracy that followed runs promise
 MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may be held at nearly nothing
-CLEAR = 1e-4  # nm, by which its slips may be off
+CLEAR = 1e-4  # nm, the largest error of its slips: the accuracy that followed runs promise
 
 
 def skeleton_of(scene: Scene) -> Skeleton:
@@ -42,8 +42,8 @@ def skeleton_of(scene: Scene) -> Skeleton:
 def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     """The Skeleton of a scene from a Checkpoint of its run.
 
-    Its states are solved for, which takes a small part of the run's evaluations. The run may stop where it begins to
-    repeat itself. Raises NotFollowed where it has no skeleton, or its skeleton does not describe it.
+    Evaluates each of its states, and solves those that do not hold. The run may stop where it begins to repeat itself.
+    Raises NotFollowed where it has no skeleton, or its skeleton does not describe it.
     """
     if scene.path != "shear":
         raise NotFollowed(f"path {scene.path!r} is computed")
@@ -58,7 +58,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
 
 
 def _guess(scene, first, trace: Trace, jumps):
-    """(the Skeleton as interpolated from the trace, not solved for; the TracedBranches that it describes)."""
+    """(the Skeleton of states of the trace, not solved for; the TracedBranches that it describes)."""
     begin, branches = trace.branches[0], list(trace.branches)
     m = begin.states[0].v.size // 2
     held = Held(begin.states[0].v[: 2 * m], begin.states[0].active) if scene.hold == "load" else None
@@ -116,7 +116,7 @@ def _branch(scene, first, branch: TracedBranch, repeats):
     if branch.end and branch.end.kind != "fold":
         raise NotFollowed(f"a branch ends by {branch.end.kind} at {branch.end.load:g} nm: that is computed")
     if len(branch.states) < FEWEST:
-        raise NotFollowed(f"a branch that begins at {branch.start:g} nm has but {len(branch.states)} states")
+        raise NotFollowed(f"a branch that begins at {branch.start:g} nm has only {len(branch.states)} states")
     states = _filled(branch.states, scene.du_x * scene.delta_t)
     loads, v, active = (np.array(column) for column in zip(*states, strict=True))
     start, end, periodic = float(loads[0]), float(loads[-1]), branch.end is None and repeats
