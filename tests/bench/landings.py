@@ -1,6 +1,6 @@
 """Where slips land: the solver against an explicit GFMD that shares nothing with it but Scene (tests/plain_gfmd.py).
 
-    python tests/bench/landings.py [--scenes 300] [--from K] [--cache FILE] [--only-gfmd] [--json FILE]
+    python tests/bench/landings.py [--scenes 300] [--from K] [--seed N] [--cache FILE] [--only-gfmd] [--json FILE]
     python tests/bench/landings.py --soft [--scenes 20] ...
 
 First slip in shear of small rough, wavy, flat and measured cells. GFMD starts on the frame before the event of the
@@ -230,10 +230,11 @@ def main():
     options = numbered(__doc__, None)
     options.add_argument("--cache", metavar="FILE")
     options.add_argument("--only-gfmd", action="store_true", help="fill the cache, compare nothing")
+    options.add_argument("--seed", type=int, default=30, help="of the cells (default: %(default)s)")
     options.add_argument("--soft", action="store_true", help="soft punches, to the end of the run")
     chosen = options.parse_args()
     cache, rows = Cache(chosen.cache), []
-    scenes = soft_punches(chosen.scenes or 20) if chosen.soft else cells(chosen.scenes or 300)
+    scenes = soft_punches(chosen.scenes or 20) if chosen.soft else cells(chosen.scenes or 300, chosen.seed)
     for k, values in enumerate(scenes):
         if k < chosen.first:
             continue
