@@ -67,7 +67,9 @@ def cells(count, seed=30):
             values |= {"seed": int(rng.integers(1, 10_000)), "rms_slope": geometric(rng, 2e-3, 0.02)}
             values |= {"hurst": even(rng, 0.3, 1.0), "cut_off": float(rng.choice([0.1, 0.2]))}
         if kind == "wave":
-            values |= {"waves": int(rng.integers(1, 5)), "amplitude": geometric(rng, 0.3, 5.0)}
+            waves, amplitude = int(rng.integers(1, 5)), geometric(rng, 0.3, 5.0)
+            steepest = 0.2999 * values["width"] / (2.0 * np.pi * waves)  # nm; Scene allows slopes up to 0.3
+            values |= {"waves": waves, "amplitude": min(amplitude, steepest)}
         if kind == "measured":
             values |= {"profile": int(rng.integers(1, 10_000))}
         yield values
