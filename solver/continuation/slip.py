@@ -77,7 +77,7 @@ USUAL = Trial()
 FINE = Trial(4.0, 5.0, 1e-3), Trial(8.0, 10.0, -1e-3)
 # After flutter: GFMD leaves a branch before its linear end, by a jolt of that size, and may land elsewhere
 FARTHER = (Trial(nearer=0.2),)
-COARSE = (Trial(0.5),)  # where single nodes have several equilibria: half the cost of the usual motion
+COARSE = Trial(0.5)  # where single nodes have several equilibria: half the cost of the usual motion
 
 
 class TooLong(Restless):
@@ -116,10 +116,11 @@ def _repeated(motion, problem, end, state, film):
     if state.load > end.load + LIMITS.left * problem.unit:
         return Landing(state, True)
     trials, needed = (), 0
+    if sites > LIMITS.half and problem.loose(state.v, state.active):
+        if not _same(problem, state, _tried(motion, problem, end, COARSE)):
+            return Landing(state, True)
     if sites > LIMITS.barrier:
         trials, needed = FINE, 1 if sites < LIMITS.far else 2
-    elif sites > LIMITS.half and problem.loose(state.v, state.active):
-        trials, needed = COARSE, 1
     if end.kind == "flutter":
         trials, needed = (*FARTHER, *trials), needed + 1
     if not needed:
