@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from .branch import LIMITS as BRANCH
 from .branch import continue_branch
 from .corrector import Corrector
+from .onset import START
 from .rest import Judge
 from .slip import motion_to_rest, widened
 from .state import Crowded, Increment, LimitPoint, NotConverged, Slip, State, slipped
@@ -68,7 +68,7 @@ class QuasiStatic:
         return LimitPoint(state.load, state.v, state.active, self._away(mode), kind, mode.hidden)
 
     def _away(self, mode):
-        return mode.x * (BRANCH.start * self.problem.unit / np.abs(mode.x).max())
+        return mode.x * (START * self.problem.unit / np.abs(mode.x).max())
 
     def _grown(self, state):
         """(problem of more unknowns, the same State there) if such are needed, else None."""

@@ -116,9 +116,9 @@ def _repeated(motion, problem, end, state, film):
     if state.load > end.load + LIMITS.left * problem.unit:
         return Landing(state, True)
     trials, needed = (), 0
-    if sites > LIMITS.half and problem.loose(state.v, state.active):
-        if not _same(problem, state, _tried(motion, problem, end, COARSE)):
-            return Landing(state, True)
+    loose = sites > LIMITS.half and problem.loose(state.v, state.active)
+    if loose and not _same(problem, state, _tried(motion, problem, end, COARSE)):
+        return Landing(state, True)
     if sites > LIMITS.barrier:
         trials, needed = FINE, 1 if sites < LIMITS.far else 2
     if end.kind == "flutter":

@@ -1,0 +1,78 @@
+"""Where a mode begins to grow: the end of a branch that is no fold, a bifurcation or the onset of flutter."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .anderson import dot
+from .rest import Mode
+from .state import LimitPoint
+
+SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
+HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
+START = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
+
+
+class Point(NamedTuple):
+    """A point of a branch, solved for at a given arc length or load."""
+
+    load: float  # nm
+    v: np.ndarray  # (size,)
+
+
+class _Side(NamedTuple):
+    """A Point on one side of the end, and its Mode."""
+
+    point: Point
+    mode: Mode
+
+
+def onset(corrector, judge, state, older, after, mode) -> LimitPoint | None:
+    """The LimitPoint before the unstable Point `after`, where the growth of its `mode` is zero; None if not found.
+
+    older: Points of the branch of `state` before it, newest first; not all of them have been judged.
+    """
+    hidden = mode.hidden  # where its growth is zero, a mode no longer shows it
+
+    def judged(point, mode):
+        return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode, corrector.inverse))
+
+    unstable = _Side(after, mode)
+    for point in older:
+        stable = judged(point, unstable.mode)
+        if stable.mode.growth < 0.0:
+            break
+        unstable = stable
+    else:
+        return None
+    end = _narrowed(corrector, judged, state, stable, unstable)
+    x, unit = end.mode.x, corrector.problem.unit
+    away = x * np.copysign(START * unit, dot(x, after.v - older[0].v))  # the way the state moves
+    return LimitPoint(*end.point, state.active, away / max(np.abs(x).max(), 1e-300), end.mode.kind, hidden)
+
+
+def _narrowed(corrector, judged, state, stable, unstable):
+    """The unstable _Side of the end, SHARP beyond it, by regula falsi in its Illinois variant."""
+    low, high, last = stable.mode.growth, unstable.mode.growth, None  # an end that stays twice counts half
+    for _ in range(HALVINGS):
+        width = unstable.point.load - stable.point.load
+        if width <= SHARP * corrector.problem.unit or low == high:
+            break
+        part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)
+        load, v = mixed((part, 1.0 - part), (unstable.point, stable.point))
+        if not corrector.solve(v, state.active, load, state.secants):
+            break
+        side = judged(Point(load, v), unstable.mode)
+        grows = side.mode.growth >= 0.0
+        if grows:
+            unstable, high, low = side, side.mode.growth, 0.5 * low if last is grows else low
+        else:
+            stable, low, high = side, side.mode.growth, 0.5 * high if last is grows else high
+        last = grows
+    return unstable
+
+
+def mixed(weights, points) -> Point:
+    """The combination of Points with these weights: a guess, not a solution."""
+    weights = np.asarray(weights)
+    return Point(float(weights @ [load for load, _ in points]), weights @ np.array([v for _, v in points]))
