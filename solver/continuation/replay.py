@@ -62,8 +62,10 @@ class Replay:
             trace = trace.added(branch, known._replace(v=v - shift * problem.direction, active=active))
         slips = tuple(trace.slips(state.load, target, problem.direction))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        there = replace(state, load=target, v=v, active=active, past=past, secants=secants, trace=trace)
-        return Increment(replace(there, residual=self.stepper.corrector.worst), slips, True)
+        solved = {"active": active, "residual": self.stepper.corrector.worst}
+        return Increment(
+            replace(state, load=target, v=v, past=past, secants=secants, trace=trace, **solved), slips, True
+        )
 
     def _same(self, moved, branch, load):
         """Whether a state solved for, which moved so far (nm) from the interpolated one, is the same.

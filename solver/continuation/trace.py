@@ -53,7 +53,7 @@ class TracedBranch:
         i = bisect_left(self.states, state.load - OPTIONS.near, key=lambda known: known.load)
         if i < len(self.states) and self.states[i].load <= state.load + OPTIONS.near:
             return self
-        return replace(self, states=(*self.states[:i], state, *self.states[i:]))
+        return TracedBranch((*self.states[:i], state, *self.states[i:]), self.end)
 
     def ended(self, slip: Slip) -> "TracedBranch":
         """The same up to its end; no other state has that load."""
@@ -110,12 +110,12 @@ class Trace:
         for slip in increment.slips:
             before.append(last.ended(slip))
             last = TracedBranch((_passed(slip.after),))
-        return replace(self, branches=(*before, last.added(_passed(increment.state))))
+        return Trace((*before, last.added(_passed(increment.state))), self.period, self.home)
 
     def added(self, branch: TracedBranch, state: Passed) -> "Trace":
         """With one more state of one of its branches."""
         k = self.branches.index(branch)
-        return replace(self, branches=(*self.branches[:k], branch.added(state), *self.branches[k + 1 :]))
+        return Trace((*self.branches[:k], branch.added(state), *self.branches[k + 1 :]), self.period, self.home)
 
     def grown(self, problem, size: int) -> "Trace":
         """In more unknowns, `size`, of a problem grown from that of the trace."""
