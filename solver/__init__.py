@@ -20,7 +20,7 @@ following/                      a sliding run continued to other parameters
 cautions                        sentences on choices that affect a result
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
 validation/                     independent calculations of the same, accuracy over run time
-cli                             the command line, with command, mapping, derivatives, reports, files, html_page
+cli                             the command line, with command, mapping, derivatives, reports, files
 """
 
 from .analysis.energy_balance import Work, work_of

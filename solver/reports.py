@@ -30,17 +30,18 @@ def add_accuracy(commands: Any) -> None:
 
 def accuracy(arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
-    from .validation import accuracy_page, accuracy_text  # imported here because `run` does not need them
-    from .validation.accuracy import measure
+    from .validation.accuracy import measure  # imported here because `run` does not need them
+    from .validation.accuracy_report import data, document
 
     scene = scene_of(arguments.set, arguments.preset)
     with progress(100, "%") as bar:
         for done, so_far in measure(scene, arguments.quick, arguments.slips):
             bar.update(int(100 * done) - bar.n)
             report = so_far
-    print(accuracy_text.text(report))
-    write(arguments.json, write_json, accuracy_text.data(report))
-    write(arguments.html, accuracy_page.write_page, report)
+    shown = document(report)
+    print(shown.text())
+    write(arguments.json, write_json, data(report))
+    write(arguments.html, shown.write_page)
     return 0
 
 
@@ -74,7 +75,8 @@ def stability(arguments: argparse.Namespace) -> int:
         limit = arguments.limit or LIMIT
         results = atlas(asked, arguments.scheduler, lambda part: bar.update(int(100 * part) - bar.n), limit)
     report = Report(results, closed_forms() if arguments.scenes is None else [], conditioning())
-    print(report.text())
+    shown = report.document()
+    print(shown.text())
     write(arguments.json, write_json, report.data())
-    write(arguments.html, report.write_page)
+    write(arguments.html, shown.write_page)
     return NOT_CONVERGED if report.failed else 0

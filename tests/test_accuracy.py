@@ -15,10 +15,9 @@ import solver.cli as cli
 from solver import Scene
 from solver.continuation.gfmd import Gfmd
 from solver.validation.accuracy import SWEEPS, measure
-from solver.validation.accuracy_page import write_page
-from solver.validation.accuracy_text import branches, choice, data, notes, sentence, table
-from solver.validation.compare import Run, compare, perform, ratio, reference, refined
-from solver.validation.landings import SHORT, landings, scene_for
+from solver.validation.accuracy_report import branches, choice, data, document, notes, sentence
+from solver.validation.compare import Point, SlipError, compare, perform, reference, refined
+from solver.validation.landings import SHORT, landings
 from solver.validation.methods import SERIES, frames
 
 SMALL = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.2, u_x_max=25.0)
@@ -36,14 +35,10 @@ def report(measured):
     return measured[-1][1]
 
 
-def known_of(scene):
-    """The reference of a scene, with the states that its landings are compared with."""
-    return reference(scene, scene_for(scene, 1e-6))
-
-
-def landings_of(scene, known, finer=False):
-    """(Curves, Landings) of a scene, at tolerance 1e-6 with half the time step too, else at 1e-5."""
-    return landings(scene_for(scene, 1e-6 if finer else 1e-5), known, 60.0, finer)
+def references(scene, finer=False):
+    """(the reference of a scene, GFMD's Curves, slips that half its time step changes)."""
+    right, changed = landings(scene, 60.0, finer)
+    return reference(scene, right.states), right, changed
 
 
 def shear_frames(scene, series):
@@ -86,10 +81,10 @@ def test_every_method_follows_the_same_branches_at_the_same_loads():
 def test_the_reference_is_confirmed_by_gfmd():
     """By damped dynamics at nearly its tolerance: F before the first slip, to a billionth of the largest."""
     scene = SMALL.changed(u_x_max=8.0, tolerance=1e-11)
-    known = known_of(scene)
-    run = Run("tolerance", "gfmd", 1e-11, scene)
-    point = compare(run, perform(run, known, 60.0), known, known)
-    assert known.scene.tolerance == 1e-12 and ratio(scene, known.scene) == 10
+    gfmd = perform(scene, "gfmd")
+    known = reference(scene, gfmd.states)
+    point = compare(Point("tolerance", "gfmd", 1e-11), gfmd, known, known)
+    assert known.scene.tolerance == 1e-12 and known.scene.du_x == pytest.approx(0.1 * scene.du_x)
     assert max(point.F, point.L, point.A) < 1e-9
     assert point.branches[0] == point.branches[1] >= 2
 
@@ -97,17 +92,18 @@ def test_the_reference_is_confirmed_by_gfmd():
 def test_landings_are_those_of_gfmd_alone():
     """It locates the slips of the reference to its shortest increment, and lands where that does at half its step."""
     scene = SMALL.changed(u_x_max=8.0)
-    right, found = landings_of(scene, known_of(scene), finer=True)
-    assert found.right == 2 and not (found.differs or found.changed or found.untold)
-    assert found.finer and found.apart < 2.0 * SHORT and found.error < 1e-4
-    assert right.scene.tolerance == 1e-6 and len(right.states) >= 4
+    known, right, changed = references(scene, finer=True)
+    judged = compare(Point("tolerance", "gfmd", 1e-5), right, known, known)
+    assert judged.branches == (2, 2) == (len(known.slips),) * 2 and not changed
+    assert judged.worst("position") < 2.0 * SHORT and judged.branch_error < 1e-4
+    assert right.scene.tolerance == 1e-5 and len(right.states) >= 4
 
 
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_slips_that_land_elsewhere_at_half_the_time_step_are_not_counted(report):
-    changed = replace(report.landings, finer=True, changed=(("shear", 8.5),))
-    lines = notes(replace(report, landings=changed))
+    changed = (SlipError("shear", 8.5, None, None, False),)
+    lines = notes(replace(report, quick=False, changed=changed))
     assert "With half its time step gfmd lands elsewhere after the slip at U_x = 8.5 nm: not counted." in lines
 
 
@@ -120,35 +116,35 @@ def test_damping_above_critical_does_not_change_the_branch(series):
 
 @pytest.fixture(scope="module")
 def underdamped():
-    """(scene, reference, run, its Curves): a tenth of critical damping carries its first slip two sites, not one."""
+    """(reference, GFMD, a run), Curves each: a tenth of critical damping carries its first slip two sites, not one."""
 
     class Underdamped(Gfmd):
         def __init__(self, problem, damping, closed):
             super().__init__(problem, 0.1 * damping, closed)
 
     scene = SMALL.changed(E=30.0, u_x_max=9.6, tolerance=1e-6)
-    known, run = known_of(scene), Run("tolerance", Underdamped, 1e-6, scene)
-    return scene, known, replace(run, series="underdamped"), perform(run, known, 60.0)
+    known, right, _ = references(scene)
+    return known, right, perform(scene, Underdamped, known.states, 60.0)
 
 
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_a_reference_that_leaves_the_branch_of_gfmd_is_reported(report, underdamped):
-    scene, _, _, astray = underdamped
-    _, found = landings_of(scene, astray)
+    _, right, astray = underdamped
+    judged = compare(report.judged, right, astray, astray)
     first = astray.shear_slips[0]
-    assert ("shear", first) in found.differs and found.right < len(astray.slips)
-    wrong = replace(report, landings=found)
+    assert first in [slip.load for slip in judged.slips if slip.same_branch is False]
+    assert judged.branches[0] < len(astray.slips)
+    wrong = replace(report, judged=judged)
     assert f"The reference itself leaves it after the slip at U_x = {first:.5g} nm" in sentence(wrong)
-    assert any("The reference is on another branch than gfmd" in line for line in notes(wrong))
+    assert f"follows it through {judged.branches[0]} of {len(astray.slips)} slips" in notes(wrong)[2]
 
 
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_a_wrong_branch_is_counted_and_named(report, underdamped):
-    scene, known, run, curves = underdamped
-    right, _ = landings_of(scene, known)
-    point = compare(run, curves, known, right)
+    known, right, curves = underdamped
+    point = compare(Point("tolerance", "underdamped", 1e-6), curves, known, right)
     first, second = [slip for slip in point.slips if slip.stage == "shear"]
     assert first.same_branch is False
     # the second slip of the others carries them one more site: to where this one has been since the first
@@ -157,9 +153,8 @@ def test_a_wrong_branch_is_counted_and_named(report, underdamped):
     assert point.branch_error < 1e-3 and point.worst("position") == first.position
     astray = replace(report, points=(*report.points, point))
     assert "another one by underdamped after 1 of" in branches(astray)
-    assert "underdamped" in sentence(astray) and table(astray, "tolerance").iat[-1, -1] == "{} of {}".format(
-        *point.branches
-    )
+    table = document(astray).sections[0].table
+    assert "underdamped" in sentence(astray) and table.iat[-1, -1] == "{} of {}".format(*point.branches)
 
 
 @pytest.mark.thorough
@@ -170,10 +165,8 @@ def test_a_tighter_tolerance_that_is_worse_is_named(report):
 
 
 def test_a_run_that_takes_too_long_is_stopped_with_a_remedy():
-    known = known_of(SMALL.changed(u_x_max=1.0))
-    run = Run("tolerance", "gfmd", 1e-8, SMALL.changed(u_x_max=1.0))
-    curves = perform(run, known, 0.0)
-    point = compare(run, curves, known, known)
+    curves = perform(SMALL.changed(u_x_max=1.0), "gfmd", longest=0.0)
+    point = compare(Point("tolerance", "gfmd", 1e-8), curves, curves, curves)
     assert curves.stopped and "stopped after 0 s at approach increment 0" in point.failure
     assert point.F is None and point.branch_error is None
 
@@ -181,7 +174,6 @@ def test_a_run_that_takes_too_long_is_stopped_with_a_remedy():
 def test_steps_of_the_reference_divide_those_compared_with_it():
     fine = refined(SMALL)
     assert (fine.du_x, fine.du_z) == (0.02, 0.05)
-    assert ratio(SMALL, fine) == 10 and ratio(SMALL.changed(du_x=0.03), fine) is None
     assert refined(SMALL.changed(du_x=0.002)).du_x == 0.001  # a tenth would be below what is allowed
 
 
@@ -255,7 +247,7 @@ def test_bad_input_is_rejected_in_one_line(capsys):
 def test_plotting_libraries_are_imported_only_when_needed():
     code = (
         "import sys, solver.cli\n"
-        "from solver.validation import accuracy, accuracy_page, accuracy_text, stability, stability_report\n"
+        "from solver.validation import accuracy, accuracy_report, stability, stability_report\n"
         "print([m for m in ('holoviews', 'bokeh', 'pandas', 'tqdm', 'panel') if m in sys.modules])"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=True)
@@ -265,7 +257,7 @@ def test_plotting_libraries_are_imported_only_when_needed():
 @pytest.mark.thorough
 @pytest.mark.browser
 def test_the_page_opens_offline(report, browser, tmp_path):
-    write_page(tmp_path / "a.html", report)
+    document(report).write_page(tmp_path / "a.html")
     context = browser.new_context(offline=True)
     page, asked, wrong = context.new_page(), [], []
     page.on("request", lambda request: asked.append(request.url))
@@ -273,5 +265,5 @@ def test_the_page_opens_offline(report, browser, tmp_path):
     page.goto((tmp_path / "a.html").as_uri())
     page.wait_for_function("Bokeh.documents.length == 1 && Bokeh.documents[0].is_idle")
     assert len(asked) == 1 and not wrong
-    assert page.evaluate("Bokeh.documents[0].roots().length") == 1
+    assert page.evaluate("Bokeh.documents[0].roots().length") == 2  # a row of diagrams for each sweep
     context.close()

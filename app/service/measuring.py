@@ -35,7 +35,7 @@ def _warm_up():
 
 def _news(scene):
     from solver.validation.accuracy import SWEEPS, measure
-    from solver.validation.accuracy_text import choice, command, failures, sentence
+    from solver.validation.accuracy_report import choice, command, failures, sentence
 
     sent, count, report = 0.0, 0, None
     for progress, report in measure(scene, quick=True):
@@ -46,7 +46,8 @@ def _news(scene):
     others = [choice(report, sweep) for sweep in SWEEPS if sweep != "tolerance" and report.of(sweep, "fast")]
     others += [f"Not finished: {line}." for line in failures(report)]
     others.append(f"All numbers in tables: {command(report)}")
-    told = {"sentence": sentence(report), "others": others, "reference": report.tolerance, "end": report.horizon}
+    told = {"sentence": sentence(report), "others": others, "reference": report.reference.tolerance}
+    told["end"] = report.reference.u_x_max
     yield {"state": "done", "progress": 1.0, "points": points(report), **told}
 
 

@@ -5,5 +5,6 @@ form, closed_forms, adhesion    problems with published solutions
 conditioning                    the round-off of each formula
 atlas, stability, stability_report           stiff and extreme scenes, the verdict on each, the report
 accuracy, compare, landings, methods         error against run time of one scene, by several methods
-accuracy_text, accuracy_page                 its report
+accuracy_report                              its report
+document                                     a report as text and as a page
 """

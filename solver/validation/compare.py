@@ -1,12 +1,14 @@
 """Work against precision of one run: its cost, its distance from a reference, and whether its branches are right.
 
 Errors on a branch are measured against `fast` at the smallest tolerance and a tenth of the increment, without repeating
-states by lattice periods. Its increments contain those of every run compared with it: nothing is interpolated.
+states by lattice periods, at the loads that both runs have: nothing is interpolated.
 `landings` finds the right branches, by the paper's GFMD alone.
 """
 
-from dataclasses import dataclass, field
-from math import floor, inf
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
+from itertools import zip_longest
+from math import inf
 from time import thread_time
 
 import numpy as np
@@ -24,58 +26,25 @@ TIGHTEST = (1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # nm: tolerances tried for the ref
 SAME_BRANCH = 0.1  # of min(delta_n, delta_t): equilibria farther apart are two; a node that slips moves farther
 NOTHING = np.array([1e-30, 1e-30, 1e-6])  # of F_bar, L_bar, A_bar: the least scale of an error, where all is zero
 SMALLEST = 0.01  # of the larger of F and L: the least scale of the error of a force that stays below (L on the flat)
-ON_GRID = 1e-6  # of an increment: the round-off of a displacement
-
-
-@dataclass(frozen=True)
-class Run:
-    """One run to measure: `value` is that of the scene's parameter `sweep`."""
-
-    sweep: str
-    series: str  # of `methods.SERIES`
-    value: float
-    scene: Scene
-    repeats: int = 1  # the shortest time counts
 
 
 @dataclass
 class Curves:
-    """What a comparison needs of a run: a row per shear increment, its slips, some states; seconds of one core."""
+    """What a comparison needs of a run, by U_x as `position` rounds it; seconds of one core."""
 
     scene: Scene
-    rows: list = field(default_factory=list)  # [F_bar, L_bar, A_bar], row k at U_x = scene.shear_at(k)
+    rows: dict[float, tuple[float, ...]] = field(default_factory=dict)  # (F_bar, L_bar, A_bar) along the shear
+    states: dict[float, Frame] = field(default_factory=dict)  # some Frames of the shear
     slips: list[SlipEvent] = field(default_factory=list)
-    states: dict[float, Frame] = field(default_factory=dict)  # by `position`
     seconds: float = 0.0
     evaluations: int = 0
-    safe_damping: float = 0.0  # the largest of the states
     failure: str | None = None
     stopped: bool = False  # for taking too long
-
-    def take(self, frame: Frame, keep: bool) -> None:
-        """Add one Frame; keep: its state, too."""
-        self.evaluations += frame.evaluations
-        self.slips += frame.slips
-        if frame.stage == "shear":
-            self.rows.append((frame.F_bar, frame.L_bar, frame.A_bar))
-        if keep:
-            self.states[position(frame)] = frame
-            self.safe_damping = max(self.safe_damping, frame.safe_damping)
-
-    @property
-    def step(self) -> float:
-        """The increment of U_x, nm."""
-        return self.scene.du_x * self.scene.delta_t
 
     @property
     def shear_slips(self) -> list[float]:
         """Loads (nm) of the slips in shear, in order."""
         return [event.load for event in self.slips if event.stage == "shear"]
-
-    def following(self) -> list[float]:
-        """For every slip the load, nm, of the next one in its stage; inf: there is none."""
-        pairs = zip(self.slips, [*self.slips[1:], None], strict=False)
-        return [after.load if after and after.stage == event.stage else inf for event, after in pairs]
 
 
 @dataclass(frozen=True)
@@ -91,7 +60,10 @@ class SlipError:
 
 @dataclass(frozen=True)
 class Point:
-    """A run in the diagram. F, L, A: largest error before the first slip, over the largest value of the quantity."""
+    """A run in the diagram: the value of the scene's parameter `sweep`, a method of `methods.SERIES`, and the outcome.
+
+    F, L, A: largest error before the first slip, over the largest value of the quantity.
+    """
 
     sweep: str
     series: str
@@ -146,36 +118,27 @@ def refined(scene: Scene) -> Scene:
     return scene
 
 
-def ratio(coarse: Scene, fine: Scene) -> int | None:
-    """How many increments of `fine` make one of `coarse` in shear; None unless a whole number."""
-    steps = coarse.du_x * coarse.delta_t / (fine.du_x * fine.delta_t)
-    return round(steps) if steps > 0.5 and abs(steps - round(steps)) < ON_GRID else None
-
-
-def reference(scene: Scene, grid: Scene) -> Curves:
-    """The Curves to compare with, and the states at the increments of `grid`; raises NotConverged."""
+def reference(scene: Scene, keep: Collection[float]) -> Curves:
+    """The Curves to compare with, with the states at the positions `keep`; raises NotConverged."""
     fine = refined(scene)
-    every = ratio(grid, fine)
     for tolerance in TIGHTEST:
         fine = fine.changed(tolerance=max(tolerance, 2.0 * fine.attainable))
-        path = load_path(fine, leave_out=ALL - {"translation"})
-        curves = _recorded(fine, path, lambda frame: frame.index % every == 0)
+        curves = recorded(fine, load_path(fine, leave_out=ALL - {"translation"}), keep)
         if not curves.failure:
             return curves
     raise NotConverged(curves.failure)
 
 
-def perform(run: Run, known: Curves, longest: float) -> Curves:
-    """The Curves of a run, stopped after `longest` s, with the states that `known` has; of `repeats` the fastest."""
-    again = (
-        _recorded(run.scene, frames(run.scene, run.series), lambda frame: position(frame) in known.states, longest)
-        for _ in range(run.repeats)
-    )
+def perform(
+    scene: Scene, series: str, keep: Collection[float] | None = None, longest: float = inf, repeats: int = 1
+) -> Curves:
+    """The Curves of a scene by a method of `methods.frames`; of `repeats` runs the fastest; arguments as `recorded`."""
+    again = (recorded(scene, frames(scene, series), keep, longest) for _ in range(repeats))
     return min(again, key=lambda curves: curves.seconds)
 
 
-def _recorded(scene, path, keep, longest=inf):
-    """The Curves of a path, with the states in shear for which keep(frame); stopped after `longest` s."""
+def recorded(scene, path, keep=None, longest=inf) -> Curves:
+    """The Curves of a path, with the states at the positions `keep` (None: all); stopped after `longest` s."""
     curves = Curves(scene)
     try:
         while not curves.stopped:
@@ -184,7 +147,12 @@ def _recorded(scene, path, keep, longest=inf):
             curves.seconds += thread_time() - start
             if frame is None:
                 break
-            curves.take(frame, frame.stage == "shear" and keep(frame))
+            curves.evaluations += frame.evaluations
+            curves.slips += frame.slips
+            if frame.stage == "shear":
+                curves.rows[position(frame)] = frame.F_bar, frame.L_bar, frame.A_bar
+                if keep is None or position(frame) in keep:
+                    curves.states[position(frame)] = frame
             if curves.seconds > longest:
                 where = f"{frame.stage} increment {frame.index}"
                 curves.stopped = True
@@ -194,36 +162,35 @@ def _recorded(scene, path, keep, longest=inf):
     return curves
 
 
-def compare(run: Run, curves: Curves, known: Curves, right: Curves) -> Point:
-    """The Point of a run with these Curves; its errors against the Curves `known`, its branches against `right`."""
-    errors, slips = on_branch(curves, known), tuple(slip_errors(curves, known, right))
-    work = curves.seconds, curves.evaluations
-    return Point(run.sweep, run.series, run.value, *work, *errors, slips, curves.failure)
+def compare(point: Point, curves: Curves, known: Curves, right: Curves) -> Point:
+    """The outcome of a Point with these Curves: errors against the Curves `known`, branches against `right`."""
+    errors = dict(zip(QUANTITIES, on_branch(curves, known), strict=True))
+    work = {"seconds": curves.seconds, "evaluations": curves.evaluations, "failure": curves.failure}
+    return replace(point, **errors, **work, slips=tuple(slip_errors(curves, known, right)))
 
 
 def on_branch(curves: Curves, known: Curves) -> list[float | None]:
     """Errors of F, L, A before the first slip of either, over the reference's largest value."""
     end = min([*known.shear_slips[:1], *curves.shear_slips[:1], curves.scene.u_x_max])
-    rows, steps = min(len(curves.rows), floor(end / curves.step + ON_GRID) + 1), ratio(curves.scene, known.scene)
-    if rows == 0:
+    both = [at for at in curves.rows if at in known.rows and at <= round(end, 9)]
+    if not both:
         return [None] * len(QUANTITIES)
-    exact = np.array(known.rows)
-    scale = np.maximum(np.abs(exact).max(axis=0), NOTHING)
+    scale = np.maximum(np.abs(list(known.rows.values())).max(axis=0), NOTHING)
     scale[:2] = np.maximum(scale[:2], SMALLEST * scale[:2].max())  # F and L share a unit
-    errors = np.abs(np.array(curves.rows[:rows]) - exact[: rows * steps : steps][:rows]).max(axis=0)
+    errors = np.abs([np.subtract(curves.rows[at], known.rows[at]) for at in both]).max(axis=0)
     return (errors / scale).tolist()
 
 
 def slip_errors(curves: Curves, known: Curves, right: Curves) -> list[SlipError]:
     """A SlipError for every slip of the reference."""
-    largest, errors = max((abs(row[0]) for row in known.rows), default=0.0) or 1.0, []
-    for event, end in zip(known.slips, known.following(), strict=True):
+    largest, errors = max((abs(row[0]) for row in known.rows.values()), default=0.0) or 1.0, []
+    for event, after in zip_longest(known.slips, known.slips[1:]):
         own = [other for other in curves.slips if other.stage == event.stage]
         nearest = min(own, key=lambda other: abs(other.load - event.load), default=None)
         position = nearest and abs(nearest.load - event.load)
         force = nearest and abs(nearest.F_bar - event.F_bar) / largest
-        same = same_branch(curves, right, event, end)
-        errors.append(SlipError(event.stage, event.load, position, force, same))
+        end = after.load if after and after.stage == event.stage else inf
+        errors.append(SlipError(event.stage, event.load, position, force, same_branch(curves, right, event, end)))
     return errors
 
 
@@ -237,12 +204,12 @@ def same_branch(curves: Curves, right: Curves, event: SlipEvent, end: float) -> 
         both = both[:1] if end == inf else []
     else:
         both = [at for at in both if event.load < at < end]
-        both = [at for at in both if event.load + curves.step < at][:1] or both[-1:]
-    unit = min(curves.scene.delta_n, curves.scene.delta_t)
-    return _distance(curves.states[both[0]], right.states[both[0]]) < SAME_BRANCH * unit if both else None
+        both = [at for at in both if event.load + curves.scene.shear_at(1) < at][:1] or both[-1:]
+    return same_state(curves.states[both[0]], right.states[both[0]]) if both else None
 
 
-def _distance(a, b):
-    """Largest difference, nm, of two Frames on the nodes they share."""
+def same_state(a: Frame, b: Frame) -> bool:
+    """Whether two Frames, at one load, are of one branch, by the nodes they share."""
     low, high = max(a.first, b.first), min(a.first + a.u.shape[1], b.first + b.u.shape[1])
-    return float(np.abs(a.u[:, low - a.first : high - a.first] - b.u[:, low - b.first : high - b.first]).max())
+    distance = np.abs(a.u[:, low - a.first : high - a.first] - b.u[:, low - b.first : high - b.first]).max()
+    return bool(distance < SAME_BRANCH * min(a.scene.delta_n, a.scene.delta_t))

@@ -1,18 +1,39 @@
-"""The meaning of an accuracy Report, in words, tables and plain data."""
+"""The meaning of an accuracy Report, in words, tables, diagrams and plain data."""
 
+from collections.abc import Callable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 from ..cautions import flutter
+from ..run.frame import STAGES
 from ..scene import LIMITS
 from ..text import changes
-from .accuracy import FULL, QUICK, SWEEPS, Report
+from .accuracy import FULL, LEAST, QUICK, SWEEPS, Report
 from .compare import QUANTITIES, SAME_BRANCH, Point
+from .document import Document, Section
 from .landings import SHORT
 
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
+class Style(NamedTuple):
+    """The look of a series in colours of Okabe & Ito, which colour-blind readers distinguish; markers for print."""
+
+    colour: str
+    marker: str
+    below: int  # pixels between a point and the value beside it
+
+
+STYLE = {
+    "fast": Style("#0072B2", "circle", 5),
+    "gfmd": Style("#D55E00", "square", 5),
+    "gfmd mass-weighted": Style("#009E73", "triangle", -4),
+    "FIRE": Style("#CC79A7", "diamond", 14),
+}
+WORK = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
+ERRORS: dict[str, tuple[str, Callable]] = {  # sweep: name of the error that its diagrams show, and its value
+    "tolerance": ("F, L, A before the first slip: largest relative error", lambda p: p.branch_error),
+    "du_x": ("largest error of a slip's position [nm]", lambda p: p.worst("position")),
+}
+WIDER = 2.5  # factor of the largest work at which the axis ends, for the value beside the last point
 VISIBLE = 1e-4  # of the largest value: an error that no plot shows, and no experiment on adhesion resolves
 FINER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
@@ -71,47 +92,39 @@ def branches(report: Report) -> str:
     wrong = [f"{series} after {n - own} of {n}" for series, (own, n) in counts.items() if own < n]
     counted = f"The branch of the paper's GFMD was reached after {right} of {known} slips of all runs"
     counted += f"; another one by {', '.join(wrong)} (see the tables)." if wrong else "."
-    if astray := _places(report.landings.differs):
+    if astray := _places([slip for slip in report.judged.slips if slip.same_branch is False]):
         counted += f" The reference itself leaves it{astray}: errors beyond that slip mean nothing."
     return counted
 
 
 def _landed(report):
     """The method that decides about branches, and its doubts; lines of text."""
-    landed, known = report.landings, report.known_slips
-    near = [f"F, L, A before the first slip to {landed.error:.0e}"] if landed.error is not None else []
-    near += [f"slips in shear to {landed.apart:.0e} nm"] if landed.apart is not None else []
+    judged, slips = report.judged, report.judged.slips
+    near = [] if judged.branch_error is None else [f"F, L, A before the first slip to {judged.branch_error:.0e}"]
+    apart = judged.worst("position")
+    near += [] if apart is None else [f"slips in shear to {apart:.0e} nm"]
     lines = [
-        f"Branches are compared with those of gfmd, from rest to rest at tolerance {landed.tolerance:g} nm,"
-        f" increments halved to {SHORT:g} nm where the surface slips, {landed.seconds:.2g} s. The reference follows it"
-        f" through {landed.right} of {len(known)} slips" + (f"; both agree on {' and '.join(near)}." if near else ".")
+        f"Branches are compared with those of gfmd, from rest to rest at tolerance {judged.value:g} nm,"
+        f" increments halved to {SHORT:g} nm where the surface slips, {judged.seconds:.2g} s. The reference follows it"
+        f" through {judged.branches[0]} of {len(slips)} slips; both agree on {' and '.join(near) or 'nothing'}."
     ]
-    if landed.differs:
-        lines.append(f"The reference is on another branch than gfmd{_places(landed.differs)}.")
-    if landed.finer:
-        elsewhere = f"lands elsewhere{_places(landed.changed)}: not counted"
-        lines.append(f"With half its time step gfmd {elsewhere if landed.changed else 'lands in the same states'}.")
-    if landed.untold:
-        lines.append(f"Unknown{_places(landed.untold)}: {landed.failure or 'the next slip follows too soon'}.")
+    if not report.quick:
+        elsewhere = f"lands elsewhere{_places(report.changed)}: not counted"
+        lines.append(f"With half its time step gfmd {elsewhere if report.changed else 'lands in the same states'}.")
+    if unknown := _places([slip for slip in slips if slip.same_branch is None]):
+        lines.append(f"Unknown{unknown}: {judged.failure or 'the next slip follows too soon'}.")
     return lines
 
 
 def _places(slips):
-    """The loads of these slips (stage, load), as text; "" if there are none."""
-    names = {"shear": "U_x", "approach": "delta"}
-    return " after the slip at " + ", ".join(f"{names[s]} = {load:.5g} nm" for s, load in slips) if slips else ""
+    """The loads of these slips, as text; "" if there are none."""
+    loads = ", ".join(f"{STAGES[slip.stage][0]} = {slip.load:.5g} nm" for slip in slips)
+    return f" after the slip at {loads}" if loads else ""
 
 
 def failures(report: Report) -> list[str]:
     """A line for every run that did not finish."""
     return [f"{p.series}, {p.sweep} {p.value:g}: {p.failure}" for p in report.points if p.failure]
-
-
-def table(report: Report, sweep: str) -> "DataFrame":
-    """The Points of a sweep as a DataFrame of text."""
-    from pandas import DataFrame  # takes longer to import than the solver
-
-    return DataFrame([_row(p) for p in report.of(sweep)])
 
 
 def _row(p: Point):
@@ -138,7 +151,7 @@ def _short(value):
 
 def title(report: Report) -> str:
     """The scene's parameters that differ from the default, and the end of the runs."""
-    return f"{changes(report.scene) or 'default scene'}, up to U_x = {report.horizon:g} nm"
+    return f"{changes(report.scene) or 'default scene'}, up to U_x = {report.reference.u_x_max:g} nm"
 
 
 def command(report: Report) -> str:
@@ -151,11 +164,11 @@ def command(report: Report) -> str:
 
 def notes(report: Report) -> list[str]:
     """The origin of the numbers, as lines of text."""
-    (du_x, du_z), effort = report.steps, QUICK if report.quick else FULL
+    fine, effort = report.reference, QUICK if report.quick else FULL
     return [
-        f"Runs end at U_x = {report.horizon:g} nm, just beyond slip {report.slips} in shear or at u_x_max;"
+        f"Runs end at U_x = {fine.u_x_max:g} nm, just beyond slip {report.slips} in shear or at u_x_max;"
         f" each is stopped after {effort.longest:g} s. Seconds are those of one core.",
-        f"Reference: fast, tolerance {report.tolerance:g} nm, du_x = {du_x:g}, du_z = {du_z:g}; made in"
+        f"Reference: fast, tolerance {fine.tolerance:g} nm, du_x = {fine.du_x:g}, du_z = {fine.du_z:g}; made in"
         f" {report.seconds:.2g} s.",
         *_landed(report),
         *flutter(report.scene, report.safe_damping),
@@ -167,30 +180,85 @@ def notes(report: Report) -> list[str]:
     ]
 
 
-def text(report: Report) -> str:
-    """The whole report for people, in lines."""
-    lines = [title(report), *notes(report)]
-    for sweep in filter(report.of, SWEEPS):
-        rows = table(report, sweep).to_string(index=False)
-        lines += ["", f"{sweep} [{LIMITS[sweep].unit}]", rows, choice(report, sweep)]
-    return "\n".join([*lines, "", *failures(report), sentence(report)])
+def document(report: Report) -> Document:
+    """The whole report for people."""
+    from pandas import DataFrame  # takes longer to import than the solver
+
+    swept = [
+        Section(
+            f"{sweep} [{LIMITS[sweep].unit}]",
+            DataFrame([_row(p) for p in report.of(sweep)]),
+            [choice(report, sweep)],
+            lambda sweep=sweep: [_diagram(report, sweep, work) for work in WORK if _drawn(report, sweep)],
+        )
+        for sweep in filter(report.of, SWEEPS)
+    ]
+    origin = Section(command(report), lines=[*notes(report), *failures(report)])
+    return Document(f"Error against run time: {title(report)}", [*swept, origin, Section("", lines=[sentence(report)])])
+
+
+def _drawn(report, sweep, series=None):
+    error = ERRORS[sweep][1]
+    return [p for p in report.of(sweep, series) if not p.failure and error(p) is not None]
+
+
+def _diagram(report, sweep, work):
+    """One pair of axes: a curve with markers for each series, crosses on runs that left the right branches."""
+    from bokeh.plotting import figure
+
+    def columns(points):
+        at = {axis: [max(value(p), LEAST[least]) for p in points] for axis, least, value in axes}
+        return at | {"name": [f"{p.value:g}" for p in points]}
+
+    label, error = ERRORS[sweep]
+    axes = (("x", work, lambda p: getattr(p, work)), ("y", "error", error))
+    spent = columns(_drawn(report, sweep))["x"]
+    shown = figure(
+        x_axis_type="log",
+        y_axis_type="log",
+        x_range=(min(spent) / WIDER**0.5, max(spent) * WIDER),
+        x_axis_label=WORK[work],
+        y_axis_label=label,
+        title=f"{sweep} swept [{LIMITS[sweep].unit}]: values beside the points",
+        tools="hover",
+        tooltips=[(sweep, "@name"), (work, "@x"), ("error", "@y")],
+        toolbar_location=None,
+        width=550,
+        height=430,
+    )
+    for series, style in STYLE.items():
+        if points := _drawn(report, sweep, series):
+            look = {"source": columns(points), "color": style.colour, "legend_label": series}
+            look["source"] = shown.scatter("x", "y", size=10, marker=style.marker, **look).data_source
+            shown.line("x", "y", width=2, **look)
+            beside = {"text_font_size": "9pt", "x_offset": 8, "y_offset": style.below}
+            shown.text("x", "y", "name", source=look["source"], color=style.colour, **beside)
+    if astray := [p for p in _drawn(report, sweep) if not p.right]:
+        cross = {"size": 16, "marker": "x", "color": "black", "line_width": 2, "legend_label": "other branch"}
+        shown.scatter("x", "y", source=columns(astray), **cross)
+    shown.legend.update(orientation="horizontal", border_line_alpha=0.0, label_text_font_size="8pt")
+    shown.add_layout(shown.legend[0], "above")
+    return shown
 
 
 def data(report: Report) -> dict[str, Any]:
     """The report as plain data, for JSON."""
-    points = [asdict(p) | {"branches_right": p.branches[0], "branches_told": p.branches[1]} for p in report.points]
-    known = [dict(zip(("stage", "load", "F_bar"), slip, strict=True)) for slip in report.known_slips]
-    steps = dict(zip(("du_x", "du_z"), report.steps, strict=True))
-    made = {"seconds": report.seconds, "slips": known, "judged": asdict(report.landings)}
+    fine = {name: getattr(report.reference, name) for name in ("tolerance", "du_x", "du_z")}
+    slips = [{"stage": slip.stage, "load": slip.load, "F_bar": slip.F_bar} for slip in report.known_slips]
+    judged = _plain(report.judged) | {"changed": [asdict(slip) for slip in report.changed]}
     return {
         "command": command(report),
         "scene": asdict(report.scene),
         "quick": report.quick,
-        "U_x_end": report.horizon,
+        "U_x_end": report.reference.u_x_max,
         "slips_wanted": report.slips,
-        "reference": {"tolerance": report.tolerance, **steps, **made},
+        "reference": fine | {"seconds": report.seconds, "slips": slips, "judged": judged},
         "same_branch_within": SAME_BRANCH,
-        "points": points,
+        "points": [_plain(p) for p in report.points],
         "sentence": sentence(report),
         "sentences": {sweep: choice(report, sweep) for sweep in SWEEPS if report.of(sweep)},
     }
+
+
+def _plain(p):
+    return asdict(p) | dict(zip(("branches_right", "branches_told"), p.branches, strict=True))
