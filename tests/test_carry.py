@@ -21,7 +21,7 @@ from solver import (
 )
 from solver.files import write_csv, write_npz
 from solver.mechanics.contact import Contact
-from solver.mechanics.load_control import LoadControl
+from solver.mechanics.equilibrium import Equilibrium
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import next_frame
 from solver.validation.spectrum import growth
@@ -65,7 +65,7 @@ def test_a_wider_patch_under_a_held_load_keeps_the_surface_in_place():
     scene = Scene(E=30.0, delta_bar=-0.7, hold="load", nodes=256, width=625.0, radius=10.0)
     step = load_steps_of(scene)[1]
     contact = Contact(scene, 100, 56)
-    problem = LoadControl(contact, step.loading, -1e-3)
+    problem = Equilibrium(contact, step.loading, -1e-3)
     v = np.append(np.array([[0.0], [7.0]]) * np.ones(56), 7.0)
     wide, v, active = problem.grown(v, np.zeros(56, bool), 0.0, hidden=True)
     assert wide.nodes > 56 and not active.any()

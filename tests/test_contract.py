@@ -14,7 +14,6 @@ from solver.continuation.state import NotConverged, State
 from solver.continuation.stepper import Stepper
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
-from solver.mechanics.load_control import LoadControl
 from solver.mechanics.surface import closed_stiffness
 from solver.run.loading import sideways
 from solver.validation.landings import Halving
@@ -37,7 +36,7 @@ def one_for_all():
 
 
 def held(problem, pressure):
-    return LoadControl(problem.contact, problem.loading, pressure)
+    return Equilibrium(problem.contact, problem.loading, pressure)
 
 
 PROBLEMS = {

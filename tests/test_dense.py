@@ -9,7 +9,6 @@ from solver import Scene
 from solver.mechanics.contact import Contact
 from solver.mechanics.dense import DenseInverse
 from solver.mechanics.equilibrium import Equilibrium
-from solver.mechanics.load_control import LoadControl
 from solver.run.loading import sideways
 
 SCENES = {
@@ -28,7 +27,7 @@ def test_the_inverse_of_a_tangent_undoes_it(name, held):
     u = np.array([rng.uniform(-0.3, 0.3, 108), rng.uniform(-0.2, 0.5, 108) - scene.profile[10:118]])
     v = u.reshape(-1)
     if held:
-        problem, v = LoadControl(problem.contact, problem.loading, 0.01), np.append(v, -scene.delta)
+        problem, v = Equilibrium(problem.contact, problem.loading, 0.01), np.append(v, -scene.delta)
     active = np.arange(108) % 7 > 0
     right = rng.normal(size=problem.size)
     w = problem.preconditioner(v, active)(right)

@@ -21,7 +21,6 @@ from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.linearised import Linearised
-from ..mechanics.load_control import LoadControl
 from ..run.frame import SlipEvent
 from ..run.loading import sideways
 from ..scene import LIMITS, Scene
@@ -184,13 +183,13 @@ class _Differentiator:
         parts = self.parts([state])
         self.pressure_by = np.array([np.sum(dual * dT) + x @ rest for (dT,), (rest,) in parts])
         self.pressure_nodes = (dual * state.T).sum(axis=0)
-        self.problem = LoadControl(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
+        self.problem = Equilibrium(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
         self.problem.tolerance = FINE
 
     @property
     def held(self) -> bool:
         """Whether a load is held."""
-        return isinstance(self.problem, LoadControl)
+        return self.problem.held
 
     def settled(self, v, active, load, accuracy=ACCURACY, tolerance=None) -> _State:
         """The _State next to v, by Newton's steps; raises NotFollowed where these do not reach the tolerance, nm."""

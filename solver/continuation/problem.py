@@ -2,8 +2,7 @@
 
 A Problem is an equilibrium R(v; s) = 0 in unknowns v (size,) under a load s, in which R is linear, together with a
 motion, its Dynamics, whose rests are the equilibria. Small disturbances of an equilibrium are seen by its Linearised.
-Lengths in nm, moduli in GPa, each mode of unit mass. `mechanics.equilibrium`, `load_control` there, and tests/toys.py
-fulfil the contract.
+Lengths in nm, moduli in GPa, each mode of unit mass. `mechanics.equilibrium` and tests/toys.py fulfil the contract.
 """
 
 from collections.abc import Callable

@@ -7,7 +7,6 @@ import numpy as np
 from ..continuation.state import NotConverged
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.load_control import LoadControl
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from ..threads import one_thread
@@ -114,7 +113,7 @@ def _branches(contact, skeleton):
     if scene.hold == "load":
         held = followed_held(contact, skeleton.held, scene.delta - skeleton.scene.delta)
         pressure = contact.pressure(problem.traction(held.v, held.active)[1])
-        problem = LoadControl(contact, sideways(1.0, 0.0), pressure)
+        problem = Equilibrium(contact, sideways(1.0, 0.0), pressure)
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
     start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # 0: states of the same run

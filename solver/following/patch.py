@@ -7,7 +7,6 @@ import numpy as np
 from ..continuation.fold import Fold
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.load_control import LoadControl
 from ..run.loading import sideways, vertical
 from .branch import Branch
 from .skeleton import Held, Skeleton
@@ -18,7 +17,7 @@ def widened(skeleton: Skeleton) -> Skeleton:
     scene = skeleton.scene
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     given, approach = Equilibrium(contact, sideways(1.0, -scene.delta)), Equilibrium(contact, vertical(1.0))
-    shear = given if skeleton.held is None else LoadControl(contact, sideways(1.0, 0.0), skeleton.pressure)
+    shear = given if skeleton.held is None else Equilibrium(contact, sideways(1.0, 0.0), skeleton.pressure)
     held = skeleton.held and Held(*_state(given, skeleton.held.v, skeleton.held.active, 0.0), skeleton.held.kind)
     return replace(
         skeleton,

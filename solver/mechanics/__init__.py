@@ -3,8 +3,7 @@
 cohesive_law  tractions and tangents of an NP1 spring, and of nodes against all lattice sites in the window
 layer         stiffness and compliance of the layer per Fourier mode, and products with them
 contact       a patch of nodes with law and layer: tractions, tangents, response; counts force evaluations
-equilibrium   the contact as a problem at a given height of the top
-load_control  the same under a held normal load, with the height of the top as an unknown
+equilibrium   the contact as a problem; under a held load the height of the top is one more unknown
 surface       the transient of the whole surface, whose rests are the equilibria
 linearised    an equilibrium linearised: dT/du, the layer, and dR/dv
 flutter       the damping above which waves of the contact cannot flutter, by a local criterion

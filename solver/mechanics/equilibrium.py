@@ -1,12 +1,15 @@
-"""The contact as a problem R(v; s) = 0 at a given height of the top, under the contract of `continuation.problem`.
+"""The contact as a problem R(v; s) = 0, under the contract of `continuation.problem`.
 
-Unknowns: the displacement of the patch, v = (u_x, u_z), nm. Residual: R = U(s) + C T(u) - u, nm. `load_control` adds
-an unknown: the height of the top under a held load.
+Unknowns: the displacement of the patch, v = (u_x, u_z), nm. Residual: R = U(s) + C T(u) - u, nm.
+Under a held normal load, as of a dead weight, the height U_z of the top is one more unknown, nm. The top has no mass
+and bears no other force, so the layer always carries p_0, the mean of T_z over the cell. Residual of the top:
+`scale` (p - p_0), with a compliance `scale` that turns a pressure into nm.
 """
 
 import numpy as np
 from numba import njit
 
+from ..continuation.state import PulledOff
 from .dense import MOST, DenseInverse
 from .linearised import Linearised
 from .surface import Surface
@@ -16,18 +19,26 @@ LOOSE = 2.0
 
 
 class Equilibrium:
-    """The Contact driven along a Loading; attributes as of `continuation.problem.Problem`."""
+    """The Contact driven along a Loading; attributes as of `continuation.problem.Problem`.
 
-    dynamics, disturbed = Surface, Linearised  # the kinds of `motion` and `linearised`
+    pressure: the mean normal traction that is held, GPa; U_z of the Loading then plays no role. None: the Loading
+    gives the height of the top.
+    """
 
-    def __init__(self, contact, loading):
+    def __init__(self, contact, loading, pressure=None):
         scene = contact.scene
-        self.contact, self.loading = contact, loading
+        self.contact, self.loading, self.pressure, self.held = contact, loading, pressure, pressure is not None
         self.unit, self.tolerance = min(scene.delta_n, scene.delta_t), scene.tolerance
         self.nodes = contact.size  # m
-        self.size = 2 * self.nodes
-        self.direction = np.repeat(np.array(loading.direction, float), self.nodes)
+        self.size = 2 * self.nodes + self.held
+        along_x, along_z = loading.direction
+        self.direction = self._unknowns(along_x, 0.0 if self.held else along_z, 0.0)
+        self.scale = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)  # nm/GPa
         self._motion = None
+
+    def _unknowns(self, x, z, height):
+        """The unknowns (size,) of a patch whose nodes all move by (x, z) under a top at a height, nm."""
+        return np.repeat([x, z, height], [self.nodes, self.nodes, int(self.held)]).astype(float)
 
     @property
     def evaluations(self) -> int:
@@ -41,7 +52,7 @@ class Equilibrium:
 
     def on(self, contact) -> "Equilibrium":
         """The same problem on another patch."""
-        return Equilibrium(contact, self.loading)
+        return Equilibrium(contact, self.loading, self.pressure)
 
     def surface(self, v) -> np.ndarray:
         """u (2, m) nm, a view of v."""
@@ -49,16 +60,22 @@ class Equilibrium:
 
     def top(self, v, s) -> tuple[float, float]:
         """(U_x, U_z) of the top at load s, nm."""
-        return self.loading.at(s)
+        U_x, U_z = self.loading.at(s)
+        return U_x, float(v[-1]) if self.held else U_z
 
     def undeformed(self, s) -> np.ndarray:
         """The unknowns (size,), nm, of a layer without tractions at load s, nm."""
-        return np.repeat(np.array(self.loading.at(s)), self.nodes)
+        U_x, U_z = self.loading.at(s)
+        return self._unknowns(U_x, U_z, U_z)
 
     def residual(self, v, active, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
         displaced_x, displaced_z = self.contact.response(self.surface(v), active)
-        return _residual(v, displaced_x, displaced_z, *self.top(v, s), out)
+        worst = _residual(v, displaced_x, displaced_z, *self.top(v, s), out)
+        if not self.held:
+            return worst
+        out[-1] = self.scale * (self.contact.pressure(self.contact.last_traction[1]) - self.pressure)
+        return max(worst, abs(out[-1]))
 
     def traction(self, v, active) -> np.ndarray:
         """T (2, m), GPa; a new array."""
@@ -75,18 +92,49 @@ class Equilibrium:
         return out
 
     def active(self, v, s, before=None, settled=None) -> np.ndarray:
-        """Nodes within the interaction window, bool (m,); given those `before`, as `Contact.admitted`."""
-        u = self.surface(v)
-        return self.contact.within_window(u) if before is None else self.contact.admitted(u, before, settled)
+        """Nodes within the interaction window, bool (m,); given those `before`, as `Contact.admitted`.
+
+        Raises PulledOff if the held load is tensile and no node interacts.
+        """
+        u, contact = self.surface(v), self.contact
+        active = contact.within_window(u) if before is None else contact.admitted(u, before, settled)
+        if self.held and self.pressure < 0.0 and not active.any():
+            raise PulledOff(
+                f"The contact has pulled off at U_x = {round(self.loading.at(s)[0], 6) + 0.0:g} nm: the motion that"
+                f" began there under the held load L_bar = {self.pressure / contact.scene.E:.4g} led away from the"
+                " surface; hold delta instead, or press harder"
+            )
+        return active
 
     def preconditioner(self, v, active):
         """A function close to the inverse of -dR/dv, (size,) nm each; None if forming it takes too long or fails."""
         if not 0 < active.sum() <= MOST:
             return None
         try:
-            return DenseInverse(self.contact, self.surface(v), active)
+            inverse = DenseInverse(self.contact, self.surface(v), active)
         except np.linalg.LinAlgError:
             return None
+        return self._bordered(inverse, v, active) if self.held else inverse
+
+    def _bordered(self, inverse, v, active):
+        """`inverse`, bordered by the height of the top that keeps the load; None where no height keeps it."""
+        J = self.contact.tangents(self.surface(v), active)
+        raised = inverse(np.repeat([0.0, 1.0], self.nodes))  # by a unit of height
+        gained = self.pressure_of(J, raised)
+        if gained == 0.0:
+            return None
+
+        def bordered(r):
+            w = inverse(r[:-1])
+            height = -(r[-1] / self.scale + self.pressure_of(J, w)) / gained
+            return np.append(w + height * raised, height)
+
+        return bordered
+
+    def pressure_of(self, J, w) -> float:
+        """Mean of the normal traction J w over the cell, GPa, of J (4, m) GPa/nm and w, nm."""
+        x, z = self.surface(w)
+        return self.contact.pressure(J[2] * x + J[3] * z)
 
     def grown(self, v, active, s, hidden=False):
         """(the problem on a wider patch, v, active there) where a node outside may interact, else None.
@@ -120,12 +168,12 @@ class Equilibrium:
 
     def linearised(self, v, active) -> Linearised:
         """The Linearised at an equilibrium."""
-        return self.disturbed(self.motion(), v, active)
+        return Linearised(self.motion(), v, active)
 
     def motion(self) -> Surface:
         """The Surface, whose rests are the equilibria of this problem."""
         if self._motion is None:
-            self._motion = self.dynamics(self)
+            self._motion = Surface(self)
         return self._motion
 
 

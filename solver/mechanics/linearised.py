@@ -3,6 +3,7 @@
 A small disturbance x (2, n) nm of all n nodes of the cell, flattened, obeys x'' = (J - K) x - gamma x', with J zero
 outside the patch. By Parseval's theorem its Euclidean inner product is that of Fourier modes of unit mass.
 The compliance C is symmetric, J is not: (C J - 1)^T = J^T C - 1.
+Under a held load the height of the top is the last unknown.
 """
 
 import numpy as np
@@ -24,7 +25,8 @@ class Linearised:
         self.surface, self.contact, self.m = surface, surface.contact, surface.contact.size
         self.u, self.active = surface.problem.surface(v), active
         self.J = self.contact.tangents(self.u, active)
-        self.size = 2 * surface.count
+        self.problem, self.size = surface.problem, 2 * surface.count
+        self.scale = self.problem.scale / surface.count  # of the sum of T_z, to the residual of the top
 
     @property
     def noise(self):
@@ -33,17 +35,27 @@ class Linearised:
 
     def tangent(self, w):
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
-        return self.contact.product(self.J, w.reshape(2, -1))[0].reshape(-1) - w
+        u, problem = w[: 2 * self.m], self.problem
+        out = self.contact.product(self.J, u.reshape(2, -1))[0].reshape(-1) - u
+        if not problem.held:
+            return out
+        out[self.m :] += w[-1]
+        return np.append(out, problem.scale * problem.pressure_of(self.J, w))
 
     def transposed(self, w):
         """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""
         out = self.by_unknowns(self.by_traction(w))
         out[: 2 * self.m] -= w[: 2 * self.m]
+        if self.problem.held:
+            out[-1] = w[self.m : -1].sum()
         return out
 
     def by_traction(self, w):
         """<w, R> differentiated by the tractions, (2, m) nm/GPa; a new array; counts as a force evaluation."""
-        return self.contact.comply(w[: 2 * self.m].reshape(2, -1)).copy()
+        out = self.contact.comply(w[: 2 * self.m].reshape(2, -1)).copy()
+        if self.problem.held:
+            out[1] += self.scale * w[-1]
+        return out
 
     def by_unknowns(self, gradient, J=None):
         """A gradient (2, m) by the tractions as one by the unknowns (problem size,): J^T gradient; J: another one."""
@@ -59,8 +71,11 @@ class Linearised:
         return out
 
     def mirrored(self, w):
-        """The left null vector (problem size,) of dR/dv with the right one w, if J were symmetric: J w."""
-        return self.pull(w).reshape(-1)
+        """The left null vector (problem size,) of dR/dv with the right one w, if J were symmetric: J w.
+
+        Under a held load C J w + w[-1] is w, and the mirror image of w carries the height as a pressure.
+        """
+        return np.append(self.pull(w).reshape(-1), w[-1] / self.scale if self.problem.held else ())
 
     def slopes(self, right, left):
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
@@ -77,7 +92,10 @@ class Linearised:
         out, cell = np.empty((2 * self.m,) * 2), self.contact.cell
         kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
         fill(kernels, np.arange(self.m), self.J, out)
-        return -out
+        if not self.problem.held:
+            return -out
+        column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
+        return np.block([[-out, column[:, None]], [rise, 0.0]])
 
     def product(self, x, layered=None):
         """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""
@@ -96,7 +114,8 @@ class Linearised:
         return self._unknowns(-field if rises else field)
 
     def _unknowns(self, field):
-        return field[:, self.surface.patch].reshape(-1).copy()
+        """The unknowns of a displacement of the surface (2, n), under which the layer bears the same load."""
+        return np.append(field[:, self.surface.patch], field[1].mean() if self.problem.held else ())
 
     def inverse(self, solve, f):
         """(x, K x), (size,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w, (problem size,).
@@ -107,16 +126,15 @@ class Linearised:
         w = solve(-self._load(force))
         add_product(self.J, w[: 2 * self.m].reshape(2, -1), force[:, surface.patch])
         x = surface.through(force, surface.operators[1]).copy()
-        self._raised(w, x, force)
+        if self.problem.held:
+            x[1] += w[-1]
+            force[1] -= force[1].mean()  # the uniform mode has no stiffness
         return x.reshape(-1), force.reshape(-1)
 
     def _load(self, field):
         """What a force on the surface, (2, n), adds to R."""
-        surface = self.surface
-        return surface.through(field, surface.operators[1])[:, surface.patch].reshape(-1).copy()
-
-    def _raised(self, w, x, force):
-        """Add the displacement of the top to that of the surface against it, x (2, n), which bears `force` (2, n)."""
+        displaced = self.surface.through(field, self.surface.operators[1])[:, self.surface.patch]
+        return np.append(displaced, self.scale * field[1].sum() if self.problem.held else ())
 
     def safe_damping(self) -> float:
         """The damping over critical above which no wave can flutter, as of `flutter`."""

@@ -14,7 +14,7 @@ SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
 class Surface:
     """y (2, modes): the Fourier coefficients of u, each of unit mass (paper section 2.1), for one Equilibrium.
 
-    Owns its buffers.
+    Owns its buffers. Under a held load the uniform normal mode has no stiffness, and the load acts on it.
 
     Attributes: stiffness, compliance (3, modes) GPa/nm and nm/GPa, as of `layer.Modes`; count, nodes of the cell, and
     patch, the slice of them that can interact; critical, 1/time, the critical damping of the layer's slowest mode.
@@ -25,6 +25,9 @@ class Surface:
         self.critical = self.contact.modes.critical
         self.stiffness, self.compliance = self.contact.cell.stiffness, self.contact.cell.compliance
         self.count, self.patch = self.contact.count, self.contact.part
+        if problem.held:
+            self.stiffness = self.stiffness.copy()
+            self.stiffness[1, 0] = 0.0
         self._fft = Transform(self.count)
 
     def start(self, v, active, s) -> np.ndarray:
@@ -42,17 +45,22 @@ class Surface:
         return self._fft.product[:, self.patch]
 
     def unknowns(self, y) -> np.ndarray:
-        """v (size,), nm, of y; a new array."""
-        return self._displacement(y).reshape(-1).copy()
+        """v (size,), nm, of y, with the top at the height where the layer carries a held load; a new array."""
+        u = self._displacement(y).reshape(-1)
+        if not self.problem.held:
+            return u.copy()
+        return np.append(u, float(y[1, 0].real) / self.count - float(self.compliance[1, 0]) * self.problem.pressure)
 
     def force(self, y, active, s) -> np.ndarray:
-        """T + K U in the coordinates y, complex (2, modes), a buffer; counts as a force evaluation."""
+        """T + K U less a held load, in the coordinates y, complex (2, modes), a buffer; one force evaluation."""
         self.contact.evaluated()
         self.contact.fill(self._displacement(y), active, self._fft.field[:, self.patch])
         self._fft.forward()
         U_x, U_z = self.problem.loading.at(s)
         self._fft.spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
         self._fft.spectrum[1, 0] += self.stiffness[1, 0] * U_z * self.count
+        if self.problem.held:
+            self._fft.spectrum[1, 0] -= self.problem.pressure * self.count
         return self._fft.spectrum
 
     @cached_property

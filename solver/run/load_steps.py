@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.load_control import LoadControl
 from .loading import Loading, sideways, vertical
 
 HIGHEST = 5.0  # delta_0 above first touch, where a retraction ends even if the punch still adheres
@@ -33,7 +32,7 @@ class LoadStep:
 
     def problem(self, contact, pressure):
         """The Contact driven along this step; pressure: the mean normal traction to hold, GPa, or None."""
-        return LoadControl(contact, self.loading, pressure) if self.held else Equilibrium(contact, self.loading)
+        return Equilibrium(contact, self.loading, pressure if self.held else None)
 
 
 def load_steps_of(scene):
