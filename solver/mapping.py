@@ -1,7 +1,6 @@
 """The command `map`: a map of first slips over two parameters, or of the friction of flats."""
 
 import argparse
-import csv
 import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
@@ -75,8 +74,7 @@ def mapped(arguments: argparse.Namespace) -> int:
         remedy = "run again with --resume to finish" if arguments.of is None else "run again"
         print(f"Interrupted; {remedy}", file=sys.stderr)
         code = INTERRUPTED
-    table = _all_columns(grid, points) if arguments.of is None else _one_column(grid, points, arguments.of)
-    write(arguments.csv, write_rows, *table)
+    write(arguments.csv, _write, _table(grid, points), arguments.of, grid)
     print(_described(points))
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
 
@@ -109,14 +107,13 @@ def explored(grid: Map, workers: int | str, points: Iterable[Point] = ()) -> Ite
 
 def _resumed(file, grid):
     """The Points of an earlier file that have a result; raises InputError unless it is of this map."""
+    from pandas import read_csv  # takes longer to import than the solver
+
     try:
-        with open(file, newline="", encoding="utf-8") as lines:
-            rows = list(csv.DictReader(lines))
-        points = [Point.from_row(row) for row in rows]
-        same = all(
-            [float(row[axis.name]) for axis in (grid.x, grid.y)] == _parameters(grid, point)
-            for row, point in zip(rows, points, strict=True)
-        )
+        rows = read_csv(file, dtype=str, keep_default_na=False)
+        points = [Point.from_row(row) for row in rows.to_dict("records")]
+        axes = [grid.x.name, grid.y.name]
+        same = rows[axes].astype(float).equals(_table(grid, points)[axes])
     except FileNotFoundError:
         return []
     except (OSError, ValueError, KeyError, TypeError, IndexError):
@@ -126,25 +123,22 @@ def _resumed(file, grid):
     return [point for point in points if not point.reason]
 
 
-def _parameters(grid, point):
-    """[value of x, value of y]"""
-    return [float(grid.x.values[point.i]), float(grid.y.values[point.j])]
+def _table(grid, points):
+    """DataFrame of every column of the points; the two parameters follow i and j."""
+    from pandas import DataFrame
+
+    table = DataFrame([point.as_row() for point in points], columns=COLUMNS, dtype=object)
+    table.insert(2, grid.x.name, grid.x.values[table["i"].astype(int)])
+    table.insert(3, grid.y.name, grid.y.values[table["j"].astype(int)])
+    return table
 
 
-def _all_columns(grid, points):
-    """(heading, rows): every column of a point; the two parameters follow i and j."""
-    rows = []
-    for point in points:
-        i, j, *rest = point.as_row().values()
-        rows.append([i, j, *_parameters(grid, point), *rest])
-    return [*COLUMNS[:2], grid.x.name, grid.y.name, *COLUMNS[2:]], rows
-
-
-def _one_column(grid, points, name):
-    """(heading, rows) of a column as a table of y by x, "" where there is no value."""
-    cells = {(point.i, point.j): point.as_row()[name] for point in points}
-    rows = ([float(y), *(cells.get((i, j), "") for i in range(grid.x.count))] for j, y in enumerate(grid.y.values))
-    return [f"{grid.y.name} \\ {grid.x.name}", *map(float, grid.x.values)], rows
+def _write(file, table, of, grid):
+    """Writes a table of points; of: only this column, y by x, empty where there is no value."""
+    if of is not None:
+        table = table.pivot(index=grid.y.name, columns=grid.x.name, values=of)
+        table = table.reindex(index=grid.y.values, columns=grid.x.values)
+    table.to_csv(file, index=of is not None, index_label=f"{grid.y.name} \\ {grid.x.name}", lineterminator="\n")
 
 
 def _described(points):
