@@ -27,13 +27,15 @@ def write_rows(file: str | PathLike, heading: Iterable[str], rows: Iterable[Iter
 
 def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
     """Writes a row per frame, numbers in full precision; the last columns are the parameters that change, if any."""
-    names = changing(frames)
+    curves = curves_of(frames)
+    write_rows(file, curves, zip(*curves.values(), strict=True))
 
-    def row(frame):
-        numbers = (number(getattr(frame, name)) for name in COLUMNS)
-        return [*numbers, frame.stage, *(getattr(frame.scene, name) for name in names)]
 
-    write_rows(file, (*COLUMNS, "stage", *names), map(row, frames))
+def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
+    """{column: a value per frame}: COLUMNS, the stage, and the parameters that change."""
+    curves = {name: [number(getattr(frame, name)) for frame in frames] for name in COLUMNS}
+    curves["stage"] = [frame.stage for frame in frames]
+    return curves | {name: [getattr(frame.scene, name) for frame in frames] for name in changing(frames)}
 
 
 def number(value: Any) -> float:
@@ -53,9 +55,7 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame]) -> No
     for k, frame in enumerate(frames):
         patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
         u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    curves = {name: np.array([number(getattr(frame, name)) for frame in frames]) for name in COLUMNS}
-    curves["stage"] = np.array([frame.stage for frame in frames], dtype=str)
-    curves |= {name: np.array([getattr(frame.scene, name) for frame in frames]) for name in changing(frames)}
+    curves = {name: np.array(values, str if name == "stage" else None) for name, values in curves_of(frames).items()}
     with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
 

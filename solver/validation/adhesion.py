@@ -123,7 +123,7 @@ def _radius(lam):
 
 
 def retraction(lam: float) -> tuple[np.ndarray, np.ndarray]:
-    """(P', half-width under repulsion as a') of a cylinder of that lambda while it is raised.""" ""
+    """(P', half-width under repulsion as a') of a cylinder of that lambda while it is raised."""
     R = _radius(lam)
     half = 2.0 * (PHI_N * R**2 / (np.pi * STIFF)) ** (1.0 / 3.0)
     scene = _scene(20.0 * half, 1024, radius=R / (20.0 * half), delta_bar=0.4, du_z=0.2)
