@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from ..continuation.state import NotConverged, OutOfTime
 from ..following.branch import NotFollowed
 from ..following.follow import follow
-from ..following.from_run import skeleton_from
+from ..following.from_run import skeleton_of
 from ..following.skeleton import Skeleton
-from ..run.slices import advance
 from ..scene import LIMITS, Scene, SceneError
 from .measurement import Measurement
 from .outputs import NAMES
@@ -24,7 +23,6 @@ PERIOD = {"scale_U", "width"}  # parameters that change the distance between sli
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
 APART_BY = 1.5  # largest factor between the first start and a random one
 WORSE = 10.0  # factor on the last residuals, for a trial whose run cannot be had: the optimiser turns back
-SLICE = 0.1  # s of a run between two looks at the clock
 NO_RUN = NotFollowed, NotConverged, SceneError
 
 
@@ -56,19 +54,6 @@ class Trial(NamedTuple):
     def cost(self) -> float:
         """Half the sum of squares."""
         return 0.5 * float(self.residuals @ self.residuals)
-
-
-def exact_run(scene: Scene, limit: float) -> Skeleton:
-    """The Skeleton of a scene from a run; raises OutOfTime after `limit` s, NotConverged and NotFollowed."""
-    frames, checkpoint, end = [], None, perf_counter() + limit
-    while not (checkpoint and checkpoint.done) and not any(frame.repeated for frame in frames):
-        left = end - perf_counter()
-        if left <= 0.0:
-            raise OutOfTime(f"the run of a trial takes more than {limit:.3g} s")
-        frames, checkpoint = advance(scene, checkpoint, min(SLICE, left), limit=left)
-    if checkpoint.failure:
-        raise (OutOfTime if checkpoint.late else NotConverged)(checkpoint.failure)
-    return skeleton_from(scene, checkpoint)
 
 
 class Model:
@@ -154,10 +139,10 @@ class Model:
         return self.exact(scene)
 
     def exact(self, scene: Scene) -> Skeleton:
-        """The Skeleton of a scene from a run within the time that is left; raises as `exact_run`, and TimeUp."""
+        """The Skeleton of a scene from a run within the time that is left; raises as `skeleton_of`, and TimeUp."""
         left = self.end - perf_counter()
         try:
-            return exact_run(scene, min(self.limit, left))
+            return skeleton_of(scene, min(self.limit, left))
         except OutOfTime:
             if left < self.limit:
                 raise TimeUp from None

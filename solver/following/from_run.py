@@ -1,6 +1,7 @@
 """The skeleton of a run from its trace, some of whose states describe it."""
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -27,10 +28,13 @@ MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may 
 CLEAR = 1e-4  # nm, the largest error of its slips: the accuracy that followed runs promise
 
 
-def skeleton_of(scene: Scene) -> Skeleton:
-    """The Skeleton of a scene, from a run; raises NotFollowed where it has none, NotConverged as the run does."""
+def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
+    """The Skeleton of a scene, from a run.
+
+    Raises NotFollowed where it has none, NotConverged as the run does, OutOfTime where the run takes over `limit` s.
+    """
     spent, checkpoint = 0, Checkpoint()
-    for frame, checkpoint in walk(scene):  # noqa: B007  the last one counts
+    for frame, checkpoint in walk(scene, limit=limit):  # noqa: B007  the last one counts
         spent += frame.evaluations
         if frame.repeated:
             break

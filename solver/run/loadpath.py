@@ -64,12 +64,15 @@ def load_path(
 
 
 def walk(
-    scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL
+    scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL, limit: float = inf
 ) -> Iterator[tuple[Frame, Checkpoint]]:
-    """Yield each Frame of `load_path` and the Checkpoint after it."""
-    checkpoint, run = Checkpoint(), Run(scene, method, leave_out)
+    """Yield each Frame of `load_path` and the Checkpoint after it; raises OutOfTime after `limit` s on the clock."""
+    checkpoint, run, end = Checkpoint(), Run(scene, method, leave_out), perf_counter() + limit
     while not checkpoint.done:
-        frame, checkpoint = run.next_frame(checkpoint)
+        left = end - perf_counter()
+        if left <= 0.0:
+            raise OutOfTime(f"the run takes more than {limit:.3g} s")
+        frame, checkpoint = run.next_frame(checkpoint, left)
         yield frame, checkpoint
 
 
