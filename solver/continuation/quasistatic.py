@@ -1,33 +1,42 @@
-"""The quasi-static stepper: a branch is followed to its end, and the damped motion leads on from there."""
+"""The quasi-static stepper continues a branch to its end, and lets the damped motion lead on from there."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from .branch import continue_branch
 from .corrector import Corrector
 from .onset import START
+from .problem import Problem
 from .rest import Judge
 from .slip import motion_to_rest, widened
 from .state import Crowded, Increment, LimitPoint, NotConverged, Slip, State, slipped
 
-SLIPS = 100  # of an increment, at most; soft layers drawn into contact make some ten
+SLIPS = 100  # most slips of an increment; soft layers that jump into contact make some ten
+
+
+class Ended(NamedTuple):
+    """A Slip, and the problem whose unknowns it is in."""
+
+    problem: Problem
+    slip: Slip
 
 
 class QuasiStatic:
-    """Advances States of one problem along its load; holds no state between calls but scratch.
+    """Advances States of one problem along its load; keeps only scratch between calls.
 
-    Attributes: problem, replaced by a grown one where the states need it; film: `slip.motion_to_rest`'s, None at first.
+    Attributes: problem, replaced by one of more unknowns where the states need it; film, as of `slip.motion_to_rest`.
     """
 
     def __init__(self, problem, damping, closed):
-        """damping: of the motion, over critical; closed: as of `motion.Motion`."""
+        """damping: over critical; closed: as of `motion.Motion`."""
         self.problem, self.damping, self.closed = problem, damping, closed
         self.judge, self.corrector, self.film = Judge(damping), Corrector(problem), None
 
-    def increment(self, state, target):
-        """The Increment from `state` to load `target`, nm; raises NotConverged. May change the state's secant pairs."""
-        slips = []  # [(the problem it began in, Slip)]
+    def increment(self, state, target) -> Increment:
+        """The Increment from `state` to load `target`, nm; raises NotConverged. It adds to the state's secant pairs."""
+        slips = []
         while len(slips) <= SLIPS:
             reached = self._judged(state) if state.unsure else state
             if isinstance(reached, State):
@@ -37,14 +46,14 @@ class QuasiStatic:
                 state, sensitive = self._through(reached)
                 if problem is not self.problem or self._ended(before, reached, state):
                     end = reached.load, reached.v, reached.active, reached.kind, reached.located
-                    slips.append((problem, Slip(*end, state, sensitive)))
+                    slips.append(Ended(problem, Slip(*end, state, sensitive)))
                 if state.unsure or state.load < target:
                     continue
             else:
                 state = reached
             wide = self._grown(state)
             if wide is None or state.load > target:
-                return Increment(state, tuple(self._carried(*slip) for slip in slips))
+                return Increment(state, tuple(self._in_present_unknowns(*ended) for ended in slips))
             self._solve(wide[0])
             state = wide[1]
         raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")
@@ -56,11 +65,11 @@ class QuasiStatic:
         return continue_branch(self.corrector, self.judge, state, target)
 
     def _ended(self, before, end, after):
-        """Whether the branch of the State `before` ended in the LimitPoint `end`, or was merely lost, and goes on."""
+        """Whether the branch of the State `before` ended in the LimitPoint; a lost one may go on."""
         return end.located or slipped(self.problem, before, end.load, after)
 
     def _judged(self, state):
-        """The State itself, if it is stable under the load that takes over; else the LimitPoint from which it moves."""
+        """The State itself, if it is stable under the load that takes over; else the LimitPoint where it leaves."""
         mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
             return replace(state, unsure=False, mode=mode)
@@ -71,20 +80,20 @@ class QuasiStatic:
         return mode.x * (START * self.problem.unit / np.abs(mode.x).max())
 
     def _grown(self, state):
-        """(problem of more unknowns, the same State there) if such are needed, else None."""
+        """(problem of more unknowns, the same State of it) if the state needs more, else None."""
         grown = self.problem.grown(state.v, state.active, state.load)
         return grown and (grown[0], State.at_rest(state.load, *grown[1:]))
 
-    def _carried(self, problem, slip):
-        """A Slip of `problem` in the unknowns of the present one, which may have grown from it."""
+    def _in_present_unknowns(self, problem, slip):
+        """A Slip of `problem` in the unknowns of the present one, which may have more."""
         while problem.size < self.problem.size:
             problem, v, active = problem.grown(slip.v, slip.active, slip.load, True)
             slip = replace(slip, v=v, active=active)
         return slip
 
     def _through(self, end):
-        """The Landing of the motion from the end of a branch, on as many unknowns as it needs."""
-        if end.hidden:  # the wave that grows there shows on all nodes only
+        """The Landing of the transient from the end of a branch, with as many unknowns as it needs."""
+        if end.hidden:  # only all nodes show the wave that grows there
             end = self._on_more(end)
             away = self._away(self.judge.rightmost(self.problem, end.v, end.active))
             end = replace(end, away=away)
@@ -96,11 +105,11 @@ class QuasiStatic:
                 end = self._on_more(end)
 
     def _on_more(self, end):
-        """The same LimitPoint of a problem of more unknowns, which is solved from now on."""
+        """Solve a problem of more unknowns from now on; the same LimitPoint of it."""
         problem, end = widened(self.problem, end)
         self._solve(problem)
         return end
 
     def _solve(self, problem):
-        """From now on solve another problem, grown from the last one."""
+        """Solve another problem from now on."""
         self.problem, self.corrector = problem, Corrector(problem)

@@ -1,14 +1,15 @@
-"""Whether an equilibrium is a rest of the motion: the only judge of that.
+"""Whether an equilibrium is stable under the damped motion; only this module decides that.
 
 A disturbance x exp(lambda t) of an equilibrium obeys (J - K) x = mu x with lambda^2 + gamma lambda = mu. It may grow as
 
 fold     a real mu passes zero, and with it an eigenvalue of the equilibrium's tangent dR/dv;
 flutter  on its way to zero that mu meets the mu of a long wave of the layer, |mu| a few k_min: both turn complex.
 
-Both have the mu nearest to zero. It is sought by Rayleigh-Ritz in a space of disturbances of the whole surface, which
-is extended by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). What is found
-is carried from state to state. Waves of the contact, with mu far from zero, may flutter where damping is weaker than
-the local criterion says to be safe; small problems and flats are judged by all their mu, others carry that damping.
+Both have the mu nearest to zero. A Rayleigh-Ritz search finds it in a space of disturbances of the whole surface, which
+each step extends by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). The next
+state's search starts from the vectors of the last one. Waves of the contact, with mu far from zero, may flutter where
+damping is below the safe one of `flutter`. Small problems and flats are judged by all their mu; elsewhere a frame
+estimates that damping when asked.
 """
 
 from dataclasses import dataclass
@@ -17,26 +18,25 @@ import numpy as np
 
 from .inverse import Inverse, Space
 
-ROUND_OFF = 1e-9  # of an eigenvalue, imaginary parts below which it counts as real
+ROUND_OFF = 1e-9  # of the largest eigenvalue: with a smaller imaginary part, from round-off, one counts as real
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Growths over gamma (over k_min in the overdamped limit), |mu| over k_min, unless said otherwise."""
+    """Growth rates over twice the decay of the layer's slowest mode, |mu| over k_min, unless the comment differs."""
 
-    unstable: float = 1e-6  # growth, 1/time, above which an equilibrium does not rest: round-off of flats makes 1e-8
+    unstable: float = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
     dense_waves: int = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
-    kept: int = 4  # vectors carried to the next state: two complex pairs
+    kept: int = 4  # vectors from which the next search starts: two complex pairs
     sure: float = 2.0  # residual of a mode near zero, over its distance from growing, up to which it counts as known
     fine: float = 1e-8  # error of a growth where an end is located
-    # a growth below minus that need not be known better; at critical damping none is below -0.5. The margin does not
-    # tell of flutter: with 0.25, that of a soft layer was seen too late to be located
+    # growth rates below -clear count as safely stable; none is below -0.5. 0.25 was too lax: on a soft layer (E = 10)
+    # flutter began between two searches
     clear: float = 0.4
-    most: int = 60  # vectors that a look may add to the space; up to that size of a disturbance all mu are computed
-    # the one rule when to look: a state is accepted without while the mode's growth is `clear` and no unknown has moved
-    # farther since the last look than `far` units, times the margin: towards a fold both shrink as the root of the
-    # distance in load
+    most: int = 60  # vectors that a search may add; disturbances up to that size have all their mu computed
+    # units, times the margin: a state is accepted without a search while the growth is `clear` and no unknown has moved
+    # farther since the last one. Towards a fold, margin and movement shrink as the root of the distance in load
     far: float = 0.8
 
 
@@ -45,7 +45,7 @@ LIMITS = Limits()
 
 @dataclass(frozen=True)
 class Mode:
-    """The disturbance of an equilibrium that grows fastest, its unknowns x (size,), and what the next look starts from.
+    """The disturbance of an equilibrium that grows fastest, with unknowns x (size,); the next search starts from it.
 
     growth, 1/time; mu, GPa/nm. hidden: a wave grows that one node for all cannot show; x is then the uniform mode.
     """
@@ -55,28 +55,28 @@ class Mode:
     x: np.ndarray | None
     hidden: bool = False
     basis: tuple = ()  # of (x (N,), K x), disturbances near zero
-    v: np.ndarray | None = None  # (size,) where it was looked for, and
-    margin: float = 0.0  # of the carried modes from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J
+    v: np.ndarray | None = None  # (size,) the state that was searched
+    margin: float = 0.0  # distance from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J in the basis
 
     @property
-    def rests(self):
-        """Whether nothing grows, to `LIMITS.unstable`."""
+    def rests(self) -> bool:
+        """Whether the equilibrium is stable, to `LIMITS.unstable`."""
         return self.growth <= LIMITS.unstable
 
     @property
-    def kind(self):
-        """What it is the onset of, as of `state.LimitPoint`, unless the load has a maximum there."""
+    def kind(self) -> str:
+        """The kind of end at its onset, as of `state.LimitPoint`, unless that is a fold."""
         return "flutter" if abs(self.mu.imag) > ROUND_OFF * abs(self.mu) else "bifurcation"
 
 
 class Judge:
-    """Judges the states of a run, under a motion of that damping over critical; holds scratch, and nothing else."""
+    """Judges the states of a run, under a motion of that damping over critical; keeps only scratch."""
 
     def __init__(self, damping):
         self.damping, self._scratch = damping, None
 
-    def accept(self, problem, v, active, known=None, smooth=None):
-        """The Mode of an equilibrium v (size,) that may become a frame: that `known` of a state before, if it will do.
+    def accept(self, problem, v, active, known=None, smooth=None) -> Mode:
+        """The Mode of an equilibrium v (size,): the one `known` of an earlier state where no search is needed.
 
         smooth: a function close to the inverse of -dR/dv, if one is at hand.
         """
@@ -87,8 +87,8 @@ class Judge:
             return known
         return self._looked(problem, here, v, active, known, smooth, fine=not fits)
 
-    def rightmost(self, problem, v, active, known=None, smooth=None):
-        """The same, looked for in any case, to `fine`."""
+    def rightmost(self, problem, v, active, known=None, smooth=None) -> Mode:
+        """The same by a search in any case, to `fine`."""
         return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
 
     def _scale(self, problem):
@@ -121,13 +121,13 @@ class Judge:
         return space.emptied(here), inverse.of_tangent(here.tangent, smooth)
 
 
-def rate(mu, friction):
+def rate(mu, friction) -> np.ndarray:
     """The larger Re(lambda), 1/time, of lambda^2 + friction lambda = mu; Re(mu), GPa/nm, for infinite friction."""
     mu = np.asarray(mu, complex)
     return mu.real if np.isinf(friction) else np.sqrt(friction**2 / 4.0 + mu).real - friction / 2.0
 
 
-def inside(mu, friction):
+def inside(mu, friction) -> np.ndarray:
     """Distance, to first order, of mu from the parabola Im^2 = -friction^2 Re within which modes decay, GPa/nm."""
     depth = -mu.real
     if np.isinf(friction):

@@ -1,8 +1,8 @@
 """From the end of a branch to the next equilibrium: the damped motion, finished by Anderson steps.
 
-One `_Passage` puts the surface just beyond the end of the branch, moves it, and looks for the equilibrium with Anderson
-steps once the motion has nearly died down. Which equilibrium that is may depend on the time step, and on where the
-motion starts. Where it may (`Problem.delicate`), the motion is repeated with others, until two agree.
+A `_Transient` starts just beyond the end of the branch. Once it has nearly died down, Anderson steps solve for the
+equilibrium. Which equilibrium that is may depend on the time step and on the start. Where it may, further transients
+with other steps and starts must agree; if they do not, the slip is `sensitive`.
 """
 
 from dataclasses import dataclass, replace
@@ -22,43 +22,43 @@ from .state import Crowded, NotConverged, Restless, State
 class Limits:
     """Of a slip; a "unit" is the problem's `unit`."""
 
-    steps: int = 8  # of the motion between two looks; 12 save 2 % of the evaluations, but lead to other equilibria
-    # units from the end of the branch, within which the motion counts as starting, and no equilibrium is accepted
+    steps: int = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
+    # units from the end of the branch within which the motion counts as starting: four times where it starts
     left: float = 0.2
-    slow: float = 3.0  # times longer steps while it is starting, as it grows slowly then; 4 lead to other equilibria
-    # divisors of the steps, each tried where the one before diverged, as when surfaces clash. A motion that never rests
-    # is tried twice again as well: a soft layer may swing for ever at one step and at no other. Not from a flutter,
-    # where it often swings until the load has gone on
+    slow: float = 3.0  # factor of the steps while the motion starts slowly; 4 leads to other equilibria
+    # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
+    # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
     finer: tuple = (1, 2, 4, 16)
-    # units between two looks: in the overdamped limit steps are halved where a state moves more, doubled where it moves
-    # less than a quarter of that, up to so many times as long as usual
+    # units between two checks: in the overdamped limit steps are halved where a state moves more, and doubled where it
+    # moves less than a quarter of that, up to `crawl_longest` times the usual
     crawl: float = 0.08
     crawl_longest: float = 256.0
-    # units of residual and swing below which Anderson steps look for the equilibrium, 0.3 times as much each time they
-    # fail; from 0.1 on they reach other equilibria than the motion
+    # units of residual and swing below which Anderson steps begin, 0.3 times as much after each failure; from 0.1 on
+    # they reach other equilibria than the motion
     landing: float = 0.03
-    near: float = 1e-4  # the same within `left`: below what drives the motion at its start
-    # changes of a node at the edge of the window, after which it stays as it is, lest it swing on
+    near: float = 1e-4  # the same within `left`: below the residual at the start, about bend/2 times its square
+    # changes of a node at the edge of the window, after which it stays as it is, so that it cannot swing for ever
     come_and_go: int = 10
-    patience: float = 8.0  # periods of the slowest mode, divided by a damping below one: longer motions are restless
+    patience: float = 8.0  # periods of the slowest mode, over a damping below one, after which a motion is restless
     least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
-    # where a motion is restless, the load is raised in every look until it rests, by this part of the way that it has
-    # gone since the end of the branch. Oscillations grow slowly where they begin: raised ten times as fast, the load
-    # went 0.3 nm too far
+    # part of the rise since the end of the branch by which each check raises the load of a restless motion; with ten
+    # times as much the load rose 0.3 nm too far, because oscillations grow slowly at their onset
     raised: float = 1e-2
-    raised_least: float = 1e-4  # units
-    raised_most: float = 1e-3  # units; by more, surfaces slide on and on
+    raised_least: float = 1e-4  # units, the least such rise
+    raised_most: float = 1e-3  # units, the largest; with more, surfaces slide on and on
     farthest: float = 5.0  # units by which the load may be raised
-    # steps of one motion: 8,000 are the most in the slider box, but with 60,000 a twentieth of the atlas gives up, very
-    # soft layers that let go
+    # most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
+    # layers that detach
     budget: int = 250_000
-    diverged: float = 1e9  # units of displacement; or stiffness of the interaction over the closed one
-    # sites beyond which a node has passed more than one barrier, so that errors of the energy add up. Of 200 first
-    # slips (tests/bench/landings.py) 12 went wrong at the usual step, each of them beyond this
+    diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
+    # sites: beyond, a node has passed more than one barrier, and errors of its energy add up. Of 222 first slips
+    # (tests/bench/landings.py) 13 went wrong at the usual step, 12 of them beyond this
     barrier: float = 1.2
-    far: float = 5.0  # sites beyond which two motions more have to agree: one of 30 such slips needed that
-    half: float = 0.5  # sites from which on a node has passed a barrier
-    same: float = 0.05  # units, between two states that are one equilibrium, however they were reached
+    far: float = 5.0  # sites beyond which two further motions must agree: one of 30 such slips needed that
+    half: float = 0.5  # sites beyond which a node has passed a barrier
+    same: float = (
+        0.05  # units within which two states are one equilibrium: a node at another site is a unit off or more
+    )
 
 
 LIMITS = Limits()
@@ -69,23 +69,23 @@ class Trial(NamedTuple):
 
     finer: float = 1.0  # divisor of its time steps
     nearer: float = 1.0  # divisor of the distance from the end of the branch at which it starts
-    kick: float = 0.0  # units, by which the unknowns are displaced at random, so that no symmetry is kept
+    kick: float = 0.0  # units, random displacement of the unknowns, which breaks symmetries
 
 
 USUAL = Trial()
-# After slips over several barriers: with both, no first slip of tests/bench/landings.py goes wrong
+# Over several barriers. The steps and starts that no first slip of tests/bench/landings.py was found to need finer
 FINE = Trial(4.0, 5.0, 1e-3), Trial(8.0, 10.0, -1e-3)
-# After flutter: GFMD leaves a branch before its linear end, by a jolt of that size, and may land elsewhere
+# From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere
 FARTHER = (Trial(nearer=0.2),)
-COARSE = Trial(0.5)  # where single nodes have several equilibria: half the cost of the usual motion
+COARSE = Trial(0.5)  # where single nodes have several equilibria; half the cost of the usual motion
 
 
 class TooLong(Restless):
-    """The motion diverged, or did not come to rest where it may in shorter steps."""
+    """The motion diverged, or did not come to rest; shorter steps may help."""
 
 
 class Landing(NamedTuple):
-    """The State in which a motion came to rest; sensitive: with other steps, or another start, it rests elsewhere."""
+    """The State in which a motion came to rest; sensitive: others came to rest elsewhere."""
 
     state: State
     sensitive: bool = False
@@ -100,7 +100,7 @@ def motion_to_rest(problem, judge, damping, end, closed, film=None) -> Landing:
     """
     motion = partial(_moved, judge=judge, damping=damping, closed=closed)
     landing = _repeated(motion, problem, end, motion(problem, end, USUAL, film), film)
-    # where all nodes are alike, no wave grows on the way unless it is disturbed
+    # where all nodes are alike, a wave grows on the way only from a disturbance
     if landing.sensitive or not problem.alike(end.v):
         return landing
     wide, state = (problem, end), landing.state
@@ -111,7 +111,7 @@ def motion_to_rest(problem, judge, damping, end, closed, film=None) -> Landing:
 
 
 def _repeated(motion, problem, end, state, film):
-    """The Landing, from the State in which the usual motion came to rest; others are made where they may differ."""
+    """The Landing, given the State in which the usual motion came to rest."""
     sites = problem.sites(end.v, state.v)
     if state.load > end.load + LIMITS.left * problem.unit:
         return Landing(state, True)
@@ -163,11 +163,11 @@ def widened(problem, end):
 
 
 def _moved(problem, end, trial, film=None, **how):
-    """The State in which a motion comes to rest, in the longest steps that lead there."""
+    """The State in which a motion comes to rest, with the longest steps that lead there."""
     begun = len(film) if film is not None else 0
     for finer in LIMITS.finer:
         try:
-            return _Passage(problem, end, trial._replace(finer=finer * trial.finer), film, **how).to_rest()
+            return _Transient(problem, end, trial._replace(finer=finer * trial.finer), film, **how).to_rest()
         except TooLong as failure:
             last = failure
             if film is not None:
@@ -176,27 +176,27 @@ def _moved(problem, end, trial, film=None, **how):
 
 
 class Pace:
-    """Step control: how many times the usual steps are long, given how far (units) the state moved since last asked."""
+    """Step control: the factor of the usual steps, from how far (units) the state moved since the last check."""
 
     def __init__(self, finer, overdamped):
         self.finer, self.overdamped, self._crawl = finer, overdamped, 1.0
 
     def next(self, moved, starting):
-        """The factor of the usual steps until the next look."""
+        """The factor of the usual steps until the next check."""
         if not self.overdamped:
             return (LIMITS.slow if starting else 1.0) / self.finer
-        if moved > LIMITS.crawl:  # without inertia, steps may follow the speed
+        if moved > LIMITS.crawl:  # without inertia, steps may adapt to the speed
             self._crawl = max(0.5 * self._crawl, 1.0)
         elif 0.0 < moved < 0.25 * LIMITS.crawl:
             self._crawl = min(2.0 * self._crawl, LIMITS.crawl_longest)
         return self._crawl / self.finer
 
 
-class _Passage:
-    """One attempt to come to rest, as a Trial says; raises TooLong if shorter steps may do.
+class _Transient:
+    """One motion to rest, with the steps and the start of a Trial; raises TooLong if shorter steps may help.
 
-    Attributes: where the motion is: motion, load, v, active; what the last look found: `ahead`, the way since the look
-    before, and whether it is still `starting`.
+    Attributes: motion, load, v, active: the present state; ahead: the way since the last check; starting: whether it is
+    still near the end of the branch.
     """
 
     def __init__(self, problem, end, trial, film, judge, damping, closed):
@@ -229,9 +229,9 @@ class _Passage:
             self.check()
 
     def step(self):
-        """Some steps of the motion, adapted to the interaction here, and about where the state will be then."""
+        """Some time steps, adapted to the stiffness here and where the state is about to be."""
         dynamics, motion = self.dynamics, self.motion
-        # as surfaces that are about to clash stiffen
+        # surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(self.v, self.active), dynamics.interface(self.v + self.ahead, self.active))
         if not stiffness < LIMITS.diverged * self.closed:
             raise TooLong("the motion diverges")
@@ -243,7 +243,7 @@ class _Passage:
         self.steps, self.elapsed = self.steps + LIMITS.steps, self.elapsed + LIMITS.steps * motion.time
 
     def _film_steps(self):
-        """The same, a step at a time; a state as far from the film's last one as a step may crawl is added to it."""
+        """The same, step by step; the film takes each state that is far enough from its last one."""
         least = LIMITS.crawl / LIMITS.steps * self.unit
         for _ in range(LIMITS.steps):
             self.motion.advance(self.active, 1)
@@ -256,7 +256,7 @@ class _Passage:
             self.film.append((self.problem, v, active, load))
 
     def look(self):
-        """Where the motion is; nodes that have come within the window, or left it."""
+        """Update the state, and the nodes within the window."""
         before, self.v = self.v, self.dynamics.unknowns(self.motion.y)
         if not np.abs(self.v).max() < LIMITS.diverged * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
@@ -272,13 +272,13 @@ class _Passage:
 
     @property
     def residual(self):
-        """That of the present state, nm."""
+        """Residual of the present state, nm."""
         if self._worst is None:
             self._worst = self.problem.residual(self.v, self.active, self.load, self._r)
         return self._worst
 
     def land(self):
-        """The State in which Anderson steps come to rest from here; None if it is too early, or they fail."""
+        """The State that Anderson steps reach from here; None if it is too early, or they fail."""
         if not self._nearly_at_rest(self.landing if not self.starting else self.near):
             return None
         state = self._rest_near()
@@ -288,27 +288,27 @@ class _Passage:
         return state
 
     def _near_end(self, v):
-        """Whether v is not yet another state than the end of the branch."""
+        """Whether v is still close to the end of the branch."""
         return self.end.located and bool(np.abs(v - self.end.v).max() < LIMITS.left * self.unit)
 
     def _returned(self, v):
-        """Whether v is the end of the branch, or before it, as seen along the way on which the motion left."""
+        """Whether v is the end of the branch or lies before it, along the direction in which the motion left."""
         return self._near_end(v) and bool((v - self.end.v) @ self.end.away < 0.5 * (self.end.away @ self.end.away))
 
     def _nearly_at_rest(self, bound):
-        """Whether velocities and residual are below a bound, nm; velocities first, as they need no force evaluation."""
+        """Whether velocities and residual are below a bound, nm; velocities first: they need no force evaluation."""
         swing = np.abs(self.dynamics.unknowns(self.motion.y + self.motion.swing()) - self.v).max()
         return swing < bound and self.residual < bound
 
     def _rest_near(self):
-        """The State that Anderson steps lead to; None if they fail, go too far or find no rest."""
+        """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
         corrector = Corrector(self.problem)
         corrector.begin(State.at_rest(self.load, self.v, self.active))
         secants, v = corrector.secants(), self.v.copy()
         active = corrector.settle(v, self.active, self.load, secants)
         if active is None or np.abs(v - self.v).max() > CORRECTOR.longest * self.unit:
-            return None  # that far they may lead to other equilibria than the motion
-        # while an oscillation goes on, landings often lead to the same state
+            return None  # farther off they may reach other equilibria than the motion
+        # while an oscillation goes on, attempts often lead to the same state
         self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
         if not (self.mode.rests or self.mode.hidden):
             return None
@@ -316,7 +316,7 @@ class _Passage:
         return State.at_rest(self.load, v, active, **known)
 
     def raise_load(self):
-        """Go on under a higher load where the motion does not rest, or where the branch goes on a little farther."""
+        """Raise the load where the motion does not rest, or where the branch goes on a little farther."""
         returned = self.starting and self._nearly_at_rest(self.problem.tolerance)
         if not returned and not self._restless():
             return
@@ -328,14 +328,14 @@ class _Passage:
         self.motion.load = self.load
 
     def _restless(self):
-        """Whether the motion has gone on for so long that it may never rest."""
+        """Whether the motion has lasted so long that it may never rest."""
         if not isfinite(self.damping):
             return self.steps > 10 * LIMITS.least
         period = 4.0 * np.pi / (self.dynamics.critical * min(1.0, self.damping))
         return self.steps > LIMITS.least and self.elapsed > LIMITS.patience * period
 
     def check(self):
-        """Raises Restless or NotConverged where going on makes no sense."""
+        """Raises Restless or NotConverged where it is time to give up."""
         if self.load > self.end.load + LIMITS.farthest * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self.residual:.2g} nm")
         if self.steps > LIMITS.budget:

@@ -1,4 +1,4 @@
-"""Where a run stands: an equilibrium with what the next increment may use; slips; and how increments fail."""
+"""The state of a run: an equilibrium with what the next increment may use; slips; and how increments fail."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -11,23 +11,23 @@ from .rest import Mode
 if TYPE_CHECKING:
     from .trace import Trace
 
-MOVED = 0.5  # units of the problem, farther than which a state may be on another branch
+MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
 
 
 class NotConverged(RuntimeError):
-    """An increment ended without an equilibrium; the message names the place, the residual and a remedy."""
+    """An increment ended without an equilibrium; the message gives the load, the residual and a remedy."""
 
 
 class Restless(NotConverged):
-    """A motion does not come to rest; smaller increments would not change that."""
+    """A transient does not come to rest; smaller increments would not change that."""
 
 
 class OutOfTime(NotConverged):
-    """An increment took longer than it was given; a longer time may do."""
+    """An increment took longer than its limit of time."""
 
 
 class Crowded(NotConverged):
-    """A motion needs more unknowns than the problem has; it is repeated with these."""
+    """A transient needs more unknowns than the problem has; it is repeated with more."""
 
 
 class PulledOff(NotConverged):
@@ -36,7 +36,7 @@ class PulledOff(NotConverged):
 
 @dataclass
 class State:
-    """An equilibrium, and what the next increment may use of those before it."""
+    """An equilibrium, with what the next increment may use of the states before it."""
 
     load: float  # nm
     v: np.ndarray  # (size,) unknowns
@@ -45,46 +45,47 @@ class State:
     secants: Secants | None = None
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
     mode: Mode | None = None  # the one that grows fastest, as judged last
-    unsure: bool = False  # it may be unstable, or no equilibrium at all, under the loading to come
-    trace: "Trace | None" = None  # what the run has passed in this load step, where a `replay.Replay` keeps it
-    residual: float = np.inf  # nm, where it was solved for
+    # True after the load control or the parameters changed: check stability, and let the state relax, before continuing
+    unsure: bool = False
+    trace: "Trace | None" = None  # of this load step; kept by `replay.Replay`
+    residual: float = np.inf  # nm
 
     @staticmethod
-    def at_rest(load, v, active, **known):
-        """A state with none before it on its branch."""
-        return State(load, v, active, [(load, v)], **known)
+    def at_rest(load, v, active, **more) -> "State":
+        """The first state of a branch."""
+        return State(load, v, active, [(load, v)], **more)
 
     @staticmethod
-    def undeformed(problem, load):
-        """The state of a problem in which nothing acts on the unknowns but the load."""
+    def undeformed(problem, load) -> "State":
+        """The state in which only the load acts on the unknowns."""
         v = problem.undeformed(load)
         return State.at_rest(load, v, problem.active(v, load))
 
 
-def slipped(problem, before, load, after):
-    """Whether a State `after` lies farther from that `before` than a branch leads up to that load, nm."""
+def slipped(problem, before, load, after) -> bool:
+    """Whether a State `after` lies farther from the one `before` than a branch leads up to that load, nm."""
     moved = np.abs(after.v - before.v).max()
     return bool(moved >= MOVED * problem.unit + 2.0 * abs(load - before.load))
 
 
 @dataclass(frozen=True)
 class LimitPoint:
-    """The end of a branch: the load, the unknowns there, and where the motion starts.
+    """The end of a branch: its load and unknowns, and where the transient starts.
 
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
     real mode does, but not at a fold; "control", where another load takes over under which the state is unstable;
-    "lost", where the branch could not be followed: the motion decides if it ends. hidden: as of `rest.Mode`.
+    "lost", where the branch could not be continued: the transient decides if it ends. hidden: as of `rest.Mode`.
     """
 
     load: float  # nm
     v: np.ndarray  # (size,)
     active: np.ndarray
-    away: np.ndarray  # (size,): the motion starts from rest at v + away
+    away: np.ndarray  # (size,): the transient starts from rest at v + away
     kind: str
     hidden: bool = False
 
     @property
-    def located(self):
+    def located(self) -> bool:
         """Whether `load` is that of the end itself, not of the increment in which the branch was lost."""
         return self.kind != "lost"
 
@@ -117,6 +118,6 @@ class Increment:
     repeated: bool = False  # known from earlier, moved on by lattice periods and verified
 
     @property
-    def residual(self):
+    def residual(self) -> float:
         """The state's, nm."""
         return self.state.residual
