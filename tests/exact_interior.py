@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.analysis.interior import surface_modes, transfer, wavenumbers
+from solver.analysis.interior import transfer, wavenumbers
+from solver.mechanics.layer import stiffness
 
 CHUNK = 512  # modes of one matrix product: some MB
 
@@ -20,6 +21,24 @@ class Body:
     z: np.ndarray
     u: np.ndarray
     stress: np.ndarray
+
+
+def surface_modes(scene, first, traction):
+    """Amplitudes T_q (2, nodes//2 + 1), GPa: T = Re sum of T_q exp(i q x), every mode but q = 0 counted twice.
+
+    At Nyquist the surface moves by cosines, each by its own traction/K as in `layer.Modes`; the traction that holds its
+    partner is a sine, which vanishes at the nodes: with it the mode is an exact solution inside, like all others.
+    """
+    T = np.zeros((2, scene.nodes))
+    traction = np.asarray(traction, float)
+    T[:, first : first + traction.shape[1]] = traction
+    T_q = np.fft.rfft(T, norm="forward")
+    if scene.nodes % 2 == 0:
+        q = wavenumbers(scene, T_q.shape[1])[-1:]
+        k_xx, k_zz, k_c = (float(k[0]) for k in stiffness(q, scene.height * scene.width, scene.E, scene.nu))
+        x, z = 0.5 * T_q[:, -1].real  # there is no -q beside it
+        T_q[:, -1] = x - 1j * k_c * z / k_zz, z + 1j * k_c * x / k_xx
+    return T_q
 
 
 def inside(scene, first, traction, load, x, z):

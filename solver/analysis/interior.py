@@ -15,32 +15,12 @@ from math import cosh, exp, expm1, sinh
 import numpy as np
 from numba import njit
 
-from ..mechanics.layer import stiffness
-
 FAR = 50.0  # q (h - z): what the top sends back is exp(-2 FAR) (q h)^2 < 1e-29 of what comes
 
 
 def wavenumbers(scene, modes):
     """q of the first modes, 1/nm."""
     return 2.0 * np.pi / scene.width * np.arange(modes)
-
-
-def surface_modes(scene, first, traction):
-    """Amplitudes T_q (2, nodes//2 + 1), GPa: T = Re sum of T_q exp(i q x), every mode but q = 0 counted twice.
-
-    At Nyquist the surface moves by cosines, each by its own traction/K as in `layer.Modes`; the traction that holds its
-    partner is a sine, which vanishes at the nodes: with it the mode is an exact solution inside, like all others.
-    """
-    T = np.zeros((2, scene.nodes))
-    traction = np.asarray(traction, float)
-    T[:, first : first + traction.shape[1]] = traction
-    T_q = np.fft.rfft(T, norm="forward")
-    if scene.nodes % 2 == 0:
-        q = wavenumbers(scene, T_q.shape[1])[-1:]
-        k_xx, k_zz, k_c = (float(k[0]) for k in stiffness(q, scene.height * scene.width, scene.E, scene.nu))
-        x, z = 0.5 * T_q[:, -1].real  # there is no -q beside it
-        T_q[:, -1] = x - 1j * k_c * z / k_zz, z + 1j * k_c * x / k_xx
-    return T_q
 
 
 @njit(cache=True, nogil=True)

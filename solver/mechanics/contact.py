@@ -71,11 +71,11 @@ class Contact:
         """Mean over the cell, GPa, of normal tractions (size,) GPa."""
         return float(T_z.sum()) / self.count
 
-    def product(self, tangents, w) -> tuple[np.ndarray, np.ndarray]:
-        """(C dT/du w nm, dT/du w GPa), (2, size) each, buffers; counts as a force evaluation, without exponentials."""
+    def product(self, tangents, w) -> np.ndarray:
+        """C dT/du w, (2, size) nm; a buffer; counts as a force evaluation, without exponentials."""
         self._layer.field[:] = 0.0
         cohesive_law.add_product(tangents, w, self._layer.field)
-        return self.comply(self._layer.field), self._layer.field
+        return self.comply(self._layer.field)
 
     def comply(self, T) -> np.ndarray:
         """C T, (2, size) nm, of T (2, size) GPa; a buffer; counts as a force evaluation, without exponentials."""

@@ -34,7 +34,7 @@ class DenseInverse:
         inside = (self._inverse @ r[self._rows].astype(np.float32)).astype(float)
         w = np.zeros(r.size)
         w[self._rows] = inside
-        out = r + self._contact.product(self._tangents, w.reshape(2, -1))[0].reshape(-1)
+        out = r + self._contact.product(self._tangents, w.reshape(2, -1)).reshape(-1)
         out[self._rows] = inside
         return out
 

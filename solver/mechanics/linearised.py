@@ -36,7 +36,7 @@ class Linearised:
     def tangent(self, w):
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
         u, problem = w[: 2 * self.m], self.problem
-        out = self.contact.product(self.J, u.reshape(2, -1))[0].reshape(-1) - u
+        out = self.contact.product(self.J, u.reshape(2, -1)).reshape(-1) - u
         if not problem.held:
             return out
         out[self.m :] += w[-1]
