@@ -8,10 +8,11 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from solver import NotFollowed, Scene, SceneError, load_path, summarize
+from solver import NotConverged, NotFollowed, Scene, SceneError, SlipEvent, load_path, summarize
 from solver.analysis.friction_laws import critical_modulus
 from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Tile, points_of
 from solver.analysis.maps import tile as tiles
+from solver.analysis.maps.point import at_slip
 from solver.analysis.maps.run import computed
 from solver.cli import main
 
@@ -173,6 +174,34 @@ def test_regimes_have_their_names():
         assert computed(SMALL.changed(**({"delta_bar": 0.1} | values)))[0].regime == name
 
 
+def test_a_contact_that_comes_off_under_a_held_load_detaches():
+    """No increment follows the last one, so that the numbers are of the last: within du_x, 0.1 nm, of the end."""
+    scene = SMALL.changed(hold="load", delta_bar=-0.2)
+    frames = []
+    with pytest.raises(NotConverged, match="pulled off"):
+        for frame in load_path(scene):
+            frames.append(frame)
+    point, _ = computed(scene)
+    assert (point.regime, point.reason) == ("detaches", "") and point.U_s == frames[-1].U_x
+    assert (point.F_s, point.A_s) == (frames[-1].F_bar, frames[-1].A_bar)
+
+
+@pytest.mark.parametrize("values", [{}, {"E": 20.0, "phi_ratio": 1.5}, {"delta_bar": 0.4, "phi_ratio": 0.3}])
+def test_a_point_that_was_run_has_the_numbers_of_its_run(values):
+    """To the last digit: nothing is interpolated where the run itself has located the slip."""
+    scene = SMALL.changed(**({"delta_bar": 0.1} | values))
+    point, _ = computed(scene)
+    summary = summarize(scene, list(load_path(scene)))
+    assert [getattr(point, name) for name in NUMBERS] == [summary[name] for name in NUMBERS]
+
+
+def test_a_contact_that_shrinks_in_its_slip_reattaches_nothing():
+    frames = [frame for frame in load_path(SMALL.changed(delta_bar=0.1, u_x_max=1.0)) if frame.stage == "shear"]
+    start, before, after = (replace(frames[0], A_bar=A_bar) for A_bar in (0.1, 0.05, 0.02))
+    event = SlipEvent(1.0, 1e-3, -1e-4, before.A_bar)
+    assert at_slip(start, before, after, event)["reattached"] == 0.0
+
+
 def test_a_point_that_cannot_be_says_why():
     axis = Axis("height", 1.0, 100.0, 2)
     ((point, _),) = points_of(Tile(SMALL.changed(E=0.05), axis, PRESS, (((1, 0), {}),)))
@@ -224,6 +253,7 @@ def test_the_two_axes_differ():
         Map(SMALL, PRESS, PRESS)
 
 
+NUMBERS = "U_s", "F_s", "A_s", "A_0"
 AXES = ["--x", "delta_bar=-0.9:-0.8:3", "--y", "phi_ratio=0.5:1.5:2:log", "--set", "nodes=32", "width=80"]
 
 

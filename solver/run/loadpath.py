@@ -150,7 +150,7 @@ class Run:
             return failure
         remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
         if isinstance(failure, Restless):
-            remedy = "try another indentation, a larger E or a smaller phi_ratio"
+            remedy = "try another indentation or a larger E" + " or a smaller phi_ratio" * (self.scene.phi_ratio > 0.0)
         if self.scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
             remedy = f"try a damping larger than {self.scene.damping:g}: with so little it may never come to rest"
         elif not self._fast and not isinstance(failure, Restless):

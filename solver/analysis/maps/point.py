@@ -27,8 +27,9 @@ class Point:
 
     U_s (nm), F_s, A_s at the first slip, A_0 at U_x = 0: as of `summarize`. asymmetry: as of `peel_asymmetry`, from
     U_x = 0 up to the slip. sites: by how many the node of the least gap goes on in it. reattached: the part of the area
-    lost before the slip that is there again after it. L_min: the pull-off, of path unload only. branches: until the run
-    repeats itself, 0 where that is not known.
+    lost before the slip that is there again after it, 0 where it shrinks further. L_min: the pull-off, of path unload
+    only. branches: until the run repeats itself, 0 where that is not known. Where a contact comes off under a held
+    load, U_s, F_s and A_s are those of the last increment.
     """
 
     i: int = 0
@@ -99,7 +100,7 @@ def at_slip(start, before, after, event):
         "A_0": start.A_bar,
         "asymmetry": None if np.isnan(asymmetry) else asymmetry,
         "sites": sites,
-        "reattached": (after.A_bar - event.A_bar) / lost if lost > LOST / start.scene.nodes else None,
+        "reattached": max(0.0, after.A_bar - event.A_bar) / lost if lost > LOST / start.scene.nodes else None,
     }
 
 
@@ -115,9 +116,18 @@ def of_skeleton(skeleton):
     if not touches(start):
         return {"regime": NEVER_TOUCHES, "A_0": start.A_bar}
     known = {"branches": len(skeleton.branches)}
-    slips = [event for event in skeleton.slips if event.kind != "control"]  # as of `summarize`
-    if not slips:
+    event = first_slip(skeleton)
+    if event is None:
         return known | {"regime": SMOOTH if skeleton.branches[0].periodic else STICKS, "A_0": start.A_bar}
-    event = slips[0]
     before, after = skeleton.frames([event.load, np.nextafter(event.load, np.inf)])
     return known | at_slip(start, before, after, event)
+
+
+def first_slip(skeleton):
+    """The first SlipEvent of a Skeleton, or None."""
+    return next(iter(slips_in(skeleton)), None)
+
+
+def slips_in(run):
+    """SlipEvents of a Frame or Skeleton, without the jump where a held load takes over; see `summarize`."""
+    return [event for event in run.slips if event.kind != "control"]

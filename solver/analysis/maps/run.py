@@ -2,21 +2,24 @@
 
 from contextlib import suppress
 
-from ...continuation.state import NotConverged
+import numpy as np
+
+from ...continuation.state import NotConverged, PulledOff
 from ...following.branch import NotFollowed
 from ...following.from_run import skeleton_from
 from ...run.loadpath import walk
 from ...run.summary import summarize
-from .point import NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton, touches
+from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, first_slip, of_skeleton, slips_in, touches
 
 LATER = 2  # slips after the first, while the run does not repeat itself: of sliding runs, 3 in 4 repeat after one, and
 # nearly all others after two or three
+ALIKE = 1e-3  # nm, within which a skeleton must agree with its run on the first slip
 MOST = 300_000  # force evaluations, a hundred times those of the default: beyond, a point is given up
 
 
 def computed(scene):
     """(Point, Skeleton or None) of a scene, from its start."""
-    frames, skeleton, slips, spent, reason = [], None, 0, 0, ""
+    frames, skeleton, slips, spent, reason, off = [], None, 0, 0, "", False
     smooth = False  # whether the run had no slip over one lattice period
     try:
         for frame, checkpoint in walk(scene):
@@ -27,7 +30,7 @@ def computed(scene):
                 break
             if frame.stage != "shear":
                 continue
-            slips += len(frame.slips)
+            slips += len(slips_in(frame))
             if (frame.index == 0 and not touches(frame)) or slips > LATER or (slips and frame.repeated):
                 break
             if not slips and not smooth and frame.U_x >= scene.spacing:
@@ -35,7 +38,7 @@ def computed(scene):
                 if skeleton is not None:
                     break
     except NotConverged as failure:
-        reason = str(failure)
+        reason, off = str(failure), isinstance(failure, PulledOff)
     sheared = [f for f in frames if f.stage == "shear"]
     if skeleton is None and sheared and touches(sheared[0]):
         skeleton = _skeleton(scene, checkpoint)
@@ -43,7 +46,7 @@ def computed(scene):
         summary = summarize(scene, frames)
         numbers = {"regime": STICKS, "A_0": summary["A_0"], "L_min": summary["L_min"]}
     else:
-        numbers = of_skeleton(skeleton) if skeleton is not None else _of_frames(sheared, reason)
+        numbers = _of_shear(sheared, skeleton, reason, off)
     return Point(**numbers, evaluations=spent), skeleton
 
 
@@ -53,12 +56,27 @@ def _skeleton(scene, checkpoint):
         return skeleton_from(scene, checkpoint)
 
 
-def _of_frames(sheared, reason):
-    """What a Point says of the Frames of a shear without a skeleton; reason: why the run ended early, or ""."""
+def _of_shear(sheared, skeleton, reason, off):
+    """What a Point says of the Frames of a shear; reason: why the run ended early, or ""; off: by pull-off."""
     if sheared and not touches(sheared[0]):
         return {"regime": NEVER_TOUCHES, "A_0": sheared[0].A_bar}
-    slipping = next((k for k, f in enumerate(sheared) if f.slips), None)
+    slipping = next((k for k, f in enumerate(sheared) if slips_in(f)), None)
     if slipping is not None:
-        after = sheared[slipping]
-        return at_slip(sheared[0], sheared[max(0, slipping - 1)], after, after.slips[0])
+        return _at_slip(sheared, slipping, skeleton)
+    if off:  # numbers of the last Frame, within du_x of the end
+        last = sheared[-1] if sheared else None
+        numbers = {"U_s": last.U_x, "F_s": last.F_bar, "A_s": last.A_bar, "A_0": sheared[0].A_bar} if last else {}
+        return {"regime": DETACHES} | numbers
+    if skeleton is not None:
+        return of_skeleton(skeleton)
     return {"reason": reason} if reason else {"regime": STICKS, "A_0": sheared[0].A_bar}
+
+
+def _at_slip(sheared, k, skeleton):
+    """The same for a run whose first slip lies in Frame `k`; the numbers are the run's own."""
+    event, before, after = slips_in(sheared[k])[0], sheared[max(0, k - 1)], sheared[k]
+    end = first_slip(skeleton) if skeleton else None
+    if end and abs(end.load - event.load) < ALIKE:  # states just before and after it, rather than some du_x away
+        before, after = skeleton.frames([end.load, np.nextafter(end.load, np.inf)])
+    branches = len(skeleton.branches) if skeleton else 0
+    return at_slip(sheared[0], before, after, event) | {"branches": branches}
