@@ -1,5 +1,6 @@
 """Continuation, motion and replay on problems of one and two unknowns with known answers."""
 
+from dataclasses import replace
 from math import inf
 from types import SimpleNamespace
 
@@ -513,8 +514,7 @@ def test_a_motion_that_never_rests_is_told():
     """A force that turns and grows without bound: no rest anywhere."""
     turned = np.array([[1.5, -3.0], [3.0, 1.5]])
     toy = Toy(lambda u: turned @ u, lambda u: turned, size=2)
-    state = toy.at_rest(0.5, np.zeros(2))
-    state.unsure = True
+    state = replace(toy.at_rest(0.5, np.zeros(2)), unsure=True)
     with pytest.raises(NotConverged, match=r"diverges|does not come to rest|still moving"):
         QuasiStatic(toy, 1.0, 3.0).increment(state, 0.6)
 
@@ -522,8 +522,7 @@ def test_a_motion_that_never_rests_is_told():
 def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
     """The cubic at s = 0, v = 0: an equilibrium, and none of the motion's rests."""
     toy = cubic()
-    state = toy.at_rest(0.0, 0.0)
-    state.unsure = True
+    state = replace(toy.at_rest(0.0, 0.0), unsure=True)
     done = QuasiStatic(toy, 1.0, 2.0).increment(state, 0.05)
     assert abs(done.state.v[0]) > 0.9
     assert abs(0.05 + done.state.v[0] - done.state.v[0] ** 3) < 1e-11

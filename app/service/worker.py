@@ -19,7 +19,7 @@ from solver.continuation.state import OutOfTime
 from solver.run.carry import carry_on
 from solver.run.frame import largest_safe_damping
 from solver.run.load_steps import load_steps_of
-from solver.run.slices import in_time, next_frame, owned
+from solver.run.slices import in_time, next_frame
 
 NICENESS = 10  # the event loop must win against the physics
 QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
@@ -148,7 +148,7 @@ def carried(history, way=None, until=inf, limit=inf):
     Or the Carrying that it has come to by `until`, of perf_counter.
     """
     way = way or Carrying()
-    checkpoint, moved = owned(way.checkpoint), False
+    checkpoint, moved = way.checkpoint, False
     for k, ((scene, count), (changed, _)) in enumerate(pairwise(history)):
         if k < way.legs:
             continue

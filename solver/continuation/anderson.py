@@ -41,7 +41,7 @@ class Secants:
         self.rows = self.slot = 0
 
     def copy(self):
-        """An independent copy, for a checkpoint."""
+        """An independent copy."""
         other = Secants.__new__(Secants)
         other.du, other.dr, other.gram = self.du.copy(), self.dr.copy(), self.gram.copy()
         other.rows, other.slot = self.rows, self.slot

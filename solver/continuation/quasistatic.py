@@ -35,7 +35,8 @@ class QuasiStatic:
         self.judge, self.corrector, self.film = Judge(damping), Corrector(problem), None
 
     def increment(self, state, target) -> Increment:
-        """The Increment from `state` to load `target`, nm; raises NotConverged. It adds to the state's secant pairs."""
+        """The Increment from `state` to load `target`, nm; raises NotConverged."""
+        state = replace(state, secants=state.secants and state.secants.copy())  # solving changes them in place
         slips = []
         while len(slips) <= SLIPS:
             reached = self._judged(state) if state.unsure else state
@@ -60,7 +61,7 @@ class QuasiStatic:
 
     def _continued(self, state, target):
         """The State at load `target` on the branch of `state`, or the LimitPoint before it."""
-        state.secants = state.secants or self.corrector.secants()
+        state = replace(state, secants=state.secants or self.corrector.secants())
         self.corrector.begin(state)
         return continue_branch(self.corrector, self.judge, state, target)
 

@@ -53,7 +53,7 @@ class Replay:
         known = branch.at(load)
         guess = known.v + shift * problem.direction
         v = guess.copy()
-        secants = state.secants or self.stepper.corrector.secants()
+        secants = state.secants.copy() if state.secants else self.stepper.corrector.secants()
         active = self.stepper.corrector.settle(v, known.active, target, secants)
         moved = np.abs(v - guess).max()
         if active is None or not self._same(moved, branch, load):

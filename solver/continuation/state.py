@@ -34,7 +34,7 @@ class PulledOff(NotConverged):
     """Under a held load the contact came apart in a slip: the end of the run."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class State:
     """An equilibrium, with what the next increment may use of the states before it."""
 

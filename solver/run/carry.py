@@ -13,7 +13,6 @@ from .frame import Frame
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
-from .slices import owned
 
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
 
@@ -28,7 +27,7 @@ def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint
     Raises SceneError where `changed` has another surface or does not lead through here, ValueError out of shear.
     """
     if changed == scene:
-        return owned(checkpoint)
+        return checkpoint
     load_steps = checkpoint.load_steps or load_steps_of(scene)
     step = next(step for step in load_steps if step.stage == checkpoint.stage)
     if not step.loading.direction[0] or checkpoint.state is None or checkpoint.patch is None:

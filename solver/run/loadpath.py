@@ -100,7 +100,7 @@ class Run:
 
     @one_thread()
     def next_frame(self, checkpoint, limit=inf):
-        """(frame, checkpoint) of the increment that `checkpoint` stands before; may change the latter's arrays.
+        """(frame, checkpoint) of the increment that `checkpoint` stands before.
 
         Raises NotConverged; OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the
         clock; ValueError where another method than fast is to carry a run on.

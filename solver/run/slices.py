@@ -28,7 +28,7 @@ def advance(
     then checkpoint.failure says where and what to do. limit: processor time for one increment, s.
     Raises ValueError for a method that is not in METHODS, or is not one to carry a run on.
     """
-    checkpoint = owned(checkpoint) if checkpoint else Checkpoint()
+    checkpoint = checkpoint or Checkpoint()
     frames: list[Frame] = []
     end = perf_counter() + budget
     run = _run_of(scene, method, leave_out)
@@ -44,17 +44,7 @@ def advance(
 
 def in_time(checkpoint):
     """From a Checkpoint with `late` set: that before the increment for which there was no time."""
-    state = checkpoint.state and replace(checkpoint.state, secants=None)  # those of the attempt would mislead
-    return replace(checkpoint, state=state, done=False, failure=None, late=False)
-
-
-def owned(checkpoint):
-    """A copy of what going on from a checkpoint would change, so that the given one stays as it is."""
-    state = checkpoint.state
-    if state is None:
-        return checkpoint
-    own = replace(state, secants=state.secants and state.secants.copy())
-    return replace(checkpoint, state=own)
+    return replace(checkpoint, done=False, failure=None, late=False)
 
 
 def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
