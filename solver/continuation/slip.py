@@ -165,7 +165,8 @@ def widened(problem, end):
 def _moved(problem, end, trial, film=None, **how):
     """The State in which a motion comes to rest, with the longest steps that lead there."""
     begun = len(film) if film is not None else 0
-    for finer in LIMITS.finer:
+    # with other steps a trial would be another one
+    for finer in LIMITS.finer if trial is USUAL else LIMITS.finer[:1]:
         try:
             return _Transient(problem, end, trial._replace(finer=finer * trial.finer), film, **how).to_rest()
         except TooLong as failure:
