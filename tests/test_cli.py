@@ -301,7 +301,7 @@ def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_fram
 
 
 def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
-    monkeypatch.setattr("solver.continuation.gfmd.LIMITS", replace(gfmd.LIMITS, budget=100))
+    monkeypatch.setattr("solver.continuation.gfmd.OPTIONS", replace(gfmd.OPTIONS, budget=100))
     code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
     assert (code, err.count("\n")) == (1, 1)
     assert re.search("(delta|U_x) = .* nm: residual .* try ", err)

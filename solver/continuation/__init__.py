@@ -1,6 +1,6 @@
-"""Following equilibria of a problem R(v; s) = 0 while its load s grows, and what happens where they end.
+"""Continuation of the equilibria of a problem R(v; s) = 0 in its load s, and the slips where branches end.
 
-problem      what a problem must offer: residual, tangent, and the motion whose rests are looked for, as Protocols
+problem      the contract of a problem, as Protocols: residual, tangent, and the motion that leads to its equilibria
 state        an equilibrium, with what the next increment may use of those before it
 anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length

@@ -20,13 +20,13 @@ class Secants:
         self.gram = np.zeros((memory, memory))
         self.rows, self.slot = 0, 0  # pairs kept so far, and where the next one goes
 
-    def push(self, u, r, u_before, r_before):
+    def push(self, u, r, u_before, r_before) -> None:
         """Keep the pair (u - u_before, r - r_before), (size,) each, in place of the oldest."""
         self.rows = max(self.rows, self.slot + 1)
         _push(self.du, self.dr, self.gram, self.rows, self.slot, u, r, u_before, r_before)
         self.slot = (self.slot + 1) % len(self.du)
 
-    def move(self, r, smooth=None):
+    def move(self, r, smooth=None) -> np.ndarray:
         """The change of u that should cancel the residual r (size,), by the tangent as the pairs know it; a new array.
 
         smooth (array -> array): applied to the part of r that the pairs do not span; by default that is added as it is.
@@ -36,11 +36,11 @@ class Secants:
         move += rest if smooth is None else smooth(rest)
         return move
 
-    def forget(self):
+    def forget(self) -> None:
         """Drop all pairs."""
         self.rows = self.slot = 0
 
-    def copy(self):
+    def copy(self) -> "Secants":
         """An independent copy."""
         other = Secants.__new__(Secants)
         other.du, other.dr, other.gram = self.du.copy(), self.dr.copy(), self.gram.copy()
@@ -49,7 +49,7 @@ class Secants:
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def dot(a, b):
+def dot(a, b) -> float:
     """a . b of two (size,), summed in vector lanes."""
     total = 0.0
     for i in range(a.size):
@@ -114,7 +114,7 @@ def _coefficients(dr, gram, slot, r, eps, forget, upper, y, d):
 
 
 @njit(cache=True, nogil=True)
-def advance(u, move, bound):
+def advance(u, move, bound) -> float:
     """Add move to u in place, (size,), scaled down so that no number changes by more than bound; returns the scale."""
     largest = 0.0
     for i in range(u.size):

@@ -1,7 +1,7 @@
 """From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
 
-As a rule by Anderson steps; where they fail, by Anderson steps preconditioned with the inverse of a tangent nearby, of
-which a few do. The problem forms that inverse; where that takes too long, iterations stand in, whose products are kept.
+Anderson steps solve it. Where they fail, the inverse of a tangent nearby preconditions them, so that a few suffice.
+The problem forms that inverse. Where forming it takes too long, iterations replace it and keep their products.
 """
 
 from dataclasses import dataclass
@@ -14,41 +14,41 @@ from .inverse import Inverse
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Of the corrector; a "unit" is the problem's `unit`."""
+class CorrectorOptions:
+    """How an equilibrium is solved for; a "unit" is the problem's `unit`."""
 
-    memory: int = 20  # secant pairs; 40 save 3 % of the evaluations, but each step's algebra takes twice as long
-    longest: float = 0.15  # units, of any unknown in one step; longer steps land on other branches
-    steps: int = 60  # Anderson steps, at most; 100 reached no more rests on 13 scenes of the slider box
-    # with an inverse; 2 to 10 are needed where there is an equilibrium, else more do not help: 60 take 7 % more
-    # evaluations of the default
+    memory: int = 20  # secant pairs; 40 save 3 % of the evaluations, but double the algebra of a step
+    longest: float = 0.15  # units, largest change of an unknown in one step; longer steps land on other branches
+    steps: int = 60  # most Anderson steps; 100 reached no more equilibria on 13 scenes of the slider box
+    # most Anderson steps with an inverse: where there is an equilibrium 2 to 10 suffice. 60 take 7 % more evaluations
+    # of the default run
     sharp_steps: int = 15
-    iterated: float = 0.3  # relative error of an inverse by iterations; secants do the rest, less would take longer
+    iterated: float = 0.3  # relative error of an iterated inverse; the secant pairs correct it at less cost
 
 
-LIMITS = Limits()
+OPTIONS = CorrectorOptions()
 
 
 class Corrector:
-    """Solves one problem; between calls it keeps the inverse at hand, and scratch.
+    """Solves one problem; between calls it keeps the inverse in use, and scratch.
 
-    Attributes: worst, the residual of the last solution, nm; sharp, (v, active) of the equilibrium the inverse of whose
-    tangent is in use, or None: a State keeps it for `begin`; inverse, that function, (size,) to (size,), close to
-    -(dR/dv)^-1, for other uses, or None if it takes iterations, which are too slow for them.
+    worst: the residual of the last solution, nm. sharp: (v, active) of the equilibrium whose tangent is inverted, or
+    None; a State keeps it for `begin`. inverse: a function from (size,) to (size,) close to -(dR/dv)^-1, for other
+    uses; None where it takes iterations, which are too slow for them.
     """
 
-    def __init__(self, problem):
-        self.problem, self.worst = problem, np.inf
+    def __init__(self, problem, options: CorrectorOptions = OPTIONS):
+        self.problem, self.options, self.worst = problem, options, np.inf
         self.sharp = self.inverse = None
-        self._smooth = None  # the inverse in use, if any, for the part of the residual that no secant pair knows
+        self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin = None  # (v, active) of the equilibrium found last
         self._r = np.empty(problem.size)
 
-    def secants(self):
+    def secants(self) -> Secants:
         """Room for secant pairs of this problem."""
-        return Secants(LIMITS.memory, self.problem.size)
+        return Secants(self.options.memory, self.problem.size)
 
-    def begin(self, state):
+    def begin(self, state) -> None:
         """Prepare to go on from a State, with the inverse by which it was reached, if any."""
         self._origin = state.v, state.active
         self._use(state.sharp)
@@ -59,12 +59,12 @@ class Corrector:
             self.sharp = self.inverse = self._smooth = None
         elif not self._uses(sharp):
             self.sharp, self.inverse = sharp, self.problem.preconditioner(*sharp)
-            self._smooth = self.inverse or self._iterations(*sharp, LIMITS.iterated)
+            self._smooth = self.inverse or self._iterations(*sharp, self.options.iterated)
 
     def _uses(self, sharp):
         return self.sharp is not None and np.array_equal(self.sharp[0], sharp[0])
 
-    def direction(self, state):
+    def direction(self, state) -> np.ndarray:
         """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
         return self._iterations(state.v, state.active)(self.problem.direction)
 
@@ -73,11 +73,11 @@ class Corrector:
         inverse = Inverse(self.problem.size).of_tangent(self.problem.linearised(v, active).tangent, None)
         return lambda r: -inverse.solve(r, *accuracy)
 
-    def settle(self, v, active, s, secants):
+    def settle(self, v, active, s, secants) -> np.ndarray | None:
         """Solve for v (size,), in place, with the set of active nodes, bool; returns that set, or None if it fails.
 
-        While nodes have crossed the edge of the window, the set is changed and the solve repeated. Each node may change
-        once, so that this ends, even where becoming active pushes a node out again and no set is consistent.
+        Where nodes have crossed the edge of the window, the set changes and the solve repeats. Each node changes at
+        most once, so that this ends, even where an active node leaves the window and an inactive one enters it.
         """
         settled = None
         while self.solve(v, active, s, secants):
@@ -89,11 +89,11 @@ class Corrector:
             active = again
         return None
 
-    def solve(self, v, active, s, secants):
+    def solve(self, v, active, s, secants) -> bool:
         """Solve for v (size,), in place, at fixed load s, nm; whether that succeeded."""
         return self._solved(v, active, s, secants) is not None
 
-    def solve_on_arc(self, v, active, s, secants, chord, arc):
+    def solve_on_arc(self, v, active, s, secants, chord, arc) -> float | None:
         """The load (nm) at which v, changed in place, is an equilibrium with <chord, v> = arc, nm; None if it fails."""
         return self._solved(v, active, s, secants, chord, arc)
 
@@ -106,10 +106,10 @@ class Corrector:
         guess = v.copy()
         self._origin = self._origin or (guess, active)
         while True:
-            found = self._anderson(v, active, s, secants, *arc)
-            if found is not None:
+            load = self._anderson(v, active, s, secants, *arc)
+            if load is not None:
                 self._origin = v.copy(), active
-                return found
+                return load
             v[:] = guess
             secants.forget()
             if self._uses(self._origin):
@@ -119,7 +119,7 @@ class Corrector:
     def _anderson(self, v, active, s, secants, chord=None, arc=0.0):
         """One attempt of `_solved`; with a chord, the load changes along with v."""
         problem, r, direction = self.problem, self._r, self.problem.direction
-        left = LIMITS.steps if self.sharp is None else LIMITS.sharp_steps
+        left = self.options.steps if self.sharp is None else self.options.sharp_steps
         self.worst = problem.residual(v, active, s, r)
         while self.worst > problem.tolerance:
             if left == 0 or not isfinite(self.worst):
@@ -132,7 +132,7 @@ class Corrector:
                 slope = dot(chord, response)
                 change = (arc - dot(chord, v) - dot(chord, move)) / slope if slope != 0.0 else 0.0
                 move += change * response
-            change *= advance(v, move, LIMITS.longest * problem.unit)
+            change *= advance(v, move, self.options.longest * problem.unit)
             self.worst = problem.residual(v, active, s, r)
             secants.push(v, r, v_before, r_before)
             if chord is not None:

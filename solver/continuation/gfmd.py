@@ -1,7 +1,7 @@
 """Damped Green's function molecular dynamics (paper section 2.1): nothing but the motion, at every increment.
 
-The reference method. Modes of one mass move by explicit Verlet steps from the rest before, under the next load, until
-max |U + C T(u) - u| is below the tolerance.
+The reference method. Modes of equal mass move by explicit Verlet steps from the last equilibrium, under the next load,
+until max |U + C T(u) - u| is below the tolerance.
 """
 
 from dataclasses import dataclass
@@ -14,25 +14,25 @@ from .state import Increment, NotConverged, Slip, State, slipped
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Of an increment."""
+class GfmdOptions:
+    """How long the motion of an increment may take."""
 
-    check: int = 20  # steps between two looks at the residual
-    budget: int = 1_000_000  # steps
+    check: int = 20  # steps between two evaluations of the residual, which so adds 5 % to the cost
+    budget: int = 1_000_000  # most steps of an increment, of some 20 us each; a slip of the default takes 3,500
 
 
-LIMITS = Limits()
+OPTIONS = GfmdOptions()
 
 
 class Gfmd:
     """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    pace = 1.0  # factor of the usual time steps
+    pace = 1.0  # time step, in units of the usual one
 
     def __init__(self, problem, damping, closed):
         self.problem, self.damping, self.closed = problem, damping, closed
 
-    def increment(self, state, target):
+    def increment(self, state, target) -> Increment:
         """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
         while True:
             v, active, residual = self._settled(state, target)
@@ -46,7 +46,7 @@ class Gfmd:
         return Increment(after, slips)
 
     def _settled(self, state, target):
-        """(v, active, residual) at rest; active nodes change between two motions only, each once, to those of v."""
+        """(v, active, residual) at rest; the active nodes change between two motions only, each node once."""
         v, active, load, settled = state.v, state.active, state.load, np.zeros(state.active.size, bool)
         while True:
             v, residual = self._moved(v, active, load, target)
@@ -60,9 +60,9 @@ class Gfmd:
         """(v, residual) at rest under load `target`, from rest at `load`."""
         problem, dynamics, r = self.problem, self.problem.motion(), np.empty(self.problem.size)
         motion = self._motion(dynamics, dynamics.start(v, active, load), target)
-        for _ in range(0, LIMITS.budget, LIMITS.check):
+        for _ in range(0, OPTIONS.budget, OPTIONS.check):
             motion.soften(self._stiffness(dynamics, v, active), self.pace)
-            motion.advance(active, LIMITS.check)
+            motion.advance(active, OPTIONS.check)
             v = dynamics.unknowns(motion.y)
             residual = problem.residual(v, active, target, r)
             if residual <= problem.tolerance:
@@ -70,7 +70,7 @@ class Gfmd:
             problem.active(v, target)  # raises PulledOff once the contact no longer carries a held load
             if not isfinite(residual):
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
-        raise NotConverged(f"residual {residual:.2g} nm after {LIMITS.budget} steps of damped motion")
+        raise NotConverged(f"residual {residual:.2g} nm after {OPTIONS.budget} steps of damped motion")
 
     def _motion(self, dynamics, y, load):
         return (ExplicitMotion if isfinite(self.damping) else Creep)(dynamics, y, load, self.damping, self.closed)

@@ -1,4 +1,4 @@
-"""The damped motion of the surface from the end of a branch to rest: what decides which equilibrium a slip reaches.
+"""The damped motion of the surface from the end of a branch to rest: it decides which equilibrium a slip reaches.
 
     u'' = K (U - u) + T(u) - gamma u',  gamma = damping times that critical for the slowest mode  (paper section 2.1)
 
@@ -24,39 +24,39 @@ from numba import njit
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Of the motion's steps; "closed": a node on springs in registry and in touch, where they are stiffest."""
+class MotionOptions:
+    """Time steps of the motion; a "closed" node touches springs in registry, where they are stiffest."""
 
-    step: float = 0.4  # times period/(2 pi) of a closed node; from 0.5 on, slips of little damping stop short
-    safe: float = 0.6  # largest stiffness of the interface, over that at which steps grow unstable
+    step: float = 0.4  # over period/(2 pi) of a closed node; from 0.5 on, weakly damped slips stop too early
+    safe: float = 0.6  # largest stiffness of the interface, over that where steps become unstable
     idle: int = 2  # powers of two by which the interface may soften before steps are adapted to it
     explicit: float = 0.5  # of the longest stable explicit step
     creep: float = 0.25  # step in the overdamped limit, over the time in which a closed node relaxes
 
 
-LIMITS = Limits()
+OPTIONS = MotionOptions()
 
 
 class Motion:
     """y, complex (2, modes), and its change per step, from rest, under `load`, nm, which may be changed."""
 
     def __init__(self, dynamics, y, load, damping, closed):
-        """closed: stiffness of closed springs (see Limits), GPa/nm; damping: over critical."""
+        """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
         # below critical damping shorter: errors of energy decide over how many sites it slips
-        self._step = LIMITS.step / sqrt(closed) * min(1.0, damping)
+        self._step = OPTIONS.step / sqrt(closed) * min(1.0, damping)
         self.load = load
         self._power, self._mass, self._starts = None, None, True
         self._tables = lru_cache(maxsize=16)(self._of_stiffness)
 
-    def soften(self, stiffness, pace=1.0):
+    def soften(self, stiffness, pace=1.0) -> None:
         """Adapt masses and steps to an interaction of that largest stiffness, GPa/nm; kinetic energy is kept.
 
         pace: factor of the usual steps.
         """
-        power = ceil(log2(max(stiffness, self.closed) / LIMITS.safe)), pace
-        if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= LIMITS.idle:
+        power = ceil(log2(max(stiffness, self.closed) / OPTIONS.safe)), pace
+        if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= OPTIONS.idle:
             return  # changing to and fro would add energy
         mass, self._keep, self._push, self.step = self._tables(*power)
         if self._power is not None:
@@ -67,8 +67,8 @@ class Motion:
 
     def _of_stiffness(self, power, pace):
         """(mass / step^2, keep, push, step): the next change is keep change + push force; rows xx, zz, c each."""
-        step, stiffness = pace * self._step, 2.0**power * LIMITS.safe
-        if 2.0 / 3.0 * self._stiffest() + stiffness <= LIMITS.safe * 4.0 / step**2:
+        step, stiffness = pace * self._step, 2.0**power * OPTIONS.safe
+        if 2.0 / 3.0 * self._stiffest() + stiffness <= OPTIONS.safe * 4.0 / step**2:
             return self._newmark(step, lambda k: 1.0 + step * step / 12.0 * k)
         sigma = max(0.0, 2.0**power - 4.0 / step**2) + self.closed
         return self._newmark(step, lambda k: 1.0 + 0.25 * step * step * (k + sigma))
@@ -89,7 +89,7 @@ class Motion:
         push = of_blocks(k, lambda x: step * step / (mass(x) + friction(x)))
         return of_blocks(k, lambda x: mass(x) / step**2), keep, push, step
 
-    def advance(self, active, steps):
+    def advance(self, active, steps) -> None:
         """Make so many steps with these nodes active, bool; a force evaluation each."""
         for _ in range(steps):
             force = self.dynamics.force(self.y, active, self.load)
@@ -99,7 +99,7 @@ class Motion:
                 self.y -= self.change
                 self._starts = False
 
-    def swing(self):
+    def swing(self) -> np.ndarray:
         """Amplitudes in y to which the velocities would carry the modes against the layer alone: K^-1/2 u'."""
         least = 0.25 * self.dynamics.critical**2  # k_min; also for the mode that a held load leaves without stiffness
         root = of_blocks(self.dynamics.stiffness, lambda k: np.maximum(k, least) ** -0.5)
@@ -110,7 +110,7 @@ class ExplicitMotion(Motion):
     """Verlet steps of unit masses, as the paper has them."""
 
     def _of_stiffness(self, power, pace):
-        step = pace * LIMITS.explicit * 2.0 / sqrt(self._stiffest() + 2.0**power * LIMITS.safe)
+        step = pace * OPTIONS.explicit * 2.0 / sqrt(self._stiffest() + 2.0**power * OPTIONS.safe)
         return self._newmark(step, np.ones_like)
 
 
@@ -119,21 +119,21 @@ class Creep(Motion):
 
     def _of_stiffness(self, power, pace):
         k, sigma = self.dynamics.stiffness, 2.0**power
-        step = pace * LIMITS.creep / sigma
+        step = pace * OPTIONS.creep / sigma
         mass = of_blocks(k, lambda x: np.full_like(x, step**-2))
         return mass, np.zeros_like(k), of_blocks(k, lambda x: step / (1.0 + step * (x + sigma))), step
 
-    def swing(self):
+    def swing(self) -> np.ndarray:
         """None: nothing goes on by inertia."""
         return np.zeros_like(self.y)
 
 
-def motion_of(dynamics, y, load, damping, closed):
+def motion_of(dynamics, y, load, damping, closed) -> Motion:
     """The Motion of a slip at that damping, over critical; inf: Creep."""
     return (Motion if isfinite(damping) else Creep)(dynamics, y, load, damping, closed)
 
 
-def of_blocks(k, function):
+def of_blocks(k, function) -> np.ndarray:
     """A matrix function of the Hermitian 2 x 2 blocks k (3, modes), rows xx, zz, c, by its values at eigenvalues."""
     mean, half = 0.5 * (k[0] + k[1]), 0.5 * (k[0] - k[1])
     radius = np.hypot(half, k[2])

@@ -17,29 +17,29 @@ class Linearised(Protocol):
     size: int  # N
     noise: np.ndarray  # (N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.most`
 
-    def product(self, x, layered=None):
+    def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (N,), a new array; layered: K x, where that is known."""
 
-    def tangent(self, w):
+    def tangent(self, w) -> np.ndarray:
         """dR/dv w, (size of the problem,), a new array."""
 
-    def transposed(self, w):
+    def transposed(self, w) -> np.ndarray:
         """(dR/dv)^T w, (size of the problem,), a new array."""
 
-    def mirrored(self, w):
+    def mirrored(self, w) -> np.ndarray:
         """The left null vector of dR/dv, of any length, that a symmetric interaction has for the right one w."""
 
-    def slopes(self, right, left):
+    def slopes(self, right, left) -> np.ndarray:
         """<left, dR/dv right> differentiated by the unknowns, (size of the problem,), a new array."""
 
-    def matrix(self):
+    def matrix(self) -> np.ndarray | None:
         """dR/dv, dense, or None where it is too large to be factorised."""
 
-    def inverse(self, solve: Callable, f):
+    def inverse(self, solve: Callable, f) -> tuple[np.ndarray, np.ndarray]:
         """(x, K x), (N,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w. K x is exact even if
         `solve` is not. For N > `rest.LIMITS.most`."""
 
-    def seen(self, x):
+    def seen(self, x) -> np.ndarray:
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""
 
     def safe_damping(self) -> float:
@@ -56,13 +56,13 @@ class Dynamics(Protocol):
     stiffness: np.ndarray  # (3, modes), GPa/nm, rows xx, zz, c of the blocks [[xx, -i c], [i c, zz]] of K
     critical: float  # the friction gamma, 1/time, that is critical for the slowest mode
 
-    def start(self, v, active, s):
+    def start(self, v, active, s) -> np.ndarray:
         """y, a new array, at rest in v (size of the problem,) under the load s."""
 
-    def unknowns(self, y):
+    def unknowns(self, y) -> np.ndarray:
         """v (size of the problem,) of y, a new array."""
 
-    def force(self, y, active, s):
+    def force(self, y, active, s) -> np.ndarray:
         """T + K U in the coordinates y, complex (2, modes), a buffer."""
 
     def interface(self, v, active) -> float:
@@ -81,7 +81,7 @@ class Problem(Protocol):
     def residual(self, v, active, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude."""
 
-    def active(self, v, s, before=None, settled=None):
+    def active(self, v, s, before=None, settled=None) -> np.ndarray:
         """The nodes that interact in v. Given those `before`: these themselves while no node has clearly crossed the
         edge of the interaction, else a new set, those of `settled` (bool) as they are. May raise NotConverged."""
 

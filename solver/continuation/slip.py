@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .corrector import LIMITS as CORRECTOR
+from .corrector import OPTIONS as CORRECTOR
 from .corrector import Corrector
 from .motion import motion_of
 from .state import Crowded, NotConverged, Restless, State

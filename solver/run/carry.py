@@ -1,4 +1,4 @@
-"""Going on with a run under changed parameters, from the state it has reached in shear."""
+"""Continue a run under changed parameters, from its present state in shear."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -18,13 +18,14 @@ GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() fo
 
 
 def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint:
-    """The Checkpoint from which the run of `scene` that stands at `checkpoint` goes on as one of the Scene `changed`.
+    """The Checkpoint from which a run of `scene`, now at `checkpoint`, continues as a run of the Scene `changed`.
 
-    A new indentation is approached in steps of du_z at the same U_x (stage "press"). All else takes effect at once, in
-    an increment 0 at the same U_x: if the state does not rest there, the motion leads on; no slip is reported, as the
-    parameters did it. Then the load step goes on to u_x_max. A held load stays the same, in N/m, unless the indentation
-    changes: then it is the load found there. For method fast only.
-    Raises SceneError where `changed` has another surface or does not lead through here, ValueError out of shear.
+    The top reaches a new indentation in steps of du_z at the same U_x (stage "press"). Other changes take effect at
+    once, in an increment 0 at the same U_x. If the state is no equilibrium there, the transient leads to the next one,
+    without a slip event: the parameters caused it. Then the load step continues to u_x_max. A held load keeps its value
+    in N/m; after a new indentation it is the load there. For method fast only.
+    Raises SceneError where `changed` has another surface or a path that ends before this load; ValueError where the run
+    is not in shear.
     """
     if changed == scene:
         return checkpoint
@@ -49,7 +50,7 @@ def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint
 
 
 def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
-    """Yield the Frames of a run that is carried on: [(Scene, how many), ..., (Scene, None: up to its end)].
+    """Yield the Frames of a run with changing parameters: [(Scene, frames), ..., (Scene, None: up to its end)].
 
     Raises NotConverged as `load_path` does, the errors of `carry_on`, and ValueError where a leg ends too early.
     """
@@ -67,7 +68,7 @@ def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
 
 
 def _refuse(scene, changed):
-    """Raises SceneError where `changed` has another surface, on which no state of `scene` can go on."""
+    """Raises SceneError where `changed` has another surface, so that no state of `scene` fits it."""
     given = "allowed: its value while a run goes on", "start the run anew"
     for name in GEOMETRY:
         same = name not in ("nodes", "width") and np.array_equal(changed.profile, scene.profile)
@@ -78,17 +79,17 @@ def _refuse(scene, changed):
 def _rest(stage, changed, load):
     """The load steps of `changed` from that load (nm) of that stage on."""
     load_steps = load_steps_of(changed)
-    place = next((i for i, step in enumerate(load_steps) if step.stage == stage), None)
-    if place is None:
+    position = next((i for i, step in enumerate(load_steps) if step.stage == stage), None)
+    if position is None:
         raise SceneError("path", changed.path, f"allowed: one with stage {stage!r}, in which the run is", "start anew")
-    step = load_steps[place]
+    step = load_steps[position]
     end = step.at(step.increments)
     ahead = (end - load) / step.increment
     if ahead < -1e-9:
         raise SceneError(
             "u_x_max", changed.u_x_max, f"allowed: {abs(load):g} nm or more, where the run is", "enlarge it"
         )
-    return replace(step, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *load_steps[place + 1 :]
+    return replace(step, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *load_steps[position + 1 :]
 
 
 def _press(scene, changed, top, held):

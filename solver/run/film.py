@@ -1,4 +1,4 @@
-"""Slow motion through a slip: the states of the motion that one increment of a run went through, computed again."""
+"""Slow motion through a slip: repeat one increment of a run and keep the states of its transient."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -7,19 +7,19 @@ import numpy as np
 
 from ..continuation.state import State
 from ..mechanics.contact import Contact
-from .frame import frame_of, load_of
+from .frame import Frame, frame_of, load_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
 from .shortcuts import ALL
 
 
-def through(scene, before, stage, load, most=60, limit=float("inf")):
+def through(scene, before, stage, load, most=60, limit=float("inf")) -> tuple[list[Frame], Frame]:
     """(Frames of the motion, the Frame in which the increment ends) of the increment of `stage` to `load`, nm.
 
-    before: the Frame before it, with u right to 1e-2 nm. Frames of a motion are not at rest: `residual` says how far
-    from it. They lead from the end of the branch to the next rest, at even distances of the node that moves most; there
-    are none if the branch does not end. limit: processor time of an increment, s.
+    before: the Frame before it, with u right to 1e-2 nm. Frames of a motion are no equilibria, and `residual`
+    shows by how much. They lead from the end of the branch to the next equilibrium, at even distances of the node that
+    moves most. There are none if the branch does not end. limit: processor time of an increment, s.
     Raises NotConverged, and ValueError where a flat's nodes are not alike.
     """
     step, start = _step(scene, before, stage), load_of(before, stage)
@@ -57,7 +57,7 @@ def _evenly(states, most):
     """At most so many of the states (problem, v, active, load), at even distances of the node that moves most."""
     if len(states) <= most:
         return states
-    way = [0.0]
+    distance = [0.0]
     for (_, v, *_), (_, w, *_) in pairwise(states):
-        way.append(way[-1] + (float(np.abs(w - v).max()) if v.size == w.size else 0.0))
-    return [states[k] for k in np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], most) - 1e-12))]
+        distance.append(distance[-1] + (float(np.abs(w - v).max()) if v.size == w.size else 0.0))
+    return [states[k] for k in np.unique(np.searchsorted(distance, np.linspace(0.0, distance[-1], most) - 1e-12))]

@@ -133,25 +133,25 @@ def largest_safe_damping(frames: Sequence[Frame]) -> float:
     return max((frame.safe_damping for frame in [*computed[::-SAMPLE], *before]), default=0.0)
 
 
-def load_of(frame, stage):
+def load_of(frame, stage) -> float:
     """The load of a Frame along a stage, nm."""
     name, sign = STAGES[stage]
     return sign * getattr(frame, name)
 
 
-def forces(scene, T):
+def forces(scene, T) -> tuple[Any, Any]:
     """(F_bar, L_bar): tangential and normal force over w E, of T (..., 2, m), GPa; attraction is negative."""
     unit = _count(scene, T) * scene.E
     return -T[..., 0, :].sum(axis=-1) / unit, T[..., 1, :].sum(axis=-1) / unit
 
 
-def contact_area(scene, T):
+def contact_area(scene, T) -> float:
     """A_bar: the length under repulsion over w, from sign changes of T_z, interpolated between nodes; T (2, m), GPa."""
     count = _count(scene, T)
     return _repelled(T[1], T.shape[1] == count, least_repulsion(scene)) / count
 
 
-def least_repulsion(scene):
+def least_repulsion(scene) -> float:
     """T_z (GPa) from which a node counts as in contact, so that a flat at dn = 0 does not flicker by round-off."""
     share = CONTACT_OF_FLATS if scene.surface == "flat" else CONTACT
     return share * scene.phi_n / scene.delta_n
@@ -175,7 +175,7 @@ def _repelled(T_z, closed, least):
     return length
 
 
-def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False):
+def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False) -> Frame:
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v, state.active)
@@ -185,7 +185,7 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     return Frame(*place, *fields, *numbers, slips, repeated)
 
 
-def on_nodes(scene, field):
+def on_nodes(scene, field) -> NDArray[np.float64]:
     """A read-only copy of a field (2, m); that of one node for all is shown on every node."""
     field = field.copy()
     if field.shape[1] == 1 < scene.nodes:  # as broadcast_to does, in a tenth of its time

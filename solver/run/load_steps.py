@@ -26,21 +26,21 @@ class LoadStep:
     held: bool = False  # the normal load is held: delta follows, and the loading's U_z means nothing
     until_free: bool = False  # goes on beyond its end while the surfaces still adhere, to HIGHEST at most
 
-    def at(self, k):
+    def at(self, k) -> float:
         """Load of increment k, nm."""
         return min(self.end, k * self.increment + self.start)
 
-    def problem(self, contact, pressure):
+    def problem(self, contact, pressure) -> Equilibrium:
         """The Contact driven along this step; pressure: the mean normal traction to hold, GPa, or None."""
         return Equilibrium(contact, self.loading, pressure if self.held else None)
 
 
-def load_steps_of(scene):
+def load_steps_of(scene) -> tuple[LoadStep, ...]:
     """The LoadSteps of a scene's path, in order."""
     return _lowering(scene, "approach"), *_FOLLOWING[scene.path](scene)
 
 
-def lifts(scene):
+def lifts(scene) -> bool:
     """Whether after the approach the top moves up and down only, so that curves are drawn along delta, not U_x."""
     return not any(step.loading.direction[0] for step in load_steps_of(scene))
 
@@ -83,7 +83,7 @@ def _sliding(scene, stage, sign, start, increments):
     return LoadStep(stage, loading, start, scene.du_x * scene.delta_t, increments, held=held)
 
 
-def stretched(load_steps, step):
+def stretched(load_steps, step) -> tuple[LoadStep, ...]:
     """The load steps with `step` one increment longer; the one after it begins where that ends."""
     place, more = load_steps.index(step), step.increment
     longer = replace(step, increments=step.increments + 1, end=step.end + more)

@@ -99,7 +99,7 @@ class Run:
         self._stepper = self._place = None  # the stepper in use, and the load step, patch and pressure it is for
 
     @one_thread()
-    def next_frame(self, checkpoint, limit=inf):
+    def next_frame(self, checkpoint, limit=inf) -> tuple[Frame, Checkpoint]:
         """(frame, checkpoint) of the increment that `checkpoint` stands before.
 
         Raises NotConverged; OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the

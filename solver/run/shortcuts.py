@@ -1,6 +1,6 @@
-"""What a scene does not need, and is therefore not computed: rules, each of which can be switched off.
+"""Rules by which a run omits computations that its scene does not need. Each can be switched off.
 
-With or without a rule frames are the same, to the tolerance. `account` says which applied, and to how much.
+With or without a rule the frames agree to the tolerance. `account` counts what each rule omitted.
 """
 
 RULES = {
@@ -11,7 +11,7 @@ RULES = {
 ALL = frozenset(RULES)
 
 
-def account(frames, leave_out=ALL):
+def account(frames, leave_out=ALL) -> dict[str, dict]:
     """{rule: {what, count, unit}} of the rules that applied to a run of the fast method, from its frames."""
     if not frames:
         return {}

@@ -1,4 +1,4 @@
-"""A run in slices: a few Frames at a time, each from the Checkpoint that the one before left."""
+"""A run in slices: a few Frames at a time, each slice from the Checkpoint of the one before."""
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
@@ -25,7 +25,7 @@ def advance(
     """(frames, checkpoint): the Frames that follow `checkpoint` (None: the first ones), for about `budget` seconds.
 
     A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
-    then checkpoint.failure says where and what to do. limit: processor time for one increment, s.
+    then checkpoint.failure names the load and a remedy. limit: processor time for one increment, s.
     Raises ValueError for a method that is not in METHODS, or is not one to carry a run on.
     """
     checkpoint = checkpoint or Checkpoint()
@@ -42,17 +42,17 @@ def advance(
     return frames, checkpoint
 
 
-def in_time(checkpoint):
-    """From a Checkpoint with `late` set: that before the increment for which there was no time."""
+def in_time(checkpoint) -> Checkpoint:
+    """The Checkpoint before the increment that ran out of time, from one with `late` set."""
     return replace(checkpoint, done=False, failure=None, late=False)
 
 
-def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf):
+def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf) -> tuple[Frame, Checkpoint]:
     """As `loadpath.Run.next_frame`, whose errors it raises; method, leave_out: as in `advance`."""
     return _run_of(scene, method, leave_out).next_frame(checkpoint, limit)
 
 
-_kept = local()  # of each thread: its last Run, as buffers are costly to make, and what that is of
+_kept = local()  # of each thread: its last Run, whose buffers are expensive to make, and the arguments of that Run
 
 
 def _run_of(*arguments):

@@ -21,7 +21,7 @@ import numpy as np
 
 from solver import Scene, load_path
 from solver.continuation.anderson import Secants
-from solver.continuation.corrector import LIMITS
+from solver.continuation.corrector import OPTIONS
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, Transform, fft_size
@@ -148,8 +148,8 @@ def parts(row):
     v = np.random.default_rng(0).normal(size=problem.size)
     active, r = problem.active(v, 0.0), np.empty_like(v)
     layer = Convolution(contact.modes, contact.size)
-    secants = Secants(LIMITS.memory, v.size)
-    for _ in range(LIMITS.memory):
+    secants = Secants(OPTIONS.memory, v.size)
+    for _ in range(OPTIONS.memory):
         secants.push(*np.random.default_rng(1).normal(size=(4, v.size)))
     fft = Transform(min(fft_size(2 * contact.size - 1), contact.nodes))
     micro = {
