@@ -1,4 +1,4 @@
-"""What an increment reports: displacements and tractions of the patch, the forces, the contact area."""
+"""The report of an increment: displacements and tractions of the patch, forces, contact area."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -78,7 +78,7 @@ class Frame:
     residual: float  # max |U + C T(u) - u|, nm
     evaluations: int  # force evaluations of this increment
     slips: tuple[SlipEvent, ...] = ()  # in this increment
-    repeated: bool = False  # known from an earlier lattice period, moved on and verified
+    repeated: bool = False  # a state of an earlier lattice period, moved on and verified
 
     @cached_property
     def safe_damping(self) -> float:
@@ -89,7 +89,7 @@ class Frame:
 
     @property
     def may_flutter(self) -> bool:
-        """Whether a wave may grow unseen: the scene's damping is weaker than what is known to be safe here."""
+        """Whether a short mode may grow unnoticed: the scene's damping is below the safe damping of this state."""
         return self.scene.damping < self.safe_damping
 
     @property
@@ -179,10 +179,10 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v, state.active)
-    place = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
+    position = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
     fields = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T)
     numbers = *map(float, forces(scene, T)), contact_area(scene, T), residual, evaluations
-    return Frame(*place, *fields, *numbers, slips, repeated)
+    return Frame(*position, *fields, *numbers, slips, repeated)
 
 
 def on_nodes(scene, field) -> NDArray[np.float64]:

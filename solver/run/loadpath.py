@@ -21,7 +21,7 @@ from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 from .shortcuts import ALL
 
 METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
-FREE = 0.1  # delta_n; a layer deformed no more than that has come off
+FREE = 0.1  # delta_n; a layer that is deformed by no more than this is detached
 BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the first patch: adhesion draws them nearer
 BUSY = 10.0  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
 
@@ -46,11 +46,11 @@ class Checkpoint:
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
-    late: bool = False  # whether that was for want of time only: see `slices.in_time`
+    late: bool = False  # whether only the time limit ended it: see `slices.in_time`
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
     jumps: tuple[Jump, ...] = ()  # of the approach
-    carried: bool = False  # whether the state rested under other parameters: in the next increment it may jump
+    carried: bool = False  # the state is an equilibrium of other parameters: it may jump in the next increment
 
 
 def load_path(
@@ -145,7 +145,7 @@ class Run:
         return index, replace(done, slips=slips + done.slips)
 
     def _with_remedy(self, failure, step, load):
-        """The same failure, its message with the load and a remedy."""
+        """The same failure, with the load and a remedy in its message."""
         if isinstance(failure, PulledOff):
             return failure
         remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
@@ -185,17 +185,17 @@ class Run:
         problem, state, last = self._stepper.problem, done.state, index >= step.increments
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
-        here = {"index": index + 1, "state": state, "load_steps": load_steps, "carried": False}
+        progress = {"index": index + 1, "state": state, "load_steps": load_steps, "carried": False}
         if not last:
-            return here
+            return progress
         following = load_steps[load_steps.index(step) + 1 :]
         if not following:
-            return here | {"index": index, "done": True}
+            return progress | {"index": index, "done": True}
         pressure = checkpoint.pressure
         if not step.held:
             pressure = problem.contact.pressure(problem.traction(state.v, state.active)[1])
         state = _turned(problem, state, step.held, following[0])
-        return here | {"stage": following[0].stage, "index": 0, "state": state, "pressure": pressure}
+        return progress | {"stage": following[0].stage, "index": 0, "state": state, "pressure": pressure}
 
     def _free(self, step, problem, state):
         """Whether a retraction ends: the layer is undeformed, to FREE, or the top at HIGHEST."""
