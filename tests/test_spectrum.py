@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 from solver import Scene, load_path
 from solver.validation.extended import displacement, springs
 from solver.validation.spectrum import (
-    Critical,
     critical,
     exponents,
     friction,
@@ -35,6 +34,11 @@ def with_damping(scene, damping):
     weak = copy(scene)
     object.__setattr__(weak, "damping", damping)
     return weak
+
+
+def oscillates(mu):
+    """Whether mu belongs to a complex pair, but for the round-off of dense eigenvalues."""
+    return abs(mu.imag) > 1e-9 * abs(mu)
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +101,7 @@ def test_at_a_fold_growth_vanishes_and_changes_sign():
 
     fold = brentq(slope, 0.1, scene.spacing / 2.0, xtol=1e-14)
     at = critical(scene, frame_of(scene, fold, 0.0))
-    assert abs(at.growth) < 1e-9 and at.kind == "fold"
+    assert abs(at.growth) < 1e-9 and not oscillates(at.mu)
     assert growth(scene, frame_of(scene, fold - 1e-3, 0.0)) < 0.0 < growth(scene, frame_of(scene, fold + 1e-3, 0.0))
 
 
@@ -108,7 +112,6 @@ def test_a_complex_pair_crosses_on_the_parabola():
         assert rate(-real + 1j * imag, gamma) == pytest.approx(0.0, abs=1e-13)
         assert rate(-real + 1.01j * imag, gamma) > 0.0 > rate(-real - 0.99j * imag, gamma)
     assert rate(-2.0 + 5.0j, np.inf) == -2.0
-    assert Critical(0.0, -1.0 + 0.3j).kind == "flutter"
     # the larger root indeed: of lambda^2 + gamma lambda = mu
     mu = np.array([-3.0 + 1.0j, 0.2, -0.01, 2.0j])
     roots = [np.roots([1.0, gamma, -value]).real.max() for value in mu]
@@ -120,13 +123,13 @@ def test_an_attracted_flat_is_unstable_to_waves_alone():
     found = critical(scene, frame_of(scene, 0.0, 2.0))
     pull = scene.phi_n * np.exp(-2.0) * np.exp(-((np.arange(-2, 3) * scene.spacing) ** 2)).sum()
     k = stiffness(scene)
-    assert pull < k[1, 0] and found.growth > 0.0 and found.kind == "fold"
+    assert pull < k[1, 0] and found.growth > 0.0 and not oscillates(found.mu)
     assert found.mu.real == pytest.approx(pull - k[1].min(), rel=0.1)  # but for the coupling to x
 
 
 def test_little_damping_lets_a_pressed_punch_flutter(pressed):
     scene, frame = pressed
     found = critical(scene, frame)
-    assert found.growth == pytest.approx(0.0132, abs=2e-4) and found.kind == "flutter"
+    assert found.growth == pytest.approx(0.0132, abs=2e-4) and oscillates(found.mu)
     assert growth(with_damping(scene, 1.0), frame) < 0.0
     assert growth(scene, frame, held=True) == pytest.approx(found.growth, rel=0.1)  # short waves: the top keeps still

@@ -15,15 +15,9 @@ from numba import njit
 
 from ..continuation.gfmd import Gfmd
 from ..run.frame import Frame
-from ..run.loadpath import METHODS, load_path
+from ..run.loadpath import load_path
 from ..scene import Scene
 
-SERIES = {
-    "fast": "fast: secant steps on a branch, the damped motion between branches",
-    "gfmd": "gfmd: damped motion of modes of one mass",
-    "gfmd mass-weighted": "gfmd mass-weighted: each mode's mass is its stiffness",
-    "FIRE": "FIRE: mass-weighted, stopped where F.v < 0",
-}
 SAFETY = 0.5  # of the longest stable step: the interface may stiffen before the next look at it
 PROBES = 6  # power iterations from a random direction; later ones go on from the last
 
@@ -45,7 +39,7 @@ ENGINE = Engine()
 
 def frames(scene: Scene, series: str) -> Iterator[Frame]:
     """The Frames of a scene by one of SERIES, or by any class under the contract of `Gfmd`; raises NotConverged."""
-    return load_path(scene, series if series in METHODS else VARIANTS.get(series, series))
+    return load_path(scene, SERIES.get(series, series))
 
 
 class MassWeighted(Gfmd):
@@ -127,7 +121,7 @@ class FireMotion(Weighted):
         return 1.0 - mixing, mixing * np.sqrt(speed / force) + self.step
 
 
-VARIANTS = {"gfmd mass-weighted": MassWeighted, "FIRE": Fire}
+SERIES = {"fast": "fast", "gfmd": "gfmd", "gfmd mass-weighted": MassWeighted, "FIRE": Fire}  # name: as of `load_path`
 
 
 @njit(cache=True, nogil=True)

@@ -7,7 +7,7 @@ grows where mu lies outside the parabola Im(mu)^2 = -gamma^2 Re(mu): in a fold t
 complex pair. Overdamped: lambda is mu. Layer and springs are those of `extended`.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,17 +16,11 @@ from ..scene import Scene
 from . import extended
 
 
-@dataclass(frozen=True)
-class Critical:
+class Critical(NamedTuple):
     """The fastest growing, or slowest decaying, disturbance: growth Re(lambda), and its mu, GPa/nm."""
 
     growth: float
     mu: complex
-
-    @property
-    def kind(self) -> str:
-        """The instability at its onset: "fold" or "flutter"."""
-        return "flutter" if abs(self.mu.imag) > 1e-9 * abs(self.mu) else "fold"
 
 
 def growth(scene: Scene, frame: Frame, held: bool = False) -> float:
