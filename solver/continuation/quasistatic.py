@@ -36,7 +36,6 @@ class QuasiStatic:
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""
-        state = replace(state, secants=state.secants and state.secants.copy())  # solving changes them in place
         slips = []
         while len(slips) <= SLIPS:
             reached = self._judged(state) if state.unsure else state
@@ -61,7 +60,8 @@ class QuasiStatic:
 
     def _continued(self, state, target):
         """The State at load `target` on the branch of `state`, or the LimitPoint before it."""
-        state = replace(state, secants=state.secants or self.corrector.secants())
+        secants = state.secants.copy() if state.secants else self.corrector.secants()  # solving adds to them
+        state = replace(state, secants=secants)
         self.corrector.begin(state)
         return continue_branch(self.corrector, self.judge, state, target)
 

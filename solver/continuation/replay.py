@@ -62,9 +62,9 @@ class Replay:
             trace = trace.added(branch, known._replace(v=v - shift * problem.direction, active=active))
         slips = tuple(trace.slips(state.load, target, problem.direction))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        solved = {"active": active, "residual": self.stepper.corrector.worst}
+        worst = self.stepper.corrector.worst
         return Increment(
-            replace(state, load=target, v=v, past=past, secants=secants, trace=trace, **solved), slips, True
+            State(target, v, active, past, secants, state.sharp, state.mode, False, trace, worst), slips, True
         )
 
     def _same(self, moved, branch, load):
