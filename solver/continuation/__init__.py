@@ -4,14 +4,16 @@ problem      the contract of a problem, as Protocols: residual, tangent, and the
 state        an equilibrium, with what the next increment may use of those before it
 anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length
-rest         the only judge of whether an equilibrium is a rest of the motion; if not, which mode grows, and how fast
+rest         whether an equilibrium is stable under the motion; if not, which mode grows, and how fast
 inverse      solves with the tangent of an equilibrium; spaces in which modes are looked for
 fold         the end of a branch where its load has a maximum: found near a guess, with both null vectors
-branch       a branch followed to the load asked for, or to its end before that
-motion       the damped motion from the end of a branch to the next rest
+onset        the end of a branch where a mode begins to grow, without a fold
+branch       a branch continued to the load asked for, or to its end before that
+motion       time steps of the damped motion
 stepper      what a run asks of a method: the contract of the next two and of replay
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion
-slip         that motion step by step until Anderson steps may finish it
+slip         the motion from the end of a branch until Anderson steps finish it
+landing      the equilibrium in which a slip lands, and whether that depends on details of the motion
 trace        what a run has passed: branches, ends, and its period once it repeats itself
 replay       a stepper that moves known states on by lattice periods
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from .branch import continue_branch
 from .corrector import Corrector
+from .landing import motion_to_rest, widened
 from .onset import START
 from .problem import Problem
 from .rest import Judge
-from .slip import motion_to_rest, widened
 from .state import Crowded, Increment, LimitPoint, NotConverged, Slip, State, slipped
 
 SLIPS = 100  # most slips of an increment; soft layers that jump into contact make some ten
@@ -26,7 +26,7 @@ class Ended(NamedTuple):
 class QuasiStatic:
     """Advances States of one problem along its load; keeps only scratch between calls.
 
-    Attributes: problem, replaced by one of more unknowns where the states need it; film, as of `slip.motion_to_rest`.
+    Attributes: problem, replaced by one of more unknowns where the states need it; film: of `landing.motion_to_rest`.
     """
 
     def __init__(self, problem, damping, closed):

@@ -1,12 +1,10 @@
-"""From the end of a branch to the next equilibrium: the damped motion, finished by Anderson steps.
+"""The damped motion from the end of a branch to the next equilibrium, finished by Anderson steps.
 
-A `_Transient` starts just beyond the end of the branch. Once it has nearly died down, Anderson steps solve for the
-equilibrium. Which equilibrium that is may depend on the time step and on the start. Where it may, further transients
-with other steps and starts must agree; if they do not, the slip is `sensitive`.
+A `Transient` starts just beyond the end of the branch. Once it has nearly died down, Anderson steps solve for the
+equilibrium; `landing` decides whether that depends on the time step or the start.
 """
 
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
@@ -51,14 +49,6 @@ class Limits:
     # layers that detach
     budget: int = 250_000
     diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
-    # sites: beyond, a node has passed more than one barrier, and errors of its energy add up. Of 222 first slips
-    # (tests/bench/landings.py) 13 went wrong at the usual step, 12 of them beyond this
-    barrier: float = 1.2
-    far: float = 5.0  # sites beyond which two further motions must agree: one of 30 such slips needed that
-    half: float = 0.5  # sites beyond which a node has passed a barrier
-    same: float = (
-        0.05  # units within which two states are one equilibrium: a node at another site is a unit off or more
-    )
 
 
 LIMITS = Limits()
@@ -72,108 +62,8 @@ class Trial(NamedTuple):
     kick: float = 0.0  # units, random displacement of the unknowns, which breaks symmetries
 
 
-USUAL = Trial()
-# Over several barriers. The steps and starts that no first slip of tests/bench/landings.py was found to need finer
-FINE = Trial(4.0, 5.0, 1e-3), Trial(8.0, 10.0, -1e-3)
-# From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere
-FARTHER = (Trial(nearer=0.2),)
-COARSE = Trial(0.5)  # where single nodes have several equilibria; half the cost of the usual motion
-
-
 class TooLong(Restless):
     """The motion diverged, or did not come to rest; shorter steps may help."""
-
-
-class Landing(NamedTuple):
-    """The State in which a motion came to rest; sensitive: others came to rest elsewhere."""
-
-    state: State
-    sensitive: bool = False
-
-
-def motion_to_rest(problem, judge, damping, end, closed, film=None) -> Landing:
-    """The Landing of the motion from a LimitPoint; raises NotConverged, and Crowded where it needs more unknowns.
-
-    The load is that of the LimitPoint or, if the motion does not rest there, the next at which it does. damping: over
-    critical; closed: as of `motion.Motion`. film: a list that takes (problem, v, active, load) of states on the way,
-    from the end of the branch to the rest.
-    """
-    motion = partial(_moved, judge=judge, damping=damping, closed=closed)
-    landing = _repeated(motion, problem, end, motion(problem, end, USUAL, film), film)
-    # where all nodes are alike, a wave grows on the way only from a disturbance
-    if landing.sensitive or not problem.alike(end.v):
-        return landing
-    wide, state = (problem, end), landing.state
-    if problem.uniform:
-        wide = widened(problem, end)
-        state = replace(state, v=problem.grown(state.v, state.active, state.load, True)[1])
-    return landing._replace(sensitive=not _same(problem, state, _tried(motion, *wide, FINE[0])))
-
-
-def _repeated(motion, problem, end, state, film):
-    """The Landing, given the State in which the usual motion came to rest."""
-    sites = problem.sites(end.v, state.v)
-    if state.load > end.load + LIMITS.left * problem.unit:
-        return Landing(state, True)
-    trials, needed = (), 0
-    loose = sites > LIMITS.half and problem.loose(state.v, state.active)
-    if loose and not _same(problem, state, _tried(motion, problem, end, COARSE)):
-        return Landing(state, True)
-    if sites > LIMITS.barrier:
-        trials, needed = FINE, 1 if sites < LIMITS.far else 2
-    if end.kind == "flutter":
-        trials, needed = (*FARTHER, *trials), needed + 1
-    if not needed:
-        return Landing(state)
-    agreeing = 0
-    for trial in trials:
-        again = None if film is None else []
-        other = _tried(motion, problem, end, trial, again)
-        agreeing = agreeing + 1 if _same(problem, state, other) else 0
-        if agreeing == needed:
-            return Landing(state)
-        if other is not None and not agreeing and trial.finer > 1.0:
-            state = other
-            if film is not None:
-                film[:] = again
-    return Landing(state, True)
-
-
-def _tried(motion, *what):
-    """The State in which a motion comes to rest, or None."""
-    try:
-        return motion(*what)
-    except Crowded:
-        raise
-    except NotConverged:
-        return None
-
-
-def _same(problem, state, other):
-    if other is None:
-        return False
-    return bool(np.abs(other.v - state.v).max() <= LIMITS.same * problem.unit + 2.0 * abs(other.load - state.load))
-
-
-def widened(problem, end):
-    """(problem of more unknowns, the same LimitPoint of it)."""
-    wide, v, active = problem.grown(end.v, end.active, end.load, True)
-    begun = problem.grown(end.v + end.away, end.active, end.load, True)[1]
-    return wide, replace(end, v=v, active=active, away=begun - v)
-
-
-def _moved(problem, end, trial, film=None, **how):
-    """The State in which a motion comes to rest, with the longest steps that lead there."""
-    begun = len(film) if film is not None else 0
-    # with other steps a trial would be another one
-    for finer in LIMITS.finer if trial is USUAL else LIMITS.finer[:1]:
-        try:
-            return _Transient(problem, end, trial._replace(finer=finer * trial.finer), film, **how).to_rest()
-        except TooLong as failure:
-            last = failure
-            if film is not None:
-                del film[begun:]
-    raise last
 
 
 class Pace:
@@ -193,7 +83,7 @@ class Pace:
         return self._crawl / self.finer
 
 
-class _Transient:
+class Transient:
     """One motion to rest, with the steps and the start of a Trial; raises TooLong if shorter steps may help.
 
     Attributes: motion, load, v, active: the present state; ahead: the way since the last check; starting: whether it is

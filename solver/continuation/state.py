@@ -94,7 +94,7 @@ class LimitPoint:
 class Slip:
     """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again.
 
-    sensitive: as of `slip.Landing`.
+    sensitive: as of `landing.Landing`.
     """
 
     load: float  # nm
