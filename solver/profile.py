@@ -66,17 +66,16 @@ def read_profile(source: str | bytes | PathLike[str], width: float | None = None
 
 def _text(source: str | bytes | PathLike[str]) -> str:
     """The content as text; raises ProfileError where it is not text."""
-    if isinstance(source, PathLike):
-        source = _content(Path(source))
-    if len(source) > MOST_BYTES:
+    content = _content(Path(source)) if isinstance(source, PathLike) else source
+    if len(content) > MOST_BYTES:
         raise ProfileError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, {MOST_POINTS} points are all that is used")
-    if not isinstance(source, str):
+    if not isinstance(content, str):
         try:
-            source = bytes(source).decode()
+            content = bytes(content).decode()
         except UnicodeDecodeError as error:
-            line = source[: error.start].count(b"\n") + 1
+            line = error.object[: error.start].count(b"\n") + 1
             raise ProfileError("not UTF-8 text; save the profile as CSV in UTF-8 or ASCII", line) from None
-    return source.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    return content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _content(path):

@@ -52,8 +52,8 @@ class Profile:
         if not isinstance(self.heights, bytes):
             object.__setattr__(self, "heights", _heights(self.heights))
         object.__setattr__(self, "notes", tuple(self.notes))
-        if len(self.heights) % 8:
-            raise ProfileError(f"heights = {len(self.heights)} bytes: allowed: 8 for each float64; give numbers")
+        if (size := len(bytes(self.heights))) % 8:  # type: ignore[arg-type]
+            raise ProfileError(f"heights = {size} bytes: allowed: 8 for each float64; give numbers")
         if self.z.size < FEWEST_POINTS:
             raise ProfileError(f"heights: {self.z.size} points; allowed: {FEWEST_POINTS} or more; give more of them")
         if not np.isfinite(self.z).all():

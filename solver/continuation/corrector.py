@@ -41,7 +41,7 @@ class Corrector:
         self.problem, self.options, self.worst = problem, options, np.inf
         self.sharp = self.inverse = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
-        self._origin = None  # (v, active) of the equilibrium found last
+        self._origin: tuple | None = None  # (v, active) of the equilibrium found last
         self._r = np.empty(problem.size)
 
     def secants(self) -> Secants:

@@ -40,7 +40,7 @@ class Fold:
     load: float  # nm
     v: np.ndarray  # (size,)
     active: np.ndarray
-    phi: np.ndarray | None  # (size,) the right null vector of dR/dv, largest component 1 or -1; None: not known
+    phi: Any  # (size,) the right null vector of dR/dv, largest component 1 or -1; None: not known
     bend: float = np.nan  # 1/nm, negative; as of a state within `FoldOptions.alike`, and so is
     psi: np.ndarray | None = None  # (size,) the left null vector, <R_s, psi> = 1; None: not known
     residual: float = np.inf  # nm, of v

@@ -40,10 +40,9 @@ class Gfmd:
                 break
             self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
-        after, slips = State.at_rest(target, v, active, residual=residual), ()
-        if slipped(self.problem, state, target, after):
-            slips = (Slip(state.load, state.v, state.active, "lost", False, after),)
-        return Increment(after, slips)
+        after = State.at_rest(target, v, active, residual=residual)
+        slip = Slip(state.load, state.v, state.active, "lost", False, after)
+        return Increment(after, (slip,) if slipped(self.problem, state, target, after) else ())
 
     def _settled(self, state, target):
         """(v, active, residual) at rest; the active nodes change between two motions only, each node once."""

@@ -48,7 +48,8 @@ def onset(corrector, judge, state, older, after, mode) -> LimitPoint | None:
     end = _narrowed(corrector, judged, state, stable, unstable)
     x, unit = end.mode.x, corrector.problem.unit
     away = x * np.copysign(START * unit, dot(x, after.v - older[0].v))  # the way the state moves
-    return LimitPoint(*end.point, state.active, away / max(np.abs(x).max(), 1e-300), end.mode.kind, hidden)
+    away = away / max(np.abs(x).max(), 1e-300)
+    return LimitPoint(end.point.load, end.point.v, state.active, away, end.mode.kind, hidden)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):

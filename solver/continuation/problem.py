@@ -15,7 +15,10 @@ class Linearised(Protocol):
     """An equilibrium linearised: a disturbance x, N real numbers of unit mass, obeys x'' = (J - K) x - gamma x'."""
 
     size: int  # N
-    noise: np.ndarray  # (N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.most`
+
+    @property
+    def noise(self) -> np.ndarray:
+        """(N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.most`"""
 
     def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (N,), a new array; layered: K x, where that is known."""
@@ -75,7 +78,6 @@ class Problem(Protocol):
     size: int
     unit: float  # nm, over which the interaction changes
     tolerance: float  # nm, of max |R|
-    uniform: bool  # one node stands for all, so that waves do not show
     direction: np.ndarray  # dR/ds (size,), constant; v + k a direction is v moved on by k periods a of the lattice
 
     def residual(self, v, active, s, out) -> float:
@@ -90,6 +92,10 @@ class Problem(Protocol):
 
     def grown(self, v, active, s, hidden=False) -> tuple | None:
         """(problem, v, active) with more unknowns, if these are needed, or asked for by `hidden`; else None."""
+
+    @property
+    def uniform(self) -> bool:
+        """Whether one node stands for all, so that waves do not show."""
 
     def sites(self, v, w) -> float:
         """By how many sites of the lattice the unknown that moves farthest along it lies elsewhere in w than in v."""

@@ -36,7 +36,7 @@ class QuasiStatic:
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""
-        slips = []
+        slips: list[Ended] = []
         while len(slips) <= SLIPS:
             reached = self._judged(state) if state.unsure else state
             if isinstance(reached, State):

@@ -8,7 +8,7 @@ several slips.
 from bisect import bisect_left
 from dataclasses import dataclass, field, replace
 from math import ceil, floor, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,7 +41,7 @@ class TracedBranch:
     """The states of one branch in order of the load, and the Slip at its end, whose state is the last one."""
 
     states: tuple[Passed, ...] = field(repr=False)
-    end: Slip | None = None
+    end: Any = None  # its Slip, or None before it
 
     @property
     def start(self) -> float:
@@ -86,7 +86,7 @@ class Trace:
     """
 
     branches: tuple[TracedBranch, ...]
-    period: float | None = None
+    period: Any = None  # nm, or None before it is known
     home: float = 0.0
 
     @staticmethod

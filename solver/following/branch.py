@@ -6,6 +6,7 @@ evenly in t from 0 to 1, load = start + (end - start) sin^2(pi t/2), and are smo
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,7 +44,7 @@ class Branch:
     start: float
     end: float
     v: NDArray[np.float64] = field(repr=False)  # (n + 1, size)
-    active: NDArray[np.bool_] | None = field(repr=False)  # (n + 1, m)
+    active: Any = field(repr=False)  # bool (n + 1, m); None while a branch is made
     fold: Fold | None = field(default=None, repr=False)  # the last state, where the branch ends in one
     periodic: bool = False
     uneven: NDArray[np.float64] | None = field(default=None, repr=False)  # t of the states, (n + 1,), if not even

@@ -52,7 +52,12 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     if scene.path != "shear":
         raise NotFollowed(f"path {scene.path!r} is computed")
     trace = checkpoint.state.trace if checkpoint.state else None
-    if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
+    if (
+        trace is None
+        or checkpoint.patch is None
+        or trace.branches[0].start != 0.0
+        or len(trace.branches[0].states) < 2 > len(trace.branches)
+    ):
         raise NotFollowed("the run has not slid yet, or was not recorded from its start")
     first, spent = checkpoint.patch[0], [0]
     guess, passed = _guess(scene, first, trace, checkpoint.jumps)

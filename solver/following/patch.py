@@ -18,7 +18,10 @@ def widened(skeleton: Skeleton) -> Skeleton:
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     given, approach = Equilibrium(contact, sideways(1.0, -scene.delta)), Equilibrium(contact, vertical(1.0))
     shear = given if skeleton.held is None else Equilibrium(contact, sideways(1.0, 0.0), skeleton.pressure)
-    held = skeleton.held and Held(*_state(given, skeleton.held.v, skeleton.held.active, 0.0), skeleton.held.kind)
+    held = skeleton.held
+    if held is not None:
+        v, active = _state(given, held.v, held.active, 0.0)
+        held = Held(v, active, held.kind)
     return replace(
         skeleton,
         first=contact.wider().first,

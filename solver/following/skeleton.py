@@ -77,8 +77,8 @@ class Skeleton:
         """The SlipEvents of the shear up to u_x_max."""
         events = []
         if self.held is not None and self.held.kind:
-            numbers = (float(one[0]) for one in _numbers(self.scene, self.tractions(self.held.v[None])))
-            events.append(SlipEvent(0.0, *numbers, "shear", self.held.kind, True))
+            F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(self.scene, self.tractions(self.held.v[None])))
+            events.append(SlipEvent(0.0, F_bar, L_bar, A_bar, "shear", self.held.kind, True))
         for k, branch in enumerate(self.branches):
             if branch.fold is None:
                 continue

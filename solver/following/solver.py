@@ -42,13 +42,13 @@ class Solver:
             self.corrector.begin(State.at_rest(load, guess, active))
             self._begun = True
         v = guess.copy()
-        active = self.corrector.settle(v, self.problem.active(v, load, active), load, self.secants)
-        if active is None:
+        settled = self.corrector.settle(v, self.problem.active(v, load, active), load, self.secants)
+        if settled is None:
             raise NotFollowed(f"{what} is not found", nearer=True)
         if np.abs(v - guess).max() > surprise * self.problem.unit:
             raise NotFollowed(f"{what} lies on another branch", nearer=True)
-        self._check(v, active, load, self.corrector.worst, what)
-        return v, active
+        self._check(v, settled, load, self.corrector.worst, what)
+        return v, settled
 
     def fold(self, guess: Fold, what: str) -> Fold:
         """The Fold next to a guess; raises NotFollowed where there is none."""

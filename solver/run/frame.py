@@ -179,10 +179,10 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v, state.active)
+    F_bar, L_bar = map(float, forces(scene, T))
+    u, T, A_bar = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T), contact_area(scene, T)
     position = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
-    fields = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T)
-    numbers = *map(float, forces(scene, T)), contact_area(scene, T), residual, evaluations
-    return Frame(*position, *fields, *numbers, slips, repeated)
+    return Frame(*position, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated)
 
 
 def on_nodes(scene, field) -> NDArray[np.float64]:

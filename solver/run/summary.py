@@ -36,7 +36,8 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """
     names = changing(frames)
     events = [event.as_dict() | _values(f, names) for f in frames for event in f.slips]
-    first = next((event for event in events if event["stage"] == "shear" and event["kind"] != "control"), {})
+    sliding = (event for event in events if event["stage"] == "shear" and event["kind"] != "control")
+    first: dict[str, Any] = next(sliding, {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {
         "converged": _converged(scene, frames),

@@ -22,7 +22,8 @@ export function nowSaid(run, k) {
     return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
   }
   const slip = run.slipBefore(k, AFTER), normal = ["approach", "press", "reload", "unload"].includes(stage)
-  if (slip !== null && run.stage(slip) === stage) return normal ? jumped(run, slip, k) : slid(run, slip)
+  const jumps = normal || slip <= Math.max(0, run.sheared) // there a held load takes over
+  if (slip !== null && run.stage(slip) === stage) return jumps ? jumped(run, slip, k) : slid(run, slip)
   return normal ? pressed(run, k, stage) : pulled(run, k)
 }
 
