@@ -29,7 +29,7 @@ function measured(run) {
   if (sheared < 0) return Object.fromEntries(Object.keys(MEASURES).map((name) => [name, none("not yet sheared", 0)]))
   const found = {}, shear = head.stages.indexOf("shear"), width = 2 * head.middle
   const inShear = curves.stage.flatMap((stage, k) => (stage === shear ? [k] : [])), end = inShear.at(-1) ?? run.length - 1
-  const first = inShear.find((k) => curves.slip[k] > 0)
+  const first = inShear.find((k) => k > sheared && curves.slip[k] > 0) // not the jump where a held load takes over
   const before = first === undefined ? end : Math.max(first - 1, sheared)
   const slid = inShear.find((k) => run.least(k) >= head.spacing)
   const slips = curves.slip.slice(sheared), at = slips.findIndex(Boolean)
