@@ -7,6 +7,8 @@ import time
 import numpy as np
 from threadpoolctl import threadpool_info
 
+from solver import load_path
+
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
 
@@ -49,3 +51,13 @@ def peculiar(item):
     if item == "hang":
         time.sleep(600.0)
     return item
+
+
+def first_slip(scene):
+    """(the frame before, the frame with the first slip in shear, the SlipEvent)."""
+    before = None
+    for frame in load_path(scene):
+        if frame.stage == "shear" and frame.slip:
+            return before, frame, frame.slips[0]
+        before = frame
+    raise AssertionError("no slip")

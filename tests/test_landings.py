@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from helpers import first_slip
 from plain_gfmd import Plain
 
-from solver import Scene, load_path, whole_surface
+from solver import Scene, whole_surface
 
 ROUGH = [  # landed one site or more beside GFMD when the motion had one step for all surfaces
     {
@@ -24,16 +25,6 @@ FLAT = {"surface": "flat", "nodes": 82, "width": 183.0076, "E": 17.278, "nu": 0.
 SENSITIVE = {"surface": "flat", "nodes": 183, "width": 411.0729, "E": 33.661, "nu": 0.49, "height": 0.62784,
              "phi_n": 0.60637, "phi_ratio": 0.59469, "delta_bar": 0.77676, "window_n": 8.0,
              "u_x_max": 60.0}  # fmt: skip
-
-
-def first_slip(scene):
-    """(the frame before, the frame with the first slip in shear, the SlipEvent)."""
-    before = None
-    for frame in load_path(scene):
-        if frame.stage == "shear" and frame.slip:
-            return before, frame, frame.slips[0]
-        before = frame
-    raise AssertionError("no slip")
 
 
 def landings(scene, before, load, end):

@@ -4,6 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from helpers import first_slip
 from plain_gfmd import Plain
 
 from solver import NotConverged, Scene, load_path, whole_surface
@@ -75,16 +76,6 @@ def test_slips_of_soft_layers_are_located_whatever_the_increment(values):
     assert all(e.located for run in found for e in run) and len(found[0]) >= 2
     for run in found[1:]:
         assert [e.load for e in run] == pytest.approx([e.load for e in found[0]], abs=1e-6)
-
-
-def first_slip(scene):
-    """(the frame before, the frame with the first slip in shear, the SlipEvent)."""
-    before = None
-    for frame in load_path(scene):
-        if frame.stage == "shear" and frame.slip:
-            return before, frame, frame.slips[0]
-        before = frame
-    raise AssertionError("no slip")
 
 
 def moved(scene, before, after):
