@@ -9,7 +9,7 @@ from helpers import until
 from visitor import PATIENCE, SHORT, Page, say, unpacked
 
 from app.service import packing, worker
-from app.session import computing, controls
+from app.session import controls, pursuit
 from app.session import session as session_module
 from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, drawer, scene_from_address
 from solver import LIMITS, Scene, advance
@@ -26,8 +26,8 @@ def all_at_work(pool):
 @pytest.fixture
 def slices(monkeypatch):
     """Cut runs into many slices, however fast the solver."""
-    monkeypatch.setattr(computing, "FIRST", 0.002)
-    monkeypatch.setattr(computing, "BUDGET", 0.002)
+    monkeypatch.setattr(pursuit, "FIRST", 0.002)
+    monkeypatch.setattr(pursuit, "BUDGET", 0.002)
 
 
 @pytest.fixture
@@ -174,13 +174,13 @@ def test_an_unusable_entry_leaves_the_run_on_screen(page):
 @pytest.mark.slow
 def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeypatch):
     monkeypatch.setattr(pool, "patience", 600.0)
-    monkeypatch.setattr(computing, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
+    monkeypatch.setattr(pursuit, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
     all_at_work(pool)
     page.session.scene = Scene(E=10.0, delta_bar=1.0)
     page.order("hello")
     while page.status()["frames"] == 0:
         page.calls.get(timeout=PATIENCE)()
-    stale = page.session.computing.flight
+    stale = page.session.pursuit.task
     page.order("scene", E=1000.0)
     while page.chunks[-1][0] == 1:
         page.calls.get(timeout=PATIENCE)()
@@ -196,7 +196,7 @@ def test_what_one_visitor_has_computed_is_there_for_all(page, pool):
     page.until("finished")
     other = Page(pool, shelf=page.session.shelf)
     other.order("hello")
-    assert other.status()["state"] == "finished" and other.session.computing.flight is None
+    assert other.status()["state"] == "finished" and other.session.pursuit.task is None
     assert other.status()["frames"] == page.status()["frames"]
     np.testing.assert_array_equal(other.curve("F_bar"), page.curve("F_bar"))
     other.session.close()
@@ -213,11 +213,11 @@ def test_pause_submits_nothing_further_and_go_continues(page, slices):
     page.order("hello")
     page.until("running")
     page.order("pause")
-    while page.session.computing.flight is not None:
+    while page.session.pursuit.task is not None:
         page.calls.get(timeout=PATIENCE)()
     frames = page.status()["frames"]
     page.order("one")
-    while page.session.computing.flight is not None:
+    while page.session.pursuit.task is not None:
         page.calls.get(timeout=PATIENCE)()
     assert page.status()["state"] == "paused" and page.status()["frames"] == frames + 1
     page.order("go")
@@ -230,10 +230,10 @@ def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the
     page.until("finished")
     undisturbed = page.curve("F_bar")
     page.session.shelf.clear()
-    monkeypatch.setattr(computing, "FIRST", 60.0)  # the whole run is one slice
+    monkeypatch.setattr(pursuit, "FIRST", 60.0)  # the whole run is one slice
     lost = pool.replaced
     page.order("hello")
-    until(lambda: page.session.computing.flight.running())
+    until(lambda: page.session.pursuit.task.running())
     for process in pool.processes():
         os.kill(process, signal.SIGKILL)
     page.until("finished")
@@ -246,17 +246,16 @@ def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the
 
 @pytest.mark.slow
 def test_a_slice_that_kills_every_worker_fails_visibly(page, monkeypatch):
-    monkeypatch.setattr(page.session.computing, "_submit", lambda budget: submit_exit(page.session.computing))
+    monkeypatch.setattr(page.session.pursuit, "_slice", lambda budget: submit_exit(page.session.pursuit))
     page.order("hello")
     page.until("failed")
     assert "workers" in page.status()["why"]
 
 
-def submit_exit(computing):
+def submit_exit(pursuit):
     """Submit a task that ends its worker."""
-    if computing.flight is None:
-        computing.flight = computing.last = computing.session.pool.submit(os._exit, 1)
-        computing.session.when_done(computing.flight, computing._take)
+    if pursuit.task is None:
+        pursuit._submit((os._exit, 1), pursuit._show_slice)
 
 
 def test_a_visitor_who_leaves_is_forgotten(pool):

@@ -65,7 +65,7 @@ def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
     page.wait_for_function("punch.status.values.delta_bar === 0.12", timeout=PATIENCE)
     finished(page, run=2)
     assert page.evaluate("punch.run.values(punch.run.length - 1).delta") == pytest.approx(1.2)
-    assert page.evaluate("punch.status.run") <= 25  # a coarse and an exact one for each move at most
+    assert page.evaluate("punch.status.run") <= 13  # one for each move at most
 
 
 CURSOR = """async () => {
@@ -101,7 +101,7 @@ def test_play_pause_step_and_reset(visit):
     page.wait_for_function("punch.playing")
     page.focus("#phi_ratio")
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function("punch.run.scene?.phi_ratio < 1 && !punch.run.followed && !punch.run.coarse")
+    page.wait_for_function("punch.run.scene?.phi_ratio < 1 && !punch.run.followed")
     finished(page, run=2)
     page.get_by_role("button", name="Reset", exact=True).click()
     page.wait_for_function("punch.status.values.phi_ratio === 1")

@@ -23,7 +23,7 @@ WATCH = """() => {  // what is on screen with every run that is painted whole
         if (run !== last && run.whole && !punch.fresh && punch.begun === run.number) {
             last = run
             const { stale } = document.querySelector(".page").dataset
-            const of = { followed: Boolean(run.followed), coarse: Boolean(run.coarse), stale: stale === "true" }
+            const of = { followed: Boolean(run.followed), stale: stale === "true" }
             seen.push({ ...of, held: punch.dragging, word: %s, axes: %s, colours: %s,
                 at: run.curves.U_x[Math.floor(punch.at)] })
         }
@@ -78,7 +78,7 @@ def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_o
     narrow = axes.pop("area")
     assert wider[0] == narrow and all(a[2] == narrow[2] and a[3] >= narrow[3] for a in wider)
     assert [(each["axes"], each["colours"]) for each in held] == [(axes, colours)] * len(held)
-    assert not any(each["stale"] or each["coarse"] for each in seen)
+    assert not any(each["stale"] for each in seen)
     assert all(each["at"] == pytest.approx(at, abs=0.01) for each in seen)  # what was looked at
     assert page.evaluate("punch.run.scene.delta_bar") == 0.13 and page.evaluate("punch.run.head.step") < 0.2
     assert page.evaluate("[...punch.ghost.shear('F_bar')]") == before  # the run before the drag, and exact

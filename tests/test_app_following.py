@@ -12,7 +12,8 @@ from app.service import following, metrics, packing, worker
 from app.service.finished import Shelf
 from app.service.packing import Frames
 from app.service.pool import EXACT, LATER, SCREEN
-from app.session.following import OFF
+from app.session import pursuit
+from app.session.comparison import OFF
 from solver import Scene
 
 SCENE = Scene(u_x_max=16.0)  # slips three times
@@ -195,6 +196,8 @@ def test_the_exact_run_comes_when_the_hand_rests_and_behind_what_moves(page, run
 def test_a_hand_that_moves_again_ends_the_exact_run(page, runs):
     move(page, 0.02)
     page.order("rest")
+    assert not page.pool.waiting(worker.compute)  # one call at a time: the picture comes first
+    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     (task,) = page.pool.waiting(worker.compute)
     move(page, 0.03)
     assert task.cancelled() and page.pool.waiting(following.followed)
@@ -211,22 +214,47 @@ def test_a_disagreement_is_counted_and_said(page, runs):
     assert page.status()["notes"][0].startswith(OFF) and "0.02 nm" in page.status()["notes"][0]
 
 
-def test_what_cannot_be_followed_is_computed_coarsely_and_counted_by_its_reason(page):
+def test_the_exact_run_starts_at_once_where_following_fails_and_the_reason_is_counted(page):
     move(page, 0.02)
     move(page, 0.05)
     page.pool.answer(page, following.followed, 'the contact is "lost"')
     (task,) = page.pool.waiting(worker.compute)
-    assert task.call[1].delta_bar == 0.05 and task.call[1].du_x > SCENE.du_x  # where the hand is by now
+    assert task.call[1] == SCENE.changed(delta_bar=0.05) and task.rank == SCREEN  # the newest position
+    assert page.status()["state"] == "running"
     assert b'contact_not_followed_total{reason="the contact is \\"lost\\""} 1.0\n' in metrics.text()
     task.set_running_or_notify_cancel()
     move(page, 0.06)
-    assert not page.pool.waiting(following.followed)  # a coarse run that has begun comes to its end
+    assert not page.pool.waiting(following.followed)
     page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 600.0))
+    (task,) = page.pool.waiting(following.followed)  # from the run that has just ended
+    assert task.call[2].delta_bar == 0.06 and page.session.run.scene.delta_bar == 0.05
+
+
+def test_the_exact_run_ends_for_the_newest_position_where_it_would_take_long(page, monkeypatch):
+    monkeypatch.setattr(pursuit, "SOON", 0.0)
+    move(page, 0.02)
+    page.pool.answer(page, following.followed, "no reason")
+    (task,) = page.pool.waiting(worker.compute)
+    task.set_running_or_notify_cancel()
+    for value in (0.03, 0.04):
+        move(page, value)
+    page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 0.0))
     (task,) = page.pool.waiting(following.followed)
-    assert task.call[2].delta_bar == 0.06
+    assert task.call[2].delta_bar == 0.04
 
 
-def test_a_lost_worker_means_a_coarse_run(page):
+def test_a_wish_waits_for_a_slice_that_has_begun_and_only_so_long(page):
+    page.order("scene", phi_ratio=0.5)
+    (task,) = page.pool.waiting(worker.compute)
+    task.set_running_or_notify_cancel()
+    page.order("scene", phi_ratio=0.6)
+    assert page.pool.waiting(worker.compute) == [task] and page.status()["heard"] is not None
+    while not page.calls.empty():  # the time is over
+        page.calls.get()()
+    assert [task.call[1].phi_ratio for task in page.pool.waiting(worker.compute)] == [0.5, 0.6]
+
+
+def test_a_lost_worker_means_an_exact_run(page):
     move(page, 0.02)
     page.pool.waiting(following.followed)[0].set_exception(RuntimeError("killed"))
     page.calls.get()()

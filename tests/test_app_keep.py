@@ -157,7 +157,7 @@ def test_a_run_goes_on_from_another_so_often_only(session, monkeypatch):
     session.scene = Scene(delta_bar=0.1)
     for number in (1, 2, 3):
         before = tuple((Scene(delta_bar=0.01 * k), 10) for k in range(number - 1))
-        session.computing.runs[number] = Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200)
+        session.pursuit.runs[number] = Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200)
     for number, usable in ((1, True), (2, True), (3, False)):
         assert session._usable(Scene(delta_bar=0.2), (number, 150)) == ((number, 150) if usable else None)
     assert "starts anew" in session.notes[-1] and len(session.notes) == 1
@@ -175,7 +175,7 @@ def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says
     page.session.scene = Scene(u_x_max=12.0)
     page.order("hello")
     page.until("finished")
-    slips, run = page.curve("slip"), page.session.computing.run.number
+    slips, run = page.curve("slip"), page.session.pursuit.run.number
     k = len(slips) - 1 - int(np.argmax(slips[::-1] > 0))
     page.order("film", run=run, frame=k)
     while page.chunks[-1][0] != 2_000_000 + k:
@@ -195,4 +195,4 @@ def test_while_a_newer_scene_waits_for_a_slice_what_is_taken_away_is_its_run(ses
     session.hello()
     session.pool.tasks[-1].set_running_or_notify_cancel()
     session.change({"E": "90"})
-    assert session.computing.wanted and session.computing.legs == ((session.scene, None),)
+    assert session.pursuit.wanted and session.pursuit.legs == ((session.scene, None),)

@@ -70,7 +70,7 @@ def test_what_is_taken_away_of_a_run_that_went_on_is_the_whole_of_it_in_newtons_
     """Lines, NPZ and JSON once began anew with the last parameters; frames did not say what their E was."""
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
-    legs = page.session.computing.legs
+    legs = page.session.pursuit.legs
     assert legs == ((SHORT, frame + 1), (SHORT.changed(E=90.0), None))
     made = {}
     exec(python_lines(legs), made)

@@ -6,7 +6,6 @@ For oneself a film and the table of a layer; shared with all visitors pinned run
 import json
 from functools import cache
 
-from app.limits import coarse
 from app.service import marks, packing, tasks, worker
 from app.service.packing import Frames
 from app.service.pool import LATER
@@ -29,7 +28,7 @@ class Film(Wanted):
     def want(self, values):
         """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
         self.forget()
-        session, run, k = self.session, self.session.computing.run, values["frame"]
+        session, run, k = self.session, self.session.pursuit.run, values["frame"]
         session.notes = [note for note in session.notes if not note.startswith(FILM_NAME)]
         if run is None or run.number != values["run"]:
             return
@@ -120,7 +119,7 @@ class Marks(Sweep):
 @cache
 def _thumbnails():
     """{call: preset}"""
-    return {(tasks.thumbnail, coarse(one.scene)): one.name for one in presets().values()}
+    return {(tasks.thumbnail, one.scene): one.name for one in presets().values()}
 
 
 class Gallery(Sweep):

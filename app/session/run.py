@@ -24,22 +24,10 @@ class Run:
     made: Frames = field(default_factory=Frames)  # its own, whose blocks are kept as long as it lasts
     seconds: float = 0.0
     heavy: bool = False  # whether an increment takes so long that the run must not be in the way of others
-    wish: Scene = None  # what was asked for: `scene`, but with its own increments
-    refines: bool = False  # whether it takes the place of a coarser one: shown when it is done
-    seen: bool = False  # whether the browser has some of it beyond the approach
+    refines: bool = False  # whether it takes the place of a picture: the browser shows it once it is whole
     lost: int = 0
     why: str = ""
     kept_as: object = None  # under what the blocks are on the shelf since, as long as there is room
-
-    @property
-    def coarse(self):
-        """Whether finer increments are asked for than these."""
-        return self.scene != self.wish
-
-    @property
-    def coming(self):
-        """Whether the run that was asked for is still to come, and one with coarser increments on screen."""
-        return (self.refines and self.state == "running") or (self.coarse and self.state == "finished")
 
     def add(self, piece, now):
         """One more Slice is done; now: s, monotonic."""
@@ -49,7 +37,6 @@ class Run:
         if piece.ahead is not None:
             self.total = self.frames + piece.ahead
         self.made += piece
-        self.seen = self.seen or piece.done or (piece.frames > 0 and piece.checkpoint.stage != "approach")
         self.seconds = now - self.started
         if self.state == "warming":
             self.state, self.started = "running", now
@@ -92,7 +79,7 @@ class Run:
     def status(self):
         """The numbers for the browser, as plain data."""
         return {
-            "state": "refining" if self.coming else self.state,
+            "state": "refining" if self.refines and self.state == "running" else self.state,
             "run": self.number,
             "after": self.after or None,
             "frames": self.frames,
@@ -102,6 +89,5 @@ class Run:
             "residual": self.made.residual,
             "tolerance": self.scene.tolerance,
             "why": self.why,
-            "coarse": self.coarse,
             "known": self.state == "finished" and self.seconds == 0.0,
         }

@@ -13,7 +13,7 @@ from app.service.pool import pool as shared_pool
 from app.service.wanted import Wanted
 from app.session import controls
 from app.session.aside import Film, Gallery, Layer, Marks, Pinned
-from app.session.computing import Computing
+from app.session.pursuit import Pursuit, Wish
 from app.session.share import Share
 from app.session.wire import Wire
 from solver import SceneError
@@ -36,7 +36,7 @@ class Session:
         self.wire = Wire()
         self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
         self.errors = {}
-        self.computing = Computing(self)
+        self.pursuit = Pursuit(self)
         self.bench = Bench(doc)
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
@@ -53,7 +53,7 @@ class Session:
         """Free everything: called when the visitor has left."""
         if not self.closed:
             self.closed = True
-            for part in (self.computing, self.bench, self.pages):
+            for part in (self.pursuit, self.bench, self.pages):
                 part.close()
             for wanted in (self.reading, self.share, self.film, self.layer):
                 wanted.forget()
@@ -74,10 +74,10 @@ class Session:
         try:
             self._obey(order)
         except Exception:
-            self.computing.fail_unexpectedly()
+            self.pursuit.fail_unexpectedly()
 
     def _obey(self, order):
-        values, computing = order.values, self.computing
+        values, pursuit = order.values, self.pursuit
         quiet = {  # what tells the browser of it in its own way, or nothing
             "scene": lambda: self.change(values, order.after, order.held, order.at),
             "profile": lambda: self.read_profile(values["text"]),
@@ -90,7 +90,7 @@ class Session:
             "gallery": self.gallery.want,
             "hello": self.hello,
             "reset": self.reset,
-            **{name: getattr(computing, name) for name in ("pause", "go", "one", "skip", "rest")},
+            **{name: getattr(pursuit, name) for name in ("pause", "go", "one", "skip", "rest")},
         }
         told = {
             "beside": lambda: self.pinned.want(values),
@@ -114,7 +114,7 @@ class Session:
 
     def hello(self):
         """The page is drawn and listens."""
-        self.computing.want(self.scene)
+        self.pursuit.want(Wish(self.scene))
 
     def change(self, entries, after=None, held=False, at=0.0):
         """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
@@ -129,11 +129,11 @@ class Session:
         else:
             after = self._usable(scene, after)
             self.scene = scene
-            self.computing.want(scene, after, held, at)
+            self.pursuit.want(Wish(scene, after, held, at, self.acknowledged))
 
     def _usable(self, scene, after):
         """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
-        run = after and self.computing.runs.get(after[0])
+        run = after and self.pursuit.runs.get(after[0])
         if not run or after[1] >= run.frames:
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
@@ -162,7 +162,7 @@ class Session:
             self.errors = {"profile": f"profile: {why}.{controls.STAYS}"}
             return self.publish()
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
-        self.computing.want(scene)
+        self.pursuit.want(Wish(scene))
 
     def choose(self, preset):
         """Everything as in a preset."""
@@ -178,7 +178,7 @@ class Session:
         """A scene that a page has made from `preset`."""
         self.reading.forget()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
-        self.computing.want(scene)
+        self.pursuit.want(Wish(scene))
 
     def reset(self):
         """Everything as in the paper's Fig. 6."""
@@ -187,11 +187,11 @@ class Session:
     @property
     def run(self):
         """The run on screen, or None."""
-        return self.computing.run
+        return self.pursuit.run
 
     def look(self):
         """From time to time: say how long the line is, in any thread."""
-        if not self.closed and (self.told_place or self.computing.place):
+        if not self.closed and (self.told_place or self.pursuit.place):
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
 
     def publish(self):
@@ -199,10 +199,10 @@ class Session:
         run = self.run
         if run is None:
             return
-        self.told_place = self.computing.place
+        self.told_place = self.pursuit.place
         waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
         own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
-        own |= {"scene": controls.values_of(run.wish), "marks": self.marks.told}  # scene: whose run it is
-        own |= {"notes": self.notes + waits, "cautions": self.computing.cautions}
+        own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: whose run it is
+        own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
         self.wire.status = json.dumps(run.status() | own)

@@ -25,14 +25,14 @@ class Share(Wanted):
 
     def sheet(self, values):
         """Tell the browser what belongs to a link, values["link"], and to the run on screen."""
-        link, python = values["link"], python_lines(self.session.computing.legs)
+        link, python = values["link"], python_lines(self.session.pursuit.legs)
         code = segno.make(link, error="l").svg_data_uri(scale=4, border=2) if len(link) <= SCANNED else ""
         self._send({"what": "sheet", "link": link, "qr": code, "python": python})
 
     def take(self, values):
         """Have a worker make the file of the run: values["kind"] is npz or json."""
         kind = values["kind"]
-        call = (tasks.file_of_run, self.session.computing.legs, kind)
+        call = (tasks.file_of_run, self.session.pursuit.legs, kind)
         self.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
 
     def _made(self, body, kind):

@@ -1,5 +1,8 @@
 """What passes between server and browser of one visitor."""
 
+import struct
+from math import nan
+
 from bokeh.core.properties import Bytes, Nullable, String
 from bokeh.model import DataModel
 
@@ -22,3 +25,7 @@ class Wire(DataModel):
         """Packed blocks, as those of the visitor's run of that number."""
         for block in blocks:
             self.chunk = packing.numbered(run, block)
+
+    def follow(self, picture, number):
+        """A picture that follows a held slider; number: of the order that it answers."""
+        self.hand = struct.pack("<d", nan if number is None else number) + picture

@@ -32,7 +32,7 @@ WATCH = """
     if (painted && run !== last && shown) {
       last = run
       const followed = Boolean(run.followed)
-      curves.push({ at: now, age: now - shown.at, exact: !followed && !run.coarse, followed })
+      curves.push({ at: now, age: now - shown.at, exact: !followed, followed })
     }
     for (const mark of marks) {
       if (run.number === mark.run || punch.fresh) continue
@@ -44,7 +44,7 @@ WATCH = """
   watch()
 }
 """
-RESTS = "() => punch.status.state === 'finished' && !punch.run.followed && !punch.run.coarse && !punch.fresh"
+RESTS = "() => punch.status.state === 'finished' && !punch.run.followed && !punch.fresh"
 SETTLED = f"{RESTS} && marks.every((mark) => mark.whole)"
 THERE = "(name) => Number(document.getElementById(`${name}-entry`).value) === punch.run.scene?.[name]"
 BROWSER = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]

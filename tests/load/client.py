@@ -99,7 +99,7 @@ class Tab:
                 first = first or time.perf_counter() - start
         begun = time.perf_counter()
         await self.give({"do": "rest"})
-        while await self.heard() != "status" or self.status["state"] not in ENDS or self.status["coarse"]:
+        while await self.heard() != "status" or self.status["state"] not in ENDS:
             first = first or time.perf_counter() - start
         return first, time.perf_counter() - begun, pictures, self.status
 

@@ -60,7 +60,7 @@ function begin(run) {
   }
   me.run = run
   sketch(Boolean(run.followed))
-  if (me.status.run === run.number) Object.assign(run, { scene: me.status.scene, coarse: me.status.coarse })
+  if (me.status.run === run.number) run.scene = me.status.scene
   checkTruth()
   me.bornAt = performance.now()
   me.preview = null

@@ -30,8 +30,8 @@ const followers = []
 export const onFrame = (call) => followers.push(call)
 export const frameDrawn = (run, k) => { for (const call of followers) call(run, k) }
 
-// Whether a run is what was asked for, and not what is shown in its place while a slider is held
-export const exact = (run) => Boolean(run) && !run.followed && !run.coarse
+// Whether a run was computed, and does not follow a held slider
+export const exact = (run) => Boolean(run) && !run.followed
 
 // A change begins: what is on screen stays behind it, pale, unless there is nothing to compare
 export function leaveBehind(compare = true) {

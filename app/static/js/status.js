@@ -19,7 +19,7 @@ export function heard(text) {
   me.status = JSON.parse(text)
   acknowledged(me.status.heard)
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
-  if (me.run?.number === me.status.run) Object.assign(me.run, { scene: me.status.scene, coarse: me.status.coarse })
+  if (me.run?.number === me.status.run) me.run.scene = me.status.scene
   const { state, values, errors, notes, cautions, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1

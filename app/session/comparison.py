@@ -1,0 +1,42 @@
+"""Whether the picture of a held slider was right: the exact run that takes its place is compared with it."""
+
+import logging
+
+import numpy as np
+
+from app.service import metrics, packing
+from app.service.following import AGREE_F, AGREE_U, SHOWN, compared
+from app.service.pool import LATER
+from app.service.wanted import Wanted
+
+log = logging.getLogger("app")
+OFF = "What was shown while the slider moved"  # a note begins with it
+
+
+class Comparison(Wanted):
+    """Of one visitor; every method runs under the lock of the document."""
+
+    def compare(self, skeleton, scene, blocks):
+        """Compare the pickled Skeleton of a picture with the packed exact run of the same scene."""
+        columns = [packing.unpack(block)[1] for block in blocks]
+        stage, U_x, F_bar, slip, at = (
+            np.concatenate([each[name] for each in columns]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
+        )
+        sheared = stage == packing.ORDER.index("shear")
+        exact = (U_x[sheared].astype(float), F_bar[sheared], at[sheared & (slip > 0)].tolist())
+        self.ask((compared, skeleton, *exact), lambda off: self._judge(off, scene), rank=LATER)
+
+    def _judge(self, off, scene):
+        """Count the outcome, and show a note where the picture was off."""
+        if off is None:
+            return
+        off_U, off_F = off
+        agreed = off_U <= AGREE_U and off_F <= AGREE_F
+        metrics.count("agreed" if agreed else "disagreed")
+        if not agreed:
+            where = {name: getattr(scene, name) for name in SHOWN}
+            log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
+            if self.session.scene == scene:
+                how = f"by {off_U:.2g} nm at a slip" if np.isfinite(off_U) else "by a slip more or less"
+                self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
+                self.session.publish()

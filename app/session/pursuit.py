@@ -1,0 +1,326 @@
+"""What a visitor wants to see: idle, following a held slider, or computing the exact run. The newest wish wins.
+
+A drag, from the slider to the screen:
+
+1. `steer.js` sends the newest position, once the server has answered the one before: an order "scene" with `held`.
+2. `Session.change` reads the order and hands the scene to `Pursuit.want`.
+3. `Pursuit` submits one call to the workers. A newer wish waits until it is done; those in between are dropped.
+4. A worker continues the run on screen to the new parameters and packs the picture (service/following.py).
+5. `Pursuit` sends the picture, whose number acknowledges the order, and takes up the newest wish.
+6. `player.js` unpacks the picture and draws it.
+
+Once the slider rests, the exact run takes the place of the last picture, and a worker compares the two. Where nothing
+can be followed the exact run starts at once.
+"""
+
+import logging
+import time
+from concurrent.futures import CancelledError
+from dataclasses import dataclass
+from functools import partial
+
+from cachetools import FIFOCache
+
+from app.limits import increments_of
+from app.service import metrics, worker
+from app.service.following import Followed, followed
+from app.service.pool import EXACT, HEAVY, SCREEN
+from app.session.comparison import Comparison
+from app.session.run import Run
+from solver import Scene
+from solver.cautions import cautions
+
+log = logging.getLogger("app")
+FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
+BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one is seen to grow
+SOON = 1.0  # s that a run may still need to be finished while a slider is held: following continues from it
+PATIENCE = 0.5  # s that a newer wish waits for a slice: its budget, and the longest increment of most runs
+LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+RUNS = 40  # of a visitor, from which another run may carry on
+WAITS = 1.0  # s in the queue, after which a visitor sees the position in it
+ERROR = "the server made an error, which is in its log. Press Reset to start again"
+
+
+@dataclass(frozen=True)
+class Wish:
+    """The Scene to show; after: (number of a run, frame) to carry on from.
+
+    held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order that asks for it.
+    """
+
+    scene: Scene
+    after: tuple | None = None
+    held: bool = False
+    at: float = 0.0
+    number: float | None = None
+
+
+class Pursuit:
+    """Of one visitor; every method runs under the lock of the document.
+
+    `task` is the one call in flight: a picture, or a slice of the exact run. Frames live in the visitor's browser; here
+    they are kept while a run lasts, and then on the shelf for all.
+    """
+
+    def __init__(self, session):
+        self.session = session
+        self.run, self.runs = None, FIFOCache(RUNS)  # the last run, and all by number
+        self.wanted = None  # the newest Wish, while `task` is in flight
+        self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
+        self.held = False  # whether a slider is held
+        self.skeleton = self.shown = None  # pickled, to follow from; the Scene of the picture on screen, or None
+        self.cautions = []  # of the last finished run
+        self.comparison = Comparison(session)
+
+    @property
+    def state(self):
+        """'idle', 'following' or 'exact'."""
+        return "idle" if self.task is None else "following" if self.task.call[0] is followed else "exact"
+
+    @property
+    def legs(self):
+        """((Scene, frames), ..., (Scene, None)) that lead to the run wanted last: see `solver.carried_path`."""
+        if self.wanted is not None:
+            after = self.wanted.after
+            return (*(self.runs[after[0]].up_to(after[1]) if after else ()), (self.wanted.scene, None))
+        return (*self.run.history, (self.run.scene, None)) if self.run else ((self.session.scene, None),)
+
+    @property
+    def place(self):
+        """How many tasks come before this visitor's in the queue; None: none, or it has not waited for long."""
+        waits = self.task is not None and time.monotonic() - self.since > WAITS
+        return (self.session.pool.place(self.task) or None) if waits else None
+
+    def close(self):
+        """Wait for nothing any longer."""
+        self.abandon()
+        self.comparison.forget()
+        self.run = self.wanted = None
+
+    # what the visitor asks for
+
+    def want(self, wish):
+        """Show what a Wish asks for, at once or after the call in flight."""
+        self.session.bench.cancel("the scene has changed")
+        self.session.pages.scene_changed()
+        self.wanted, self.held = wish, wish.held
+        state = self.state
+        if (state == "following" and not wish.held) or (state == "exact" and (self.run.refines or self.task.cancel())):
+            self.abandon()
+        if self.task is None:
+            self._take_up()
+        elif state == "exact":
+            self.session.doc.add_timeout_callback(partial(self._lose_patience, self.task), round(1000 * PATIENCE))
+            self.session.publish()  # acknowledges the order: the browser sends where the slider is by then
+
+    def rest(self):
+        """The slider rests: compute the exact run of what it shows."""
+        self.held = False
+        if self.task is None and self.shown is not None:
+            self._begin(self.shown, refines=True)
+
+    def pause(self):
+        """Submit no further slice until `go`."""
+        if self.run and self.run.state in ("running", "warming") and not self.run.refines:
+            self.run.state = "paused"
+            self.session.publish()
+
+    def go(self):
+        """Continue a paused run."""
+        if self.run and self.run.state == "paused":
+            self.run.state = "running"
+            self._slice(BUDGET)
+            self.session.publish()
+
+    def one(self):
+        """Compute one further increment of a paused run."""
+        if self.run and self.run.state == "paused":
+            self._slice(0.0)
+
+    def skip(self):
+        """End the run with the frames it has."""
+        if self.run and self.run.state == "running":
+            self.abandon()
+            self.run.state = "skipped"
+            self._keep()
+            self.session.publish()
+
+    # one call in flight
+
+    def abandon(self):
+        """Wait no longer for the call in flight: another worker takes what comes next."""
+        if self.task is not None:
+            self.session.pool.abandon(self.task)
+            self.task = None
+
+    def _submit(self, call, take, **how):
+        self.task, self.since = self.session.pool.submit(*call, owner=id(self.session), **how), time.monotonic()
+        self.session.when_done(self.task, lambda task: self._done(task, take))
+
+    def _done(self, task, take):
+        """The call in flight is done: take(its result, or the error that ended it)."""
+        if self.session.closed or task is not self.task:
+            return
+        self.task = None
+        try:
+            take(CancelledError() if task.cancelled() else task.exception() or task.result())
+        except Exception:
+            self.fail_unexpectedly()
+
+    def _lose_patience(self, task):
+        """A newer wish has waited long enough for this call."""
+        if self.wanted is not None and task is self.task:
+            self.abandon()
+            self._take_up()
+
+    def _take_up(self):
+        """Begin what is wanted now."""
+        wish, self.wanted = self.wanted, None
+        skeleton = self._nearest(wish.scene) if wish.held and not wish.after else None
+        if skeleton is None:
+            return self._begin(wish.scene, wish.after)
+        if self.run and self.run.state == "running":
+            self.run.state = "skipped"
+        self.session.marks.cancel()  # until the next run has ended
+        self._submit((followed, skeleton, wish.scene, wish.at), partial(self._show_picture, wish=wish), rank=SCREEN)
+
+    # following
+
+    def _nearest(self, scene):
+        """The pickled Skeleton from which to follow to a scene: of the open page if it has a nearer one; or None."""
+        origin = (self.shown or self.run.scene) if self.skeleton else None
+        return self.session.pages.nearer(scene, origin) or self.skeleton
+
+    def _show_picture(self, made, wish):
+        """Send the picture and take up what is wanted next; without one, begin the exact run."""
+        if not isinstance(made, Followed):
+            metrics.not_followed.labels(made if isinstance(made, str) else "the worker was lost").inc()
+            self.shown, wish = None, self.wanted or wish
+            return self._begin(wish.scene, wish.after)
+        metrics.count("followed")
+        self.skeleton, self.shown = made.skeleton, wish.scene
+        self.session.wire.follow(made.picture, wish.number)
+        if self.wanted is not None:
+            self._take_up()
+        elif not self.held:
+            self.rest()
+
+    # the exact run
+
+    def _begin(self, scene, after=None, refines=False):
+        """Compute the run of a scene from its start, or from the frame `after`.
+
+        refines: it takes the place of a picture.
+        """
+        self.abandon()
+        self.wanted = None
+        if not self.held and not refines:
+            self.skeleton = self.shown = None
+        if self.run:
+            self.run.leave()
+        number = self.run.number + 1 if self.run else 1
+        state = "warming" if self.session.pool.status != "ready" else "running"
+        run = Run(number, scene, increments_of(scene), state, time.monotonic(), refines=refines)
+        if after:
+            run.after, run.history, run.frames = after, self.runs[after[0]].up_to(after[1]), after[1] + 1
+        self.run = self.runs[number] = run
+        known = None if after else self.session.shelf.get(scene)
+        metrics.count("shelf_misses" if known is None else "shelf_hits")
+        if known is None:
+            self._slice(BUDGET if refines else FIRST)
+        else:
+            run.take_over(known)
+            self._send(known.blocks)
+            self._ended(known)
+        self.session.publish()
+
+    def _slice(self, budget):
+        """Submit the next slice of the run, with so many s of work."""
+        if self.task is not None:
+            return
+        run, self.budget = self.run, budget
+        rank = HEAVY if run.heavy else EXACT if run.refines else SCREEN
+        limit = worker.SLOW if run.heavy else worker.QUICK
+        call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history, limit)
+        self._submit(call, self._show_slice, rank=rank, seconds=worker.APPROACH * budget)
+
+    def _show_slice(self, piece):
+        """Send a slice and submit the next one, unless a newer wish is taken up."""
+        if isinstance(piece, Exception):
+            return self._lost(piece)
+        run, before = self.run, self.run.frames
+        metrics.count("slices")
+        metrics.count("evaluations", piece.evaluations)
+        run.add(piece, time.monotonic())
+        self._send(piece.blocks)
+        if piece.done:
+            self._keep()
+        if self._gives_way():
+            return self._take_up()
+        if run.state == "running":
+            self._slice(BUDGET)
+        elif run.state == "paused" and self.budget == 0.0 and run.frames == before:
+            self._slice(0.0)  # the one increment asked for took too long: once more, with a longer limit
+        self.session.publish()
+
+    def _gives_way(self):
+        """Whether the run ends here for a newer wish; not if a slider is held and the run, at its pace, ends soon."""
+        run = self.run
+        ends = self.held and not run.heavy and run.seconds * (run.total - run.frames) <= SOON * run.frames
+        return self.wanted is not None and not (ends and run.state == "running")
+
+    def _keep(self):
+        """A run that has ended goes on the shelf: for all, or, if it is no whole run of its scene, for this visitor."""
+        run = self.run
+        run.kept_as = run.scene if run.state == "finished" and not run.history else object()
+        self.session.shelf.put(run.kept_as, run.made)
+        self._ended(run.made)
+        run.leave()
+
+    def _ended(self, whole):
+        """The run has ended: compare it with the last picture, follow from it, and seek the marks of the sliders."""
+        run = self.run
+        self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive)
+        if run.state == "finished":
+            if self.shown == run.scene:
+                self.comparison.compare(self.skeleton, run.scene, whole.blocks)
+            self.session.marks.seek(run.scene, whole.skeleton)
+        self.skeleton, self.shown = whole.skeleton, None
+
+    def _send(self, blocks):
+        self.session.wire.send(self.run.number, blocks)
+
+    # failures
+
+    def _lost(self, lost):
+        """A slice was lost with its worker: submit it again, unless that would be of no use."""
+        run, kind = self.run, getattr(lost, "kind", "closed")
+        run.lost += 1
+        if kind == "crash" and run.lost < LIVES:
+            self.session.notes = [
+                "A worker process ended unexpectedly. It was replaced, and its slice is computed again."
+            ]
+            if self._gives_way():
+                return self._take_up()
+            self._slice(self.budget)
+            return self.session.publish()
+        why = {
+            "error": ERROR,
+            "crash": f"lost {LIVES} workers; change a parameter or press Reset",
+            "hang": f"{lost}, so the worker was ended; what is computed stays. Change a parameter or press Reset",
+        }
+        self._fail(why.get(kind, f"{str(lost) or 'the server is being stopped'}. Press Reset to try again"))
+
+    def _fail(self, why):
+        """The run ends here, with what it has."""
+        if self.wanted is not None:
+            return self._take_up()
+        if self.run:
+            self.run.state, self.run.why = "failed", why
+        self.session.publish()
+
+    def fail_unexpectedly(self):
+        """An error of this program: the log has its traceback, the visitor a sentence."""
+        log.exception("a visitor's run failed")
+        self.wanted = None
+        self._fail(ERROR)
