@@ -66,7 +66,7 @@ def test_a_leap_over_the_map_goes_on_from_what_the_map_is_made_of(session):
     order(session, "page", page="regimes")
     page, scene = session.pages.page, session.scene
     page.known = {(8, 12): (Point(), "far"), (28, 20): (Point(), "near"), (29, 20): (Point(), None)}
-    there = page.grid.tile(0, (((27, 20), ()),), {}).scene_at(27, 20)
+    there = page.grid.tile(0, (((27, 20), ()),), {}).scene_at((27, 20))
     assert pickle.loads(page.nearer(there, scene)) == pickle.loads(page.nearer(there, None)) == "near"
     assert page.nearer(there, there) is None  # what is on screen is nearer
     assert page.nearer(there.changed(nodes=512), None) is None

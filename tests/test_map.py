@@ -11,7 +11,7 @@ import pytest
 from solver import NotConverged, NotFollowed, Scene, SceneError, SlipEvent, load_path, summarize
 from solver.analysis.friction_laws import critical_modulus
 from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Tile, points_of
-from solver.analysis.maps import tile as tiles
+from solver.analysis.maps import grid as grids
 from solver.analysis.maps.point import at_slip
 from solver.analysis.maps.run import computed
 from solver.cli import main
@@ -144,7 +144,7 @@ def test_a_point_that_cannot_be_followed_is_run(neighbours, monkeypatch):
     def no(*_):
         raise NotFollowed("no")
 
-    monkeypatch.setattr(tiles, "follow", no)
+    monkeypatch.setattr(grids, "follow", no)
     ((found, skeleton),) = points_of(between(neighbours))
     assert not found.followed and found.U_s and skeleton is not None
 

@@ -1,15 +1,11 @@
-"""The first slip over two parameters: each point followed from its neighbours, or run where that cannot be trusted.
+"""The first slip over two parameters: each point is followed from its neighbours, or run where that is not safe.
 
-point    what is told of a scene up to just beyond its first slip, and its regime
-run      from a run, which ends there
-axis     values of a parameter
-tile     points next to known ones: a pure function of what it is given, for any pool
-grid     the map from coarse to fine, as tiles
+point    what a map holds of a scene up to just beyond its first slip, and its regime
+run      such a point from a run
+grid     axes, the map from coarse to fine, and its tiles
 """
 
-from .axis import Axis
-from .grid import Map
+from .grid import Axis, Map, Tile, points_of, worked_off
 from .point import COLUMNS, REGIMES, Point
-from .tile import Tile, points_of, worked_off
 
 __all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Point", "Tile", "points_of", "worked_off"]

@@ -1,67 +1,223 @@
-"""The map from coarse to fine: levels of Tiles, and what came of them."""
+"""A map from coarse to fine: its axes, its levels of Tiles, and the Points of a Tile.
 
-from dataclasses import dataclass, replace
+A Tile is a call for any pool of processes. It follows its points from known neighbours, or runs them.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...scene import SceneError
-from .point import Point
-from .tile import Tile
+from ...continuation.state import NotConverged
+from ...following.branch import NotFollowed
+from ...following.follow import SAME, follow
+from ...following.skeleton import Skeleton
+from ...scene import LIMITS, PARAMETERS, Scene, SceneError
+from ...threads import one_thread
+from .point import NO_RESULT, Point, of_skeleton
+from .run import computed
 
-COARSEST = 16  # points of the first level, at most, which are all run: a picture within about 2 s on two cores
+COUNT = 2, 400  # values of an axis; 400 x 400 points take hours
+FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of these"
+CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in SAME and not limits.whole)
+COARSEST = 16  # most points of the first level, all of them runs: a picture within about 2 s on two cores
+SOURCES = 2  # neighbours from which a point is followed, at most: two ways that agree confirm each other
+# Followed points are accepted within BEND of the span of U_s among their neighbours, and SMALL of U_s where they are
+# nearly equal. With half or twice of either, 60 of 60 runs of tests/bench/map.py agree as well.
+BEND = 0.5
+SMALL = 0.01
+ALIKE = 1e-4  # nm, to which U_s agrees if two ways lead to one slip: ten times the tolerance of a state
+
+Place = tuple[int, int]  # (i, j) of a point: columns along x, rows along y
+Cell = tuple[tuple[Place, tuple[tuple[Place, float], ...]], ...]  # points with the weights of those around them
+Outcome = tuple[Point, Skeleton | None]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """`count` values of a continuous parameter from `low` to `high`, its unit, even or even in the logarithm.
+
+    Raises SceneError.
+    """
+
+    name: str
+    low: float
+    high: float
+    count: int
+    log: bool = False
+
+    def __post_init__(self) -> None:
+        if self.name not in CONTINUOUS:
+            raise SceneError("axis", self.name, f"allowed: {', '.join(CONTINUOUS)}", "choose one of them")
+        for value in (self.low, self.high):
+            PARAMETERS[self.name].checked(self.name, value)
+        if not np.isfinite(self.low) or not np.isfinite(self.high) or self.low == self.high:
+            raise SceneError(self.name, f"{self.low:g}:{self.high:g}", "allowed: two finite values", "give two values")
+        if not COUNT[0] <= self.count <= COUNT[1]:
+            raise SceneError(self.name, self.count, f"allowed: {COUNT[0]} .. {COUNT[1]} values", "give such a COUNT")
+        if self.log and min(self.low, self.high) <= 0.0:
+            raise SceneError(self.name, min(self.low, self.high), "allowed with log: above 0", "raise it, or omit log")
+
+    @staticmethod
+    def of(text: str) -> "Axis":
+        """The Axis of 'phi_ratio=0.02:2:31:log'."""
+        name, _, rest = text.partition("=")
+        parts = rest.split(":")
+        log = parts[3:] == ["log"]
+        try:
+            low, high, count = parts[:3] if log else parts
+            return Axis(name.strip(), float(low), float(high), int(count), log)
+        except SceneError:
+            raise
+        except ValueError:
+            raise SceneError("axis", text, FORM, f"as in {CONTINUOUS[0]}=-1:1:41") from None
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """(count,), to 12 digits: -0.85, not -0.8500000000000001."""
+        spaced = np.geomspace if self.log else np.linspace
+        return np.array([float(f"{value:.12g}") for value in spaced(self.low, self.high, self.count)])
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Points to compute, in this order, and known points around them; picklable.
+
+    asked: a Cell; the points with weights are known or come earlier in `asked`. known: Points with their Skeletons, if
+    any. keep: whether to return Skeletons, which are large. Tiles that ask for the same points are equal.
+    """
+
+    scene: Scene
+    x: Axis
+    y: Axis
+    asked: Cell
+    known: tuple[Outcome, ...] = field(default=(), compare=False)
+    keep: bool = True
+
+    def scene_at(self, place: Place) -> Scene:
+        """The Scene of a point; raises SceneError where there is none."""
+        values = {axis.name: float(axis.values[k]) for axis, k in zip((self.x, self.y), place, strict=True)}
+        return self.scene.changed(**values)
+
+
+@one_thread()
+def worked_off(tile: Tile) -> list[Outcome]:
+    """[(Point, Skeleton or None)] of all points that a Tile asks for."""
+    return list(points_of(tile))
+
+
+def points_of(tile: Tile) -> Iterator[Outcome]:
+    """Yields (Point, Skeleton or None) in order; a consumer may stop after any of them."""
+    known = {(point.i, point.j): (point, skeleton) for point, skeleton in tile.known}
+    for place, weights in tile.asked:
+        around = [(known[other][0], weight) for other, weight in weights]
+        by_distance = sorted(known, key=lambda other: (other[0] - place[0]) ** 2 + (other[1] - place[1]) ** 2)
+        skeletons = [known[other][1] for other in by_distance if known[other][1] is not None]
+        point, skeleton = _point(tile, place, around, skeletons[:SOURCES])
+        known[place] = replace(point, i=place[0], j=place[1]), skeleton
+        yield known[place][0], skeleton if tile.keep else None
+
+
+def _point(tile, place, around, skeletons):
+    """(Point, Skeleton or None): followed where that is safe, else from a run."""
+    try:
+        scene = tile.scene_at(place)
+        point, skeleton, spent = _followed(scene, around, skeletons)
+        if point is None:
+            point, skeleton = computed(scene)
+    except SceneError as error:
+        return Point(reason=str(error)), None
+    return replace(point, evaluations=point.evaluations + spent), skeleton
+
+
+def _followed(scene, around, skeletons):
+    """(Point, its Skeleton, evaluations of rejected attempts); the first two are None where a run must decide.
+
+    Where neighbours differ in kind, a regime ends between them: following cannot show on which side a point lies, as
+    where a slip lands is decided by its motion. The point must be of their kind and lie near a plane through them. If
+    it lies elsewhere, following from two neighbours must give the same U_s.
+    """
+    spent, before = 0, None
+    kinds = {point.kind for point, _ in around}
+    if len(kinds) != 1 or around[0][0].regime == NO_RESULT:
+        return None, None, 0
+    for skeleton in skeletons:
+        try:
+            moved = follow(skeleton, scene)
+            point = Point(**of_skeleton(moved), followed=True)
+        except (NotFollowed, NotConverged):
+            continue
+        spent += moved.evaluations
+        if point.kind not in kinds:
+            break
+        if _near(point, around) or (before is not None and abs(before.U_s - point.U_s) < ALIKE):
+            return point, moved, spent
+        before = point
+    return None, None, spent
+
+
+def _near(point, around):
+    """Whether U_s is close to that interpolated between the neighbours; True without a slip."""
+    if point.U_s is None:
+        return True
+    loads = [other.U_s for other, _ in around]
+    expected = sum(weight * load for load, (_, weight) in zip(loads, around, strict=True))
+    return abs(point.U_s - expected) <= BEND * (max(loads) - min(loads)) + SMALL * expected
 
 
 @dataclass(frozen=True)
 class Map:
-    """A grid of Points over two parameters of a Scene: which Tiles make it. Holds nothing of the results.
+    """A grid of Points over two parameters of a Scene, divided into Tiles. It holds no results.
 
-    Level 0 covers the map with a few points; each other level halves their distance. A consumer works off the Tiles of
-    a level in any order, in any process, and asks for those of the next with what came of them.
+    Level 0 covers the map with a few points; each other level halves their distance. A consumer computes the Tiles of a
+    level in any order, in any process, and builds those of the next level from their results.
     """
 
-    scene: object
-    x: object
-    y: object
+    scene: Scene
+    x: Axis
+    y: Axis
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.x.name == self.y.name:
             raise SceneError("axis", self.y.name, "allowed: two different parameters", "choose another")
 
     @property
-    def size(self):
+    def size(self) -> int:
         """Points of the whole map."""
         return self.x.count * self.y.count
 
     @property
-    def levels(self):
-        """How many there are."""
+    def levels(self) -> int:
+        """The number of levels."""
         stride, lines = 1, (range(self.x.count), range(self.y.count))
         while len(lines[0]) * len(lines[1]) > COARSEST:
             stride *= 2
             lines = _lines(self.x.count, stride), _lines(self.y.count, stride)
         return stride.bit_length()
 
-    def cells(self, level):
-        """[((place, weights), ...)] of a level: what its Tiles ask for, if nothing of it is known yet."""
-        stride = self._stride(level)
-        return list(_asked_first(self, stride) if level == 0 else _asked_between(self, stride))
+    def cells(self, level: int) -> list[Cell]:
+        """The Cells of a level, one per Tile; those of the first level are single points, without any around them."""
+        stride = 2 ** (self.levels - 1 - level)
+        if level:
+            return list(_between(self, stride))
+        columns, rows = _lines(self.x.count, stride), _lines(self.y.count, stride)
+        return [(((i, j), ()),) for i in columns for j in rows]
 
-    def tiles(self, level, known):
-        """The Tiles of a level; known: {(i, j): (Point, Skeleton or None)} of all levels before."""
+    def tiles(self, level: int, known: Mapping[Place, Outcome]) -> list[Tile]:
+        """The Tiles of a level; known: the outcomes of all levels before."""
         return [tile for tile in (self.tile(level, cell, known) for cell in self.cells(level)) if tile.asked]
 
-    def tile(self, level, cell, known):
-        """The Tile of a cell; what is known of it is not asked for again, but serves as a neighbour."""
+    def tile(self, level: int, cell: Cell, known: Mapping[Place, Outcome]) -> Tile:
+        """The Tile of a Cell; it asks only for unknown points, and known ones serve as neighbours."""
         asked = tuple((place, weights) for place, weights in cell if place not in known)
-        around = corners(cell) | {place for place, _ in cell}
-        there = tuple(known[place] for place in sorted(around) if place in known)
-        return Tile(self.scene, self.x, self.y, asked, there, level < self.levels - 1)
+        around = sorted(corners(cell) | {place for place, _ in cell})
+        neighbours = tuple(known[place] for place in around if place in known)
+        return Tile(self.scene, self.x, self.y, asked, neighbours, level < self.levels - 1)
 
-    def _stride(self, level):
-        return 2 ** (self.levels - 1 - level)
-
-    def array(self, points, of):
+    def array(self, points: Iterable[Point], of: str) -> NDArray[Any]:
         """(y.count, x.count) of a column of Points, nan where there is none; `of` "regime" gives codes, -1 unknown."""
         out = np.full((self.y.count, self.x.count), -1 if of == "regime" else np.nan)
         for point in points:
@@ -69,30 +225,23 @@ class Map:
             out[point.j, point.i] = np.nan if value is None else value
         return out.astype(int) if of == "regime" else out
 
-    def lost(self, tile, reason):
-        """The Points of a Tile that has no outcome, as pairs."""
-        return [(replace(Point(reason=reason), i=i, j=j), None) for (i, j), _ in tile.asked]
+    def lost(self, tile: Tile, reason: str) -> list[Outcome]:
+        """The outcomes of a Tile whose call failed."""
+        return [(Point(reason=reason, i=i, j=j), None) for (i, j), _ in tile.asked]
 
 
-def corners(cell):
-    """{(i, j)} that must be known before the points of a cell can be asked for."""
+def corners(cell: Cell) -> set[Place]:
+    """The points that must be known before those of a Cell can be computed."""
     return {place for _, weights in cell for place, _ in weights} - {place for place, _ in cell}
 
 
 def _lines(count, stride):
-    """Places of a level along an axis: every `stride`-th and the last."""
+    """Positions of a level along an axis: every `stride`-th and the last."""
     return sorted({*range(0, count, stride), count - 1})
 
 
-def _asked_first(grid, stride):
-    """Of every Tile of the first level, one point: with nobody around, it is run."""
-    for i in _lines(grid.x.count, stride):
-        for j in _lines(grid.y.count, stride):
-            yield (((i, j), ()),)
-
-
-def _asked_between(grid, stride):
-    """Of every Tile of a later level: the new points of a cell of the level before, but those of its far sides.
+def _between(grid, stride):
+    """Yields the Cells of a later level: the new points of each cell of the level before, except on its far sides.
 
     The far sides are the near ones of the next cells, unless there is none.
     """
@@ -109,7 +258,7 @@ def _asked_between(grid, stride):
 def _weights(place, xs, ys):
     """((corner of a cell, its weight in the bilinear interpolation there), ...), those that are not 0."""
     parts = [
-        [(end, abs(at - other) / abs(ends[1] - ends[0])) for end, other in (ends, ends[::-1])]
-        for at, ends in zip(place, (xs, ys), strict=True)
+        [(end, abs(position - other) / abs(ends[1] - ends[0])) for end, other in (ends, ends[::-1])]
+        for position, ends in zip(place, (xs, ys), strict=True)
     ]
     return tuple(((i, j), p * q) for i, p in parts[0] for j, q in parts[1] if p * q > 0.0)

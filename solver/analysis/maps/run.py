@@ -7,8 +7,10 @@ import numpy as np
 from ...continuation.state import NotConverged, PulledOff
 from ...following.branch import NotFollowed
 from ...following.from_run import skeleton_from
+from ...following.skeleton import Skeleton
 from ...run.loadpath import walk
 from ...run.summary import summarize
+from ...scene import Scene
 from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, first_slip, of_skeleton, slips_in, touches
 
 LATER = 2  # slips after the first, while the run does not repeat itself: of sliding runs, 3 in 4 repeat after one, and
@@ -17,7 +19,7 @@ ALIKE = 1e-3  # nm, within which a skeleton must agree with its run on the first
 MOST = 300_000  # force evaluations, a hundred times those of the default: beyond, a point is given up
 
 
-def computed(scene):
+def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
     """(Point, Skeleton or None) of a scene, from its start."""
     frames, skeleton, slips, spent, reason, off = [], None, 0, 0, "", False
     smooth = False  # whether the run had no slip over one lattice period
