@@ -139,6 +139,24 @@ def test_packed_frames_hold_the_solver_s_numbers():
         assert np.abs(fields[name][-1] - true).max() <= 0.51 * head["scales"][name]  # rounding to int16
 
 
+@pytest.mark.parametrize("surface", ["circular", "flat"])
+def test_compression_of_a_run_loses_nothing(surface):
+    scene = SHORT.changed(surface=surface, u_x_max=4.0)
+    rows = [(frame, 0.1 * k) for k, frame in enumerate(advance(scene, None, 60.0)[0])]
+    rows = [row for row in rows if row[0].first == rows[-1][0].first and row[0].u.shape == rows[-1][0].u.shape]
+    plain, packed = packing.pack(scene, rows, True), packing.pack(scene, rows, True, compress=True)
+    assert len(packed) < 0.5 * len(plain)
+    (head, *numbers), (same, *restored) = packing.unpack(plain), packing.unpack(packed)
+    assert head == same | {"compressed": False}
+    for given, found in zip(numbers, restored, strict=True):
+        assert list(given) == list(found)
+        for name in given:
+            assert given[name].dtype == found[name].dtype
+            np.testing.assert_array_equal(given[name], found[name])
+    for name, column in packing.columns(packed)[1].items():
+        np.testing.assert_array_equal(column, numbers[0][name])
+
+
 @pytest.mark.slow
 def test_a_run_is_streamed_whole_and_in_order(page, slices):
     page.order("hello")

@@ -115,7 +115,7 @@ def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
         piece = worker.compute(scene, checkpoint, 0.005, last)
         checkpoint, last = piece.checkpoint, piece.last
         for block in piece.blocks:
-            works += list(packing.unpack(block)[1]["work"])
+            works += list(packing.columns(block)[1]["work"])
     assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 

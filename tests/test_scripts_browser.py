@@ -30,9 +30,10 @@ def run_of(tab, scene):
         blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
     tab.evaluate(
         """async (blocks) => {
-            const { Run, unpack } = await import("http://scripts/js/run.js")
+            const { Run } = await import("http://scripts/js/run.js")
+            const { unpackLater } = await import("http://scripts/js/packed.js")
             for (const text of blocks) {
-                const chunk = unpack(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
+                const chunk = await unpackLater(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
                 if (text === blocks[0]) window.run = new Run(chunk.run, chunk.head)
                 window.run.add(chunk)
             }
@@ -40,6 +41,34 @@ def run_of(tab, scene):
         blocks,
     )
     return frames
+
+
+def test_messages_are_passed_on_in_their_order_though_some_are_unpacked_later(tab):
+    passed_on = tab.evaluate(
+        """async () => {
+            const { connect, listen } = await import("http://scripts/js/channel.js")
+            const listeners = {}, passedOn = []
+            const property = (name) => ({ change: { connect: (call) => { listeners[name] = call } } })
+            const wire = { properties: { chunk: property("chunk"), status: property("status") } }
+            const send = (name, value) => { wire[name] = value; listeners[name]() }
+            const unpacking = [Promise.withResolvers(), Promise.withResolvers()]
+            connect(wire)
+            listen("status", (message) => passedOn.push(message))
+            listen("chunk", (message) => passedOn.push(message), (number) => unpacking[number].promise)
+            send("status", "first")
+            send("chunk", 0)
+            send("status", "second")
+            send("chunk", 1)
+            send("status", "third")
+            unpacking[1].resolve("chunk 1")
+            await new Promise((then) => setTimeout(then))
+            const waited = passedOn.length === 1
+            unpacking[0].resolve("chunk 0")
+            await new Promise((then) => setTimeout(then))
+            return [waited, passedOn]
+        }"""
+    )
+    assert passed_on == [True, ["first", "chunk 0", "second", "chunk 1", "third"]]
 
 
 @pytest.mark.parametrize("name", MODULES)

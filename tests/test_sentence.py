@@ -19,21 +19,22 @@ POINTS = 18  # frames of a run at which the sentence is read, besides those at s
 ROUNDED = 2e-3  # what three digits and the packed fields are good for
 WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
 READ = """async ({ now, before, at, values }) => {
-    const { Run, unpack } = await import("http://scripts/js/run.js")
+    const { Run } = await import("http://scripts/js/run.js")
+    const { unpackLater } = await import("http://scripts/js/packed.js")
     const { changeSaid, nowSaid } = await import("http://scripts/js/sentence.js")
-    const made = ({ blocks, scene, carried }) => {
+    const made = async ({ blocks, scene, carried }) => {
         let run = null
         for (const text of blocks) {
-            const chunk = unpack(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
+            const chunk = await unpackLater(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
             if (!run) {
                 run = Object.assign(new Run(chunk.run, chunk.head), { scene })
-                if (carried) run.takeOver(made(before), carried)
+                if (carried) run.takeOver(await made(before), carried)
             }
             run.add(chunk)
         }
         return run
     }
-    const run = made(now), other = before && made(before)
+    const run = await made(now), other = before && (await made(before))
     return { said: at.map((k) => nowSaid(run, k)), change: other && changeSaid(run, other) }
 }"""
 

@@ -5,6 +5,7 @@ Workers pack, the server hands the bytes on without looking into them, so that i
 
 import json
 import struct
+import zlib
 from dataclasses import dataclass, replace
 from itertools import groupby
 from math import e
@@ -22,6 +23,7 @@ COLUMNS = ("stage", *OF_FRAME, "slip", "slip_at", "slip_F", "slip_A", "work")
 ORDER = tuple(STAGES)  # what the column "stage" counts
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 FLAT = 160  # nodes sent of a flat surface, where all are alike
+LEVEL = 3  # of zlib: a default run takes 20 ms; with 6 it takes 80 ms for 11 % fewer bytes
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
 LARGEST = ("residual", "widest", "safe_damping", "sensitive")  # of Frames: of two parts the larger one
 
@@ -51,17 +53,17 @@ def packed(scene, rows, done):
     if scene.surface == "flat":
         rows = [(middle(scene, frame), work) for frame, work in rows]
     blocks = [list(block) for _, block in groupby(rows, lambda row: (row[0].first, row[0].u.shape[1]))]
-    return tuple(pack(scene, block, done and block is blocks[-1]) for block in blocks)
+    return tuple(pack(scene, block, done and block is blocks[-1], compress=True) for block in blocks)
 
 
-def pack(scene, rows, last):
+def pack(scene, rows, last, compress=False):
     """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
 
     scene: of all these frames. The header has its parameters, and names the columns, and the fields with their scales,
     in the order in which they follow. What goes to a browser has the number of its run in front (uint32, `numbered`).
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
-    at half the bytes of float32. A default run takes 1.3 MB.
+    at half the bytes of float32. A default run takes 1.36 MB, compressed (`_compressed`) 0.31 MB.
     """
     frames = [frame for frame, _ in rows]
     first, nodes = frames[0].first, frames[0].u.shape[1]
@@ -74,6 +76,7 @@ def pack(scene, rows, last):
     normal = lifts(scene)
     header = {
         "last": last,
+        "compressed": compress,
         "frames": len(frames),
         "nodes": nodes,
         "first": first,
@@ -95,8 +98,33 @@ def pack(scene, rows, last):
         "flat": scene.surface == "flat",
         "scene": plain({name: getattr(scene, name) for name in PARAMETERS}),
     }
-    body = b"".join(np.rint(f / s).astype("<i2").tobytes() for f, s in zip(fields, scales, strict=True))
-    return headed(header, np.ascontiguousarray(curves, "<f4").tobytes() + body)
+    curves = np.ascontiguousarray(curves, "<f4")
+    fields = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
+    return headed(header, _compressed(curves, fields) if compress else curves.tobytes() + fields.tobytes())
+
+
+def _compressed(columns, fields):
+    """Columns (c, n), as integers, and fields (4, n, m): what changes over frames, and of fields over nodes; deflated.
+
+    Fields come node by node. All first bytes come first, then all second bytes. Integers wrap around: nothing is lost.
+    """
+    columns = np.diff(columns.view("<i4"), axis=1, prepend=np.int32(0))
+    fields = np.diff(np.diff(fields, axis=1, prepend=np.int16(0)), axis=2, prepend=np.int16(0)).transpose(0, 2, 1)
+    return zlib.compress(_planes(columns) + _planes(fields), LEVEL)
+
+
+def _planes(numbers):
+    """All first bytes of some numbers, then all second bytes, and so on."""
+    return np.ascontiguousarray(numbers).view(np.uint8).reshape(-1, numbers.itemsize).T.tobytes()
+
+
+def _summed(planes, kind, shape):
+    """Numbers from the planes of their changes along the last two axes of a shape; the last only, if there are two."""
+    kind = np.dtype(kind)
+    numbers = np.frombuffer(planes, np.uint8).reshape(kind.itemsize, -1).T.copy().view(kind).reshape(shape)
+    for axis in (-1, -2)[: len(shape) - 1]:
+        numbers = np.cumsum(numbers, axis=axis, dtype=kind)
+    return numbers
 
 
 def headed(head, body):
@@ -112,13 +140,31 @@ def header(block):
     return json.loads(block[4 : 4 + length])
 
 
+def columns(block):
+    """(header, {column: (n,)}) of a packed block."""
+    head, body = header(block), _body(block)
+    n, count = head["frames"], len(head["columns"])
+    if head["compressed"]:
+        curves = _summed(zlib.decompressobj().decompress(body, 4 * count * n), "<i4", (count, n)).view("<f4")
+    else:
+        curves = np.frombuffer(body[: 4 * count * n], "<f4").reshape(count, n)
+    return head, dict(zip(head["columns"], curves, strict=True))
+
+
 def unpack(block):
-    """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block; nothing is copied."""
-    head, start = header(block), 4 + struct.unpack_from("<I", block)[0]
-    n, m, count = head["frames"], head["nodes"], len(head["columns"])
-    columns = np.frombuffer(block, "<f4", count * n, start).reshape(count, n)
-    fields = np.frombuffer(block, "<i2", offset=start + columns.nbytes).reshape(-1, n, m)
-    return head, dict(zip(head["columns"], columns, strict=True)), dict(zip(head["scales"], fields, strict=True))
+    """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block."""
+    head, curves = columns(block)
+    n, m, start = head["frames"], head["nodes"], 4 * len(curves) * head["frames"]
+    if head["compressed"]:
+        fields = _summed(zlib.decompress(_body(block))[start:], "<i2", (len(FIELDS), m, n)).transpose(0, 2, 1)
+    else:
+        fields = np.frombuffer(_body(block)[start:], "<i2").reshape(-1, n, m)
+    return head, curves, dict(zip(head["scales"], fields, strict=True))
+
+
+def _body(block):
+    """What follows the header of a block."""
+    return memoryview(block)[4 + struct.unpack_from("<I", block)[0] :]
 
 
 def numbered(run, block):

@@ -18,7 +18,7 @@ class Comparison(Wanted):
 
     def compare(self, skeleton, scene, blocks):
         """Compare the pickled Skeleton of a picture with the packed exact run of the same scene."""
-        columns = [packing.unpack(block)[1] for block in blocks]
+        columns = [packing.columns(block)[1] for block in blocks]
         stage, U_x, F_bar, slip, at = (
             np.concatenate([each[name] for each in columns]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
         )

@@ -12,9 +12,32 @@ let hears = () => {} // what is done with every answer
 let unheard = [] // {n, what, values, at} of those not yet answered
 
 export const connect = (given) => { wire = given }
-export const listen = (what, call) => onChange(wire, what, () => call(wire[what]))
+// Call `call` with every message of a kind; unpack: makes a promise of what is in it, where that takes time
+export const listen = (what, call, unpack) => onChange(wire, what, () => arrived(wire[what], call, unpack))
 export const waiting = () => unheard
 export const silence = () => (unheard.length ? performance.now() - unheard[0].at : 0) // ms
+
+const arrivals = [] // {message, call, ready}, oldest first: each waits until those before it have been passed on
+function arrived(message, call, unpack) {
+  const arrival = { message, call, ready: !unpack }
+  arrivals.push(arrival)
+  unpack?.(message).then(
+    (content) => { arrival.message = content },
+    (error) => { Object.assign(arrival, { call: () => { throw error } }) },
+  ).then(() => { arrival.ready = true; passOn() })
+  passOn()
+}
+
+function passOn() {
+  while (arrivals[0]?.ready) {
+    const { message, call } = arrivals.shift()
+    try {
+      call(message)
+    } catch (error) {
+      reportError(error) // those behind it must not wait for ever
+    }
+  }
+}
 
 export function order(what, values, more) {
   const n = orders++
@@ -43,10 +66,4 @@ export function sendFile(id, refuse) {
     if (file.size > LARGEST) refuse(`${id}: ${file.name} has ${size} MB, allowed: 2 MB; thin it out.`)
     else order(id, { text: await file.text() })
   })
-}
-
-// A message of bytes: uint32 length of a JSON header, the header, the rest from `start` on
-export function opened(buffer, at = 0) {
-  const length = new DataView(buffer).getUint32(at, true), start = at + 4 + length
-  return { head: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, at + 4, length))), start }
 }

@@ -1,7 +1,8 @@
 // What is inside the layer, summed from the tractions of a frame and a table of how each of their modes reaches into it
 // (solver/analysis/interior.py), sent once for a geometry.
 
-import { listen, opened, order } from "./channel.js"
+import { listen, order } from "./channel.js"
+import { opened } from "./packed.js"
 
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/aside.py
 const KEPT = 3 // of each

@@ -10,6 +10,7 @@ import { connectFringes } from "./fringes.js"
 import { connectInside } from "./inside.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
+import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
 import * as print from "./print.js"
@@ -39,7 +40,7 @@ export function start({ wire, figures, slots, told, index }) {
   connectInside(player.show)
   address.connect(player)
   print.connect()
-  channel.listen("chunk", player.receive)
+  channel.listen("chunk", player.receive, unpackLater)
   channel.listen("hand", player.follow)
   channel.listen("status", status.heard)
   channel.listen("page", pages.told)

@@ -1,8 +1,8 @@
 // A picture that follows the hand on a slider (format: app/service/following.py): the curves and the map of a whole run,
 // and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
 
-import { opened } from "./channel.js"
-import { REAL, Run, SPANS, unpack } from "./run.js"
+import { opened, unpack } from "./packed.js"
+import { REAL, Run, SPANS } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
 const BEYOND = 1.1, ROOM = 1.3 // times what a band has room for, from which on it gets more; so many times what it needs

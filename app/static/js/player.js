@@ -5,7 +5,7 @@ import { heard, order } from "./channel.js"
 import { by, digits, fixed, tell } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
 import { framePage } from "./pages.js"
-import { BESIDE, FILM, Run, unpack } from "./run.js"
+import { BESIDE, FILM, Run } from "./run.js"
 import { Picture } from "./picture.js"
 import { exact, frameDrawn, me, now, QUIET, reduced } from "./state.js"
 import { checkTruth, tellState } from "./status.js"
@@ -15,8 +15,7 @@ import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
 
-export function receive(buffer) {
-  const chunk = unpack(buffer)
+export function receive(chunk) {
   if (chunk.run > FILM) return me.filmed?.(chunk)
   if (chunk.run > BESIDE) return me.beside?.(chunk)
   if (chunk.run === me.run?.number) me.run.add(chunk)

@@ -1,6 +1,4 @@
-// The frames of a run, as they arrive from the server (format: packing.pack) and as they are asked for by the views.
-
-import { opened } from "./channel.js"
+// The frames of a run, as they arrive (packed.js) and as views ask for them.
 
 export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/aside.py
 export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/aside.py
@@ -12,20 +10,6 @@ const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no
 export const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
   A: ["A_bar", (head) => 2 * head.middle],
-}
-
-// One packed chunk (ArrayBuffer) as {run, head, columns: {name: Float32Array}, fields: {name: Int16Array (n, m)}};
-// nothing is copied
-export function unpack(buffer) {
-  let { head, start } = opened(buffer, 4)
-  const take = (kind, count) => {
-    start += kind.BYTES_PER_ELEMENT * count
-    return new kind(buffer, start - kind.BYTES_PER_ELEMENT * count, count)
-  }
-  const named = (names, kind, count) => Object.fromEntries(names.map((name) => [name, take(kind, count)]))
-  const columns = named(head.columns, Float32Array, head.frames)
-  const fields = named(Object.keys(head.scales), Int16Array, head.frames * head.nodes)
-  return { run: new DataView(buffer).getUint32(0, true), head, columns, fields }
 }
 
 // Weak attraction counts as free beyond the peak of the law, not where it passes through zero

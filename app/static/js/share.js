@@ -2,10 +2,11 @@
 
 import { linkTo } from "./address.js"
 import { holderOf, svgOf } from "./bokeh.js"
-import { listen, opened, order } from "./channel.js"
+import { listen, order } from "./channel.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
+import { opened } from "./packed.js"
 import { sharpen } from "./pen.js"
 import { canvasesOver, drawOver } from "./print.js"
 import { me } from "./state.js"
