@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 import pytest
-from visitor import NoPool, Page, say, unpacked
+from visitor import NoPool, Page, say, slices, unpacked
 
 from app.service import following, metrics, packing, worker
 from app.service.finished import Shelf
@@ -99,13 +99,9 @@ def test_a_map_of_a_picture_has_the_tractions_in_shades(runs):
 
 
 def test_the_skeleton_of_a_run_is_the_same_in_slices_and_in_one_go(runs):
-    checkpoint = last = None
-    slices = 0
-    while checkpoint is None or not checkpoint.done:
-        piece = worker.compute(SCENE, checkpoint, 0.02, last)
-        checkpoint, last, slices = *pickle.loads(pickle.dumps((piece.checkpoint, piece.last))), slices + 1
-    assert slices > 1
-    sliced, whole = (pickle.loads(run) for run in (piece.skeleton, runs[SCENE].skeleton))
+    pieces = list(slices(SCENE, 0.02))
+    assert len(pieces) > 1
+    sliced, whole = (pickle.loads(run) for run in (pieces[-1].skeleton, runs[SCENE].skeleton))
     np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-6, atol=1e-10)
 
 

@@ -5,9 +5,9 @@ import json
 
 import numpy as np
 import pytest
-from visitor import PATIENCE, Page, order
+from visitor import PATIENCE, Page, order, slices
 
-from app.service import packing, tasks, worker
+from app.service import packing, tasks
 from app.session.controls import values_of
 from app.session.share import python_lines
 from solver import Checkpoint, Scene, load_path
@@ -110,10 +110,8 @@ def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
     scene = SHORT.changed(path="loop", u_x_max=4.0)
     frames = list(load_path(scene))
     expected = work_of(scene, frames).top
-    checkpoint, last, works = None, None, []
-    while checkpoint is None or not checkpoint.done:
-        piece = worker.compute(scene, checkpoint, 0.005, last)
-        checkpoint, last = piece.checkpoint, piece.last
+    works = []
+    for piece in slices(scene, 0.005):
         for block in piece.blocks:
             works += list(packing.columns(block)[1]["work"])
     assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())

@@ -1,12 +1,13 @@
 """Work in slices: nothing keeps a worker for long, and what comes out is what one go would give."""
 
+import pickle
 from math import inf
 
 import numpy as np
 import pytest
-from visitor import SHORT, Page
+from visitor import SHORT, Page, slices
 
-from app.service import tasks, worker
+from app.service import packing, tasks, worker
 from app.service.pool import HEAVY, LATER, SCREEN
 from solver import NotConverged, Scene, load_path
 from solver.analysis.friction_laws import friction_force, onset
@@ -57,22 +58,28 @@ def test_a_sweep_without_enough_time_for_an_increment_ends_with_its_place(short,
 def test_a_run_goes_on_from_another_in_slices_as_in_one_go():
     history = ((SHORT, 140), (SHORT.changed(delta_bar=0.25), 30))  # beyond the 26 increments of pressing on
     changed = SHORT.changed(delta_bar=0.3)
-    checkpoint, slices = None, 0
-    while checkpoint is None or isinstance(checkpoint, worker.Carrying):
-        piece = worker.compute(changed, checkpoint, 0.0, None, history, 60.0)
+    count, pieces = 0, slices(changed, 0.0, history=history, limit=60.0)
+    while not (piece := next(pieces)).frames:
         assert piece.failure is None
-        checkpoint, slices = piece.checkpoint, slices + 1
-    assert slices > 100 and piece.frames > 0
-    whole = worker.compute(changed, None, 60.0, None, history, 60.0)
-    rest = worker.compute(changed, checkpoint, 60.0, piece.last, history, 60.0)
+        count += 1
+    assert count > 100
+    whole = worker.compute(changed, None, 60.0, history, 60.0)
+    rest = worker.compute(changed, piece.kept, 60.0, history, 60.0)
     assert whole.done and rest.done and piece.frames + rest.frames == whole.frames
-    assert whole.checkpoint.state.v == pytest.approx(rest.checkpoint.state.v, abs=1e-5)
+    F, G = (packing.unpack(each.blocks[-1])[1]["F_bar"][-1] for each in (whole, rest))
+    assert pytest.approx(G, rel=1e-6) == F
+
+
+def test_a_finished_run_brings_back_its_packed_frames_and_what_following_needs():
+    piece = worker.compute(SHORT, None, 600.0)
+    assert piece.done and piece.kept is None
+    assert len(pickle.dumps(piece)) < sum(map(len, piece.blocks)) + len(piece.skeleton) + 2000
 
 
 def test_a_run_that_cannot_go_on_from_there_says_why():
-    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, None, ((SHORT, 3),))
+    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, ((SHORT, 3),))
     assert piece.done and "in shear only" in piece.failure
-    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 60.0, None, ((SHORT, 10_000),))
+    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 60.0, ((SHORT, 10_000),))
     assert piece.done and "ended before" in piece.failure
 
 
@@ -80,7 +87,7 @@ def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_wit
     piece = worker.compute(SHORT, None, 60.0, limit=0.0)
     assert not piece.done and piece.heavy and piece.failure is None
     monkeypatch.setattr(worker, "SLOW", 0.0)
-    last = worker.compute(SHORT, piece.checkpoint, 60.0, limit=0.0)
+    last = worker.compute(SHORT, piece.kept, 60.0, limit=0.0)
     assert last.done and "Not converged at" in last.failure and "0 s of processor time" in last.failure
 
 

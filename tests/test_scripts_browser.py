@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from exact_interior import inside, principal_difference
+from visitor import slices
 
-from app.service import packing, tasks, worker
+from app.service import packing, tasks
 from solver import Scene, load_path
 
 pytestmark = pytest.mark.browser
@@ -22,11 +23,9 @@ LOOP = SHORT.changed(path="loop", u_x_max=6.0)
 def run_of(tab, scene):
     """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
     frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time
-    checkpoint, last, blocks = None, None, []
-    while checkpoint is None or not checkpoint.done:
-        piece = worker.compute(scene, checkpoint, 0.01, last)
-        checkpoint, last = piece.checkpoint, piece.last
-        assert not checkpoint.failure
+    blocks = []
+    for piece in slices(scene, 0.01):
+        assert not piece.failure
         blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
     tab.evaluate(
         """async (blocks) => {

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from visitor import slices
 
-from app.service import packing, worker
+from app.service import packing
 from app.session.controls import CONTROLS
 from solver import Scene, carried_path, load_path
 from solver.presets import presets
@@ -66,11 +67,9 @@ class Whole:
 
 def whole(scene, legs=()):
     """Its run; or the one that goes on from the runs of legs [(Scene, frames)]."""
-    checkpoint, last, blocks = None, None, []
-    while checkpoint is None or not getattr(checkpoint, "done", False):
-        piece = worker.compute(scene, checkpoint, 5.0, last, history=legs)
-        checkpoint, last = piece.checkpoint, piece.last
-        if checkpoint.failure:
+    blocks = []
+    for piece in slices(scene, 5.0, history=legs):
+        if piece.failure:
             return None
         blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
     if legs:

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from app.service import packing
+from app.service import packing, worker
 from app.service.finished import Shelf
 from app.service.pool import Task
 from app.session import orders
@@ -49,6 +49,15 @@ class Page:
         """The last run's curve of that name, as the browser holds it."""
         last = self.chunks[-1][0]
         return np.concatenate([curves[name] for run, _, curves, _ in self.chunks if run == last])
+
+
+def slices(scene, budget, **how):
+    """The Slices of a run, each from what the one before has kept."""
+    piece = worker.compute(scene, None, budget, **how)
+    yield piece
+    while not piece.done:
+        piece = worker.compute(scene, piece.kept, budget, **how)
+        yield piece
 
 
 def unpacked(chunk):

@@ -45,12 +45,12 @@ class Part:
 
 def whole_run(scene, kept=None):
     """The Frames of a scene, or Part of it, or the NotConverged that ended it."""
-    run, checkpoint, last = kept or (Frames(), None, None)
-    piece = worker.compute(scene, checkpoint, SLICE, last)
+    run, begun = kept or (Frames(), None)
+    piece = worker.compute(scene, begun, SLICE)
     run += piece
     if piece.failure:
         return NotConverged(piece.failure)
-    return run if piece.done else Part((run, piece.checkpoint, piece.last))
+    return run if piece.done else Part((run, piece.kept))
 
 
 def flat_curve(scene, kept=None):

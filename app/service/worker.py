@@ -3,11 +3,10 @@
 import os
 import pickle
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import e, inf
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -31,13 +30,12 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 class Slice(Frames):
     """The outcome of one task.
 
-    ahead: frames still to come, as far as is known, None on the way to where a run goes on; last: what the next slice
-    needs of the frames, for the work of a loop.
+    ahead: frames still to come, as far as is known, None on the way to where a run carries on; kept: what the next
+    slice continues from, pickled, so that the server need not read it; None once the run is done.
     """
 
     ahead: int | None = None
-    checkpoint: Any = None
-    last: Any = None
+    kept: bytes | None = None
     done: bool = False
     failure: str | None = None
     heavy: bool = False  # whether an increment takes, or took, longer than QUICK
@@ -73,13 +71,14 @@ class Carrying:
     checkpoint: Checkpoint = field(default_factory=Checkpoint)
 
 
-def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
+def compute(scene, kept, budget, history=(), limit=SLOW):
     """Advance `scene` for about `budget` seconds, somewhat longer if that ends in the approach, and pack the frames.
 
-    last: that of the Slice before; history: ((Scene, frames), ...) of the runs that this one goes on from; limit: s of
-    processor time for an increment. One that takes longer is left out, and may be tried again with more.
+    kept: of the Slice before, or None; history: ((Scene, frames), ...) of the runs that this one carries on from;
+    limit: s of processor time for an increment. One that takes longer is left out, and may be tried again with more.
     """
     begun = perf_counter()
+    checkpoint, last = pickle.loads(kept) if kept else (None, None)
     if history and (checkpoint is None or isinstance(checkpoint, Carrying)):
         checkpoint = _on_the_way(scene, checkpoint, begun, budget, history, limit)
         if isinstance(checkpoint, Slice):
@@ -98,8 +97,7 @@ def compute(scene, checkpoint, budget, last=None, history=(), limit=SLOW):
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
-        checkpoint=checkpoint,
-        last=last,
+        kept=None if checkpoint.done else pickle.dumps((checkpoint, last)),
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
@@ -117,14 +115,13 @@ def _skeleton(scene, checkpoint):
 
 def _on_the_way(scene, way, begun, budget, history, limit):
     """The Checkpoint from which a run goes on from others; or a Slice without frames: not there yet, or no way."""
-    none = Slice(checkpoint=way, heavy=True)
     try:
         found = carried((*history, (scene, 0)), way or Carrying(), begun + budget, limit)
     except (NotConverged, SceneError, NotInShear) as error:  # the state does not lead on into this scene
         if isinstance(error, OutOfTime) and limit < SLOW:
-            return none
-        return replace(none, ahead=0, checkpoint=None, done=True, failure=str(error), heavy=False)
-    return replace(none, checkpoint=found, heavy=_slow(begun, budget)) if isinstance(found, Carrying) else found
+            return Slice(kept=pickle.dumps((way, None)), heavy=True)
+        return Slice(ahead=0, done=True, failure=str(error))
+    return Slice(kept=pickle.dumps((found, None)), heavy=_slow(begun, budget)) if isinstance(found, Carrying) else found
 
 
 def _advanced(scene, checkpoint, begun, budget, limit):

@@ -241,7 +241,7 @@ class Pursuit:
         run, self.budget = self.run, budget
         rank = HEAVY if run.heavy else EXACT if run.refines else SCREEN
         limit = worker.SLOW if run.heavy else worker.QUICK
-        call = (worker.compute, run.scene, run.checkpoint, budget, run.last, run.history, limit)
+        call = (worker.compute, run.scene, run.kept, budget, run.history, limit)
         self._submit(call, self._show_slice, rank=rank, seconds=worker.APPROACH * budget)
 
     def _show_slice(self, piece):

@@ -16,8 +16,7 @@ class Run:
     total: int
     state: str
     started: float  # s, monotonic
-    checkpoint: object = None
-    last: object = None  # of the slice before, for the next
+    kept: bytes | None = None  # of the last slice, for the next
     history: tuple = ()  # ((Scene, frames), ...) of the runs that this one goes on from
     after: tuple = ()  # (number of the run, frame) from which this one goes on, as the browser knows them
     frames: int = 0  # with those before
@@ -31,7 +30,7 @@ class Run:
 
     def add(self, piece, now):
         """One more Slice is done; now: s, monotonic."""
-        self.checkpoint, self.last = piece.checkpoint, piece.last
+        self.kept = piece.kept
         self.frames += piece.frames
         self.heavy = piece.heavy
         if piece.ahead is not None:
@@ -43,7 +42,6 @@ class Run:
         if piece.done:
             self.state, self.why = ("failed", piece.failure) if piece.failure else ("finished", "")
             self.total = self.frames if self.state == "finished" else self.total
-            self.checkpoint = self.last = None
 
     def take_over(self, known):
         """All of it is known: its Frames."""
@@ -52,7 +50,7 @@ class Run:
 
     def leave(self):
         """Another takes its place: keep what tells how frames of it came about, and nothing else."""
-        self.checkpoint = self.last = None
+        self.kept = None
         self.made = replace(self.made, blocks=())
 
     def up_to(self, frame):
