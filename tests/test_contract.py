@@ -9,7 +9,7 @@ from solver.continuation.gfmd import Gfmd
 from solver.continuation.problem import Dynamics, Linearised, Problem
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import Replay
-from solver.continuation.rest import LIMITS
+from solver.continuation.rest import OPTIONS
 from solver.continuation.state import NotConverged, State
 from solver.continuation.stepper import Stepper
 from solver.mechanics.contact import Contact, patch
@@ -77,7 +77,7 @@ def members(protocol):
 
 def test_every_member_is_offered(problem):
     v, active = state(problem)
-    few = {"noise"} if problem.linearised(v, active).size <= LIMITS.most else set()
+    few = {"noise"} if problem.linearised(v, active).size <= OPTIONS.most else set()
     for part, protocol in (
         (problem, Problem),
         (problem.motion(), Dynamics),

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .slip import LIMITS, TooLong, Transient, Trial
+from .slip import OPTIONS as SLIP
+from .slip import TooLong, Transient, Trial
 from .state import Crowded, NotConverged, State
 
 
@@ -120,7 +121,7 @@ def _moved(problem, end, trial, film=None, **how):
     """The State in which a motion comes to rest, with the longest steps that lead there."""
     begun = len(film) if film is not None else 0
     # with other steps a trial would be another one
-    for finer in LIMITS.finer if trial is USUAL else LIMITS.finer[:1]:
+    for finer in SLIP.finer if trial is USUAL else SLIP.finer[:1]:
         try:
             return Transient(problem, end, trial._replace(finer=finer * trial.finer), film, **how).to_rest()
         except TooLong as failure:

@@ -18,7 +18,7 @@ class Linearised(Protocol):
 
     @property
     def noise(self) -> np.ndarray:
-        """(N,), a force at random that modes of any stiffness answer alike. For N > `rest.LIMITS.most`"""
+        """(N,), a force at random that modes of any stiffness answer alike. For N > `RestOptions.most`"""
 
     def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (N,), a new array; layered: K x, where that is known."""
@@ -40,13 +40,13 @@ class Linearised(Protocol):
 
     def inverse(self, solve: Callable, f) -> tuple[np.ndarray, np.ndarray]:
         """(x, K x), (N,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w. K x is exact even if
-        `solve` is not. For N > `rest.LIMITS.most`."""
+        `solve` is not. For N > `RestOptions.most`."""
 
     def seen(self, x) -> np.ndarray:
         """The unknowns (size of the problem,) of x, of the sign in which a state that does not rest is left."""
 
     def safe_damping(self) -> float:
-        """The damping over critical above which no wave can flutter; for `rest.LIMITS.most` < N <= `dense_waves`."""
+        """The damping over critical above which no wave can flutter; for `RestOptions.most` < N <= `dense_waves`."""
 
     def waves(self) -> tuple | None:
         """(mu (2, waves) of all modes, shown) if every mode is a wave, with shown(i, q) the x of one, complex (N,), or

@@ -5,27 +5,32 @@ A disturbance x exp(lambda t) of an equilibrium obeys (J - K) x = mu x with lamb
 fold     a real mu passes zero, and with it an eigenvalue of the equilibrium's tangent dR/dv;
 flutter  on its way to zero that mu meets the mu of a long wave of the layer, |mu| a few k_min: both turn complex.
 
-Both have the mu nearest to zero. A Rayleigh-Ritz search finds it in a space of disturbances of the whole surface, which
-each step extends by (K - J)^-1 r, with r the residual of a Ritz pair (Davidson 1975, with inverse iteration). The next
-state's search starts from the vectors of the last one. Waves of the contact, with mu far from zero, may flutter where
-damping is below the safe one of `flutter`. Small problems and flats are judged by all their mu; elsewhere a frame
-estimates that damping when asked.
+Both have the mu nearest to zero. A Rayleigh-Ritz search finds it in a space of disturbances of the whole surface. Each
+step adds (K - J)^-1 r to that space, where r is the residual of a Ritz pair (Davidson 1975, with inverse iteration).
+The search at the next state starts from the vectors of the last one. Waves of the contact have mu far from zero. They
+may flutter at a damping below the safe one of `flutter`: all mu of small problems and flats are computed, and
+elsewhere a frame estimates that damping when asked.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from .inverse import Inverse, Space
 
 ROUND_OFF = 1e-9  # of the largest eigenvalue: with a smaller imaginary part, from round-off, one counts as real
+UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Growth rates over twice the decay of the layer's slowest mode, |mu| over k_min, unless the comment differs."""
+class RestOptions:
+    """How a growing mode is searched for.
 
-    unstable: float = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
+    A growth is compared with twice the decay of the layer's slowest mode, |mu| with k_min, unless the comment differs.
+    """
+
+    most: int = 60  # vectors that a search may add; disturbances up to that size have all their mu computed
     dense_waves: int = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
     radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
     kept: int = 4  # vectors from which the next search starts: two complex pairs
@@ -34,25 +39,24 @@ class Limits:
     # growth rates below -clear count as safely stable; none is below -0.5. 0.25 was too lax: on a soft layer (E = 10)
     # flutter began between two searches
     clear: float = 0.4
-    most: int = 60  # vectors that a search may add; disturbances up to that size have all their mu computed
     # units, times the margin: a state is accepted without a search while the growth is `clear` and no unknown has moved
     # farther since the last one. Towards a fold, margin and movement shrink as the root of the distance in load
     far: float = 0.8
 
 
-LIMITS = Limits()
+OPTIONS = RestOptions()
 
 
 @dataclass(frozen=True)
 class Mode:
-    """The disturbance of an equilibrium that grows fastest, with unknowns x (size,); the next search starts from it.
+    """The disturbance x of an equilibrium that grows fastest; the next search starts from it.
 
-    growth, 1/time; mu, GPa/nm. hidden: a wave grows that one node for all cannot show; x is then the uniform mode.
+    hidden: a wave grows that one node for all cannot show; x is then the uniform mode.
     """
 
-    growth: float
-    mu: complex
-    x: np.ndarray | None
+    growth: float  # 1/time
+    mu: complex  # GPa/nm
+    x: np.ndarray | None  # (size,)
     hidden: bool = False
     basis: tuple = ()  # of (x (N,), K x), disturbances near zero
     v: np.ndarray | None = None  # (size,) the state that was searched
@@ -60,8 +64,8 @@ class Mode:
 
     @property
     def rests(self) -> bool:
-        """Whether the equilibrium is stable, to `LIMITS.unstable`."""
-        return self.growth <= LIMITS.unstable
+        """Whether the equilibrium is stable, to UNSTABLE."""
+        return self.growth <= UNSTABLE
 
     @property
     def kind(self) -> str:
@@ -72,53 +76,53 @@ class Mode:
 class Judge:
     """Judges the states of a run, under a motion of that damping over critical; keeps only scratch."""
 
-    def __init__(self, damping):
-        self.damping, self._scratch = damping, None
+    def __init__(self, damping, options: RestOptions = OPTIONS):
+        self.damping, self.options, self._scratch = damping, options, None
 
-    def accept(self, problem, v, active, known=None, smooth=None) -> Mode:
-        """The Mode of an equilibrium v (size,): the one `known` of an earlier state where no search is needed.
+    def accept(self, problem, v, active, last=None, smooth=None) -> Mode:
+        """The Mode of an equilibrium v (size,): `last`, that of an earlier state, where no search is needed.
 
-        smooth: a function close to the inverse of -dR/dv, if one is at hand.
+        smooth: a function close to the inverse of -dR/dv, if there is one.
         """
-        here, fits = problem.linearised(v, active), _fits(known, v)
-        near = fits and np.abs(v - known.v).max() < LIMITS.far * problem.unit * min(known.margin, 1.0)
-        clear = near and known.growth < -LIMITS.clear * self._scale(problem)
-        if clear and (here.size > LIMITS.dense_waves or self.damping >= here.safe_damping()):
-            return known
-        return self._looked(problem, here, v, active, known, smooth, fine=not fits)
+        linearised, fits, options = problem.linearised(v, active), _fits(last, v), self.options
+        near = fits and np.abs(v - last.v).max() < options.far * problem.unit * min(last.margin, 1.0)
+        clear = near and last.growth < -options.clear * self._scale(problem)
+        if clear and (linearised.size > options.dense_waves or self.damping >= linearised.safe_damping()):
+            return last
+        return self._searched(problem, linearised, v, last if fits else None, smooth, fine=not fits)
 
-    def rightmost(self, problem, v, active, known=None, smooth=None) -> Mode:
+    def rightmost(self, problem, v, active, last=None, smooth=None) -> Mode:
         """The same by a search in any case, to `fine`."""
-        return self._looked(problem, problem.linearised(v, active), v, active, known, smooth, fine=True)
+        last = last if _fits(last, v) else None
+        return self._searched(problem, problem.linearised(v, active), v, last, smooth, fine=True)
 
     def _scale(self, problem):
         """What growths are compared with: twice the decay of the layer's slowest mode, gamma up to critical damping."""
         critical = problem.motion().critical
         return -2.0 * float(rate(-0.25 * critical**2, self.damping * critical))
 
-    def _looked(self, problem, here, v, active, known, smooth, fine):
-        critical, fits = problem.motion().critical, _fits(known, v)
+    def _searched(self, problem, linearised, v, last, smooth, fine):
+        critical, options = problem.motion().critical, self.options
         friction = self.damping * critical
-        if (waves := here.waves()) is not None:
-            return _of_waves(here, *waves, friction)
-        if here.size <= LIMITS.most:
-            return _dense(here, friction)
-        if here.size <= LIMITS.dense_waves and self.damping < here.safe_damping():
-            return _dense(here, friction)
-        space, inverse = self._emptied(problem, here, smooth)
-        radius, start = LIMITS.radius * 0.25 * critical**2, known.basis if fits else ()
-        found = _near_zero(here, inverse, friction, radius, self._scale(problem), start, fine, space)
-        growth, mu, x, basis, margin = found
-        return Mode(growth, mu, here.seen(x), False, basis, v, margin)
+        if (waves := linearised.waves()) is not None:
+            return _of_waves(linearised, *waves, friction)
+        if linearised.size <= options.most:
+            return _dense(linearised, friction)
+        if linearised.size <= options.dense_waves and self.damping < linearised.safe_damping():
+            return _dense(linearised, friction)
+        space, inverse = self._emptied(problem, linearised, smooth)
+        zero = _NearZero(friction, options.radius * 0.25 * critical**2, self._scale(problem), fine, options)
+        growth, mu, x, basis, margin = _search(linearised, inverse, space, last.basis if last else (), zero)
+        return Mode(growth, mu, linearised.seen(x), False, basis, v, margin)
 
-    def _emptied(self, problem, here, smooth):
+    def _emptied(self, problem, linearised, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""
-        sizes = here.size, problem.size
+        sizes = linearised.size, problem.size
         if self._scratch is None or self._scratch[0] != sizes:
-            room = LIMITS.kept + LIMITS.most + 8
-            self._scratch = sizes, Space(here.size, room), Inverse(problem.size)
+            room = self.options.kept + 2 + self.options.most + 4  # start, noise, search, and its last step beyond that
+            self._scratch = sizes, Space(linearised.size, room), Inverse(problem.size)
         _, space, inverse = self._scratch
-        return space.emptied(here), inverse.of_tangent(here.tangent, smooth)
+        return space.emptied(linearised), inverse.of_tangent(linearised.tangent, smooth)
 
 
 def rate(mu, friction) -> np.ndarray:
@@ -136,9 +140,9 @@ def inside(mu, friction) -> np.ndarray:
     return (friction**2 * depth - mu.imag**2) / steepness
 
 
-def _fits(known, v):
-    """Whether a Mode holds what a look at the state v may start from."""
-    return known is not None and known.v is not None and known.v.shape == v.shape
+def _fits(last, v):
+    """Whether a search at the state v may start from the Mode `last`."""
+    return last is not None and last.v is not None and last.v.shape == v.shape
 
 
 def _largest_phase(x):
@@ -146,102 +150,116 @@ def _largest_phase(x):
     return (x * np.exp(-0.5j * np.angle((x * x).sum()))).real
 
 
-def _dense(here, friction):
-    """The Mode among all of them."""
-    values, vectors = np.linalg.eig(np.array([here.product(e) for e in np.eye(here.size)]).T)
+def _dense(linearised, friction):
+    """The Mode from all eigenvalues."""
+    values, vectors = np.linalg.eig(np.array([linearised.product(e) for e in np.eye(linearised.size)]).T)
     rates = rate(values, friction)
     i = int(np.argmax(rates))
-    return Mode(float(rates[i]), complex(values[i]), here.seen(_largest_phase(vectors[:, i])))
+    return Mode(float(rates[i]), complex(values[i]), linearised.seen(_largest_phase(vectors[:, i])))
 
 
-def _of_waves(here, mu, shown, friction):
+def _of_waves(linearised, mu, shown, friction):
     """The Mode where every mode is a wave, arguments as of `Linearised.waves`."""
     rates = rate(mu, friction)
     fastest = np.unravel_index(np.argmax(rates), mu.shape)
     growth, x = float(rates[fastest]), shown(*fastest)
-    hidden = x is None and growth > LIMITS.unstable
+    hidden = x is None and growth > UNSTABLE
     if x is None:
         x = shown(int(np.argmax(rates[:, 0])), 0)
     fastest = complex(mu[fastest])
     if abs(fastest.imag) <= ROUND_OFF * np.abs(mu).max():
         fastest = complex(fastest.real)
-    return Mode(growth, fastest, here.seen(_largest_phase(x)), hidden)
+    return Mode(growth, fastest, linearised.seen(_largest_phase(x)), hidden)
 
 
-def _near_zero(here, inverse, friction, radius, scale, start, fine, space):
-    """(growth, mu, x, basis to go on from, its margin) of the fastest mode with |mu| < radius, GPa/nm.
+class _NearZero(NamedTuple):
+    """What is searched for: the fastest mode with |mu| < radius, GPa/nm, its growth to `fine` or only its sign."""
 
-    start: vectors to begin with; scale: of growths; space: an empty Space. Unless `fine`, the search ends once it is
-    told whether a mode lies outside the parabola.
+    friction: float  # 1/time
+    radius: float
+    scale: float  # of growths
+    fine: bool
+    options: RestOptions
+
+
+def _search(linearised, inverse, space, start, zero):
+    """(growth, mu, x, basis from which to go on, its margin) of that mode; space: an empty Space.
+
+    start: pairs (x, K x) to begin with.
     """
     for pair in start:
         space.add(*pair)
-    other = here.noise  # else modes of another symmetry would be missed
-    for _ in range(2):  # the second time rids it of what does not grow
-        other, layered = here.inverse(inverse.solve, other)
+    other = linearised.noise  # without it, modes of another symmetry would be missed
+    for _ in range(2):  # the second solve damps what does not grow
+        other, layered = linearised.inverse(inverse.solve, other)
         space.add(other, layered)
-    most = space.rows + LIMITS.most
+    most = space.rows + zero.options.most
     while True:
-        found = _Ritz(space, friction, radius, scale)
+        ritz = _Ritz(space, zero)
         rows = space.rows
-        if found.settled(fine):
+        if ritz.settled():
             break
-        for aim in found.aims(fine):
-            for part in _parts(found.residuals[aim]):
-                space.add(*here.inverse(inverse.solve, part))
+        for aim in ritz.aims():
+            for part in _parts(ritz.residuals[aim]):
+                space.add(*linearised.inverse(inverse.solve, part))
         if not rows < space.rows < most:
             break
-    return found.growth, *found.carried()
+    return ritz.growth, *ritz.carried()
 
 
 class _Ritz:
-    """The Ritz pairs of a Space next to zero: their rates, how far they are from growing, and how sure that is."""
+    """The Ritz pairs of a Space next to zero: their rates, their distances from growing, and the errors of both."""
 
-    def __init__(self, space, friction, radius, scale):
-        self.every, self.values, self.vectors = _ritz_pairs(space, friction, radius)
-        self.scale, self.known, self.layered, self.matrix = scale, space.vectors, space.layered, space.matrix
-        self.depth, rates = inside(self.values, friction), rate(self.values, friction)
+    def __init__(self, space, zero):
+        friction = zero.friction
+        self.all_vectors, self.values, self.vectors = _ritz_pairs(space, friction, zero.radius)
+        self.zero, self.depth = zero, inside(self.values, friction)
+        self.span, self.layered, self.matrix = space.vectors, space.layered, space.matrix
+        rates = rate(self.values, friction)
         self.residuals = space.residuals(self.vectors, self.values)
         miss = np.sqrt((np.abs(self.residuals) ** 2).sum(axis=1))
-        self.fastest = int(np.argmax(rates - 1e-9 * np.abs(self.values)))
+        # of modes that grow alike to round-off, the one nearest to zero
+        self.fastest = int(np.argmax(rates - ROUND_OFF * np.abs(self.values)))
         self.growth = float(rates[self.fastest])
         self.error = _error(miss[self.fastest], self.values[self.fastest], friction)
         doubt = miss / np.maximum(self.depth, 1e-300)
         self.worst = int(np.argmax(doubt))
-        self.sure = doubt[self.worst] < LIMITS.sure
+        self.sure = doubt[self.worst] < zero.options.sure
 
-    def settled(self, fine):
+    def settled(self):
         """Whether the growth is known well enough."""
-        told = self.sure or self.growth > self.error
-        clear = self.sure and self.growth < -LIMITS.clear * self.scale
-        return clear or self.error < LIMITS.fine * self.scale or (told and not fine)
+        _, _, scale, fine, options = self.zero
+        decided = self.sure or self.growth > self.error
+        clear = self.sure and self.growth < -options.clear * scale
+        return clear or self.error < options.fine * scale or (decided and not fine)
 
-    def aims(self, fine):
+    def aims(self):
         """The pairs whose residuals extend the space."""
         if self.sure or self.depth[self.fastest] <= 0.0:
             return {self.fastest}
-        return {self.worst, self.fastest} if fine else {self.worst}
+        return {self.worst, self.fastest} if self.zero.fine else {self.worst}
 
     def carried(self):
         """(mu and x of the fastest mode; basis and margin, as of a Mode, of those nearest to growing)."""
-        parts = [part for vector in self.every.T[: LIMITS.kept] for part in _parts(vector)]
-        basis = np.linalg.qr(np.array(parts[: LIMITS.kept]).T)[0].T
-        x = _largest_phase(self.vectors[:, self.fastest] @ self.known)
-        vectors, layered = basis @ self.known, basis @ self.layered
+        kept = self.zero.options.kept
+        parts = [part for vector in self.all_vectors.T[:kept] for part in _parts(vector)]
+        basis = np.linalg.qr(np.array(parts[:kept]).T)[0].T
+        x = _largest_phase(self.vectors[:, self.fastest] @ self.span)
+        vectors, layered = basis @ self.span, basis @ self.layered
         onset = np.linalg.solve(vectors @ layered.T, basis @ self.matrix @ basis.T)
         margin = -float(np.linalg.eigvals(onset).real.max())
         return complex(self.values[self.fastest]), x, tuple(zip(vectors, layered, strict=True)), margin
 
 
 def _ritz_pairs(space, friction, radius):
-    """(all vectors, in the order in which they grow; values and vectors near zero), one of each complex pair.
+    """(all vectors, fastest growth first; values and vectors near zero), one of each complex pair.
 
     Near zero are those with |mu| < radius or Re mu > 0, and where the contact is stiff everywhere, the smallest.
     """
     values, vectors = np.linalg.eig(space.matrix)
-    one = np.flatnonzero(values.imag >= 0.0)
-    one = one[np.argsort(inside(values[one], friction))]
-    values, vectors = values[one], vectors[:, one]
+    upper = np.flatnonzero(values.imag >= 0.0)
+    upper = upper[np.argsort(inside(values[upper], friction))]
+    values, vectors = values[upper], vectors[:, upper]
     near = (np.abs(values) < max(radius, 1.001 * np.abs(values).min())) | (values.real > 0.0)
     return vectors, values[near], vectors[:, near]
 

@@ -17,8 +17,8 @@ from .state import Crowded, NotConverged, Restless, State
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Of a slip; a "unit" is the problem's `unit`."""
+class SlipOptions:
+    """How the motion of a slip is followed and ended; a "unit" is the problem's `unit`."""
 
     steps: int = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
     # units from the end of the branch within which the motion counts as starting: four times where it starts
@@ -51,7 +51,7 @@ class Limits:
     diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
 
-LIMITS = Limits()
+OPTIONS = SlipOptions()
 
 
 class Trial(NamedTuple):
@@ -69,17 +69,18 @@ class TooLong(Restless):
 class Pace:
     """Step control: the factor of the usual steps, from how far (units) the state moved since the last check."""
 
-    def __init__(self, finer, overdamped):
-        self.finer, self.overdamped, self._crawl = finer, overdamped, 1.0
+    def __init__(self, finer, overdamped, options: SlipOptions = OPTIONS):
+        self.finer, self.overdamped, self.options, self._crawl = finer, overdamped, options, 1.0
 
-    def next(self, moved, starting):
+    def next(self, moved, starting) -> float:
         """The factor of the usual steps until the next check."""
+        options = self.options
         if not self.overdamped:
-            return (LIMITS.slow if starting else 1.0) / self.finer
-        if moved > LIMITS.crawl:  # without inertia, steps may adapt to the speed
+            return (options.slow if starting else 1.0) / self.finer
+        if moved > options.crawl:  # without inertia, steps may adapt to the speed
             self._crawl = max(0.5 * self._crawl, 1.0)
-        elif 0.0 < moved < 0.25 * LIMITS.crawl:
-            self._crawl = min(2.0 * self._crawl, LIMITS.crawl_longest)
+        elif 0.0 < moved < 0.25 * options.crawl:
+            self._crawl = min(2.0 * self._crawl, options.crawl_longest)
         return self._crawl / self.finer
 
 
@@ -90,10 +91,10 @@ class Transient:
     still near the end of the branch.
     """
 
-    def __init__(self, problem, end, trial, film, judge, damping, closed):
+    def __init__(self, problem, end, trial, film, judge, damping, closed, options: SlipOptions = OPTIONS):
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
-        self.unit, self.film, self.mode = problem.unit, film, None
-        self.pace = Pace(trial.finer, not isfinite(damping))
+        self.unit, self.film, self.mode, self.options = problem.unit, film, None, options
+        self.pace = Pace(trial.finer, not isfinite(damping), options)
         self.load, self.v = end.load, end.v + end.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
@@ -101,12 +102,13 @@ class Transient:
         self.dynamics = problem.motion()
         y = self.dynamics.start(self.v, self.active, self.load)
         self.motion = motion_of(self.dynamics, y, self.load, damping, closed)
-        self.ahead, self._r, self._worst = np.zeros(problem.size), np.empty(problem.size), None
+        self.ahead, self._r = np.zeros(problem.size), np.empty(problem.size)
+        self._worst: float | None = None
         self._changes = np.zeros(self.active.size, int)
-        self.landing, self.near = LIMITS.landing * self.unit, LIMITS.near * self.unit / trial.nearer**2
+        self.landing, self.near = self.options.landing * self.unit, self.options.near * self.unit / trial.nearer**2
         self.starting, self.steps, self.elapsed = end.located, 0, 0.0
 
-    def to_rest(self):
+    def to_rest(self) -> State:
         """The State at rest."""
         self._filmed(self.end.v, self.end.active, self.end.load)
         while True:
@@ -119,24 +121,24 @@ class Transient:
             self.raise_load()
             self.check()
 
-    def step(self):
+    def step(self) -> None:
         """Some time steps, adapted to the stiffness here and where the state is about to be."""
-        dynamics, motion = self.dynamics, self.motion
+        dynamics, motion, options = self.dynamics, self.motion, self.options
         # surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(self.v, self.active), dynamics.interface(self.v + self.ahead, self.active))
-        if not stiffness < LIMITS.diverged * self.closed:
+        if not stiffness < options.diverged * self.closed:
             raise TooLong("the motion diverges")
         motion.soften(stiffness, self.pace.next(np.abs(self.ahead).max() / self.unit, self.starting))
         if self.film is None:
-            motion.advance(self.active, LIMITS.steps)
+            motion.advance(self.active, options.steps)
         else:
             self._film_steps()
-        self.steps, self.elapsed = self.steps + LIMITS.steps, self.elapsed + LIMITS.steps * motion.time
+        self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
 
     def _film_steps(self):
         """The same, step by step; the film takes each state that is far enough from its last one."""
-        least = LIMITS.crawl / LIMITS.steps * self.unit
-        for _ in range(LIMITS.steps):
+        least = self.options.crawl / self.options.steps * self.unit
+        for _ in range(self.options.steps):
             self.motion.advance(self.active, 1)
             v = self.dynamics.unknowns(self.motion.y)
             if np.abs(v - self.film[-1][1]).max() > least:
@@ -146,29 +148,29 @@ class Transient:
         if self.film is not None:
             self.film.append((self.problem, v, active, load))
 
-    def look(self):
+    def look(self) -> None:
         """Update the state, and the nodes within the window."""
         before, self.v = self.v, self.dynamics.unknowns(self.motion.y)
-        if not np.abs(self.v).max() < LIMITS.diverged * self.unit:  # nan fails it too
+        if not np.abs(self.v).max() < self.options.diverged * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead, self._worst = self.v - before, None
         now = self.problem.active(self.v, self.load)
         changed = now != self.active
         if changed.any():
             self._changes += changed
-            self.active = np.where(self._changes > LIMITS.come_and_go, self.active, now)
+            self.active = np.where(self._changes > self.options.come_and_go, self.active, now)
             if self.problem.grown(self.v, self.active, self.load) is not None:
                 raise Crowded("the motion needs a wider patch")
         self.starting = self._near_end(self.v)
 
     @property
-    def residual(self):
+    def residual(self) -> float:
         """Residual of the present state, nm."""
         if self._worst is None:
             self._worst = self.problem.residual(self.v, self.active, self.load, self._r)
         return self._worst
 
-    def land(self):
+    def land(self) -> State | None:
         """The State that Anderson steps reach from here; None if it is too early, or they fail."""
         if not self._nearly_at_rest(self.landing if not self.starting else self.near):
             return None
@@ -180,7 +182,7 @@ class Transient:
 
     def _near_end(self, v):
         """Whether v is still close to the end of the branch."""
-        return self.end.located and bool(np.abs(v - self.end.v).max() < LIMITS.left * self.unit)
+        return self.end.located and bool(np.abs(v - self.end.v).max() < self.options.left * self.unit)
 
     def _returned(self, v):
         """Whether v is the end of the branch or lies before it, along the direction in which the motion left."""
@@ -203,31 +205,31 @@ class Transient:
         self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
         if not (self.mode.rests or self.mode.hidden):
             return None
-        known = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
-        return State.at_rest(self.load, v, active, **known)
+        solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
+        return State.at_rest(self.load, v, active, **solved)
 
-    def raise_load(self):
+    def raise_load(self) -> None:
         """Raise the load where the motion does not rest, or where the branch goes on a little farther."""
         returned = self.starting and self._nearly_at_rest(self.problem.tolerance)
         if not returned and not self._restless():
             return
         if not returned and self.pace.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
-        share = LIMITS.raised * (self.load - self.end.load)
-        self.load += min(max(LIMITS.raised_least * self.unit, share), LIMITS.raised_most * self.unit)
-        self.landing = LIMITS.landing * self.unit
+        share = self.options.raised * (self.load - self.end.load)
+        self.load += min(max(self.options.raised_least * self.unit, share), self.options.raised_most * self.unit)
+        self.landing = self.options.landing * self.unit
         self.motion.load = self.load
 
     def _restless(self):
         """Whether the motion has lasted so long that it may never rest."""
         if not isfinite(self.damping):
-            return self.steps > 10 * LIMITS.least
+            return self.steps > 10 * self.options.least
         period = 4.0 * np.pi / (self.dynamics.critical * min(1.0, self.damping))
-        return self.steps > LIMITS.least and self.elapsed > LIMITS.patience * period
+        return self.steps > self.options.least and self.elapsed > self.options.patience * period
 
-    def check(self):
+    def check(self) -> None:
         """Raises Restless or NotConverged where it is time to give up."""
-        if self.load > self.end.load + LIMITS.farthest * self.unit:
+        if self.load > self.end.load + self.options.farthest * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self.residual:.2g} nm")
-        if self.steps > LIMITS.budget:
-            raise NotConverged(f"still moving, residual {self.residual:.2g} nm, after {LIMITS.budget} steps")
+        if self.steps > self.options.budget:
+            raise NotConverged(f"still moving, residual {self.residual:.2g} nm, after {self.options.budget} steps")

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..continuation.rest import LIMITS as JUDGED
+from ..continuation.rest import OPTIONS as REST
 from ..mechanics.flutter import safe_damping
 from ..scene import Scene
 
@@ -83,7 +83,7 @@ class Frame:
     @cached_property
     def safe_damping(self) -> float:
         """The damping over critical above which no wave of the contact can flutter; 0.0 where all modes were judged."""
-        if 2 * self.scene.nodes <= JUDGED.dense_waves:
+        if 2 * self.scene.nodes <= REST.dense_waves:
             return 0.0
         return safe_damping(self.scene, self.u, (self.T != 0.0).any(axis=0), self.first)
 
