@@ -1,6 +1,7 @@
 """Adhesive contact of an elastic layer with a rigid flat under mixed-mode loading (doi:10.1016/j.jmps.2019.06.010).
 
-    for frame in load_path(Scene(delta_bar=0.2)): print(frame.U_x, frame.F_bar, frame.A_bar)
+    result = simulate(Scene(delta_bar=0.2))
+    print(result.table, result.slips)
 
 Lengths are in nm, moduli and tractions in GPa, works of separation in N/m. x runs along the interface, z up. The layer
 lies above; its top is moved rigidly by (U_x, -delta). Arrays (2, m) hold x in row 0 and z in row 1.
@@ -17,6 +18,7 @@ mechanics/                      the physics: NP1 law, elastic layer, contact
 threads, isolated, cluster      one BLAS thread; calls with a time limit in other processes, or on a cluster
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
+results                         a run as tables and plots, first slips of many scenes
 cautions                        sentences on choices that affect a result
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
 validation/                     independent calculations of the same, accuracy over run time
@@ -30,6 +32,7 @@ from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
 from .following.skeleton import Skeleton
 from .profile import ProfileError, read_profile
+from .results import Result, simulate, sweep
 from .run.carry import carried_path, carry_on
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, load_path
@@ -51,6 +54,7 @@ __all__ = [
     "NotFollowed",
     "Profile",
     "ProfileError",
+    "Result",
     "Scene",
     "SceneError",
     "Skeleton",
@@ -64,9 +68,11 @@ __all__ = [
     "load_path",
     "read_profile",
     "scene_from_text",
+    "simulate",
     "skeleton_from",
     "skeleton_of",
     "summarize",
+    "sweep",
     "whole_surface",
     "work_of",
 ]

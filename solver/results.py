@@ -1,0 +1,255 @@
+"""A computed experiment as tables and plots: `simulate` one scene, `sweep` the first slips of many."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from html import escape
+from itertools import product
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .continuation.state import NotConverged
+from .following.from_run import skeleton_of
+from .following.skeleton import Skeleton
+from .isolated import Lost, outcomes
+from .run.frame import Frame
+from .run.load_steps import load_steps_of
+from .run.loadpath import load_path
+from .scene import PARAMETERS, Scene
+
+if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
+    import holoviews as hv
+    import pandas as pd
+    import xarray as xr
+
+LIMIT = 600.0  # s for one scene of a sweep: the most expensive scenes of tests/bench/box.py take a hundredth of it
+SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A run of one scene: its Frames, and why it ended early (None: it reached the end of its path)."""
+
+    scene: Scene
+    frames: Sequence[Frame] = field(repr=False)
+    failure: str | None = None
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """A row per increment: U_x, delta, A (nm), F, L (N/m), residual (nm), evaluations, slip and stage."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "stage": frame.stage,
+                "U_x (nm)": frame.U_x,
+                "delta (nm)": frame.delta,
+                "F (N/m)": frame.F,
+                "L (N/m)": frame.L,
+                "A (nm)": frame.A_bar * frame.scene.width,
+                "residual (nm)": frame.residual,
+                "evaluations": frame.evaluations,
+                "slip": frame.slip,
+            }
+            for frame in self.frames
+        )
+
+    @cached_property
+    def slips(self) -> pd.DataFrame:
+        """A row per end of a branch: load (U_x or delta, nm), F, L (N/m) and A (nm) just before it, and its kind."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            [_slip(frame, event) for frame in self.frames for event in frame.slips],
+            columns=["stage", "load (nm)", "F (N/m)", "L (N/m)", "A (nm)", "kind", "located", "sensitive"],
+        )
+
+    @cached_property
+    def skeleton(self) -> Skeleton:
+        """The Skeleton of the scene, from which curves at other parameters follow. Raises NotFollowed."""
+        return skeleton_of(self.scene)
+
+    def plot(self) -> hv.Layout:
+        """F and L, A, and the normal traction over place and displacement, as a HoloViews layout."""
+        import holoviews as hv
+
+        if not hv.Store.loaded_backends():
+            hv.extension("bokeh")
+        after, along = self._after, self._along
+        across, load = hv.Dimension(along, unit="nm"), hv.Dimension("F", label="force", unit="N/m")
+        at = [getattr(frame, along) for frame in after]
+        forces = hv.Overlay(
+            [hv.Curve((at, [getattr(f, name) for f in after]), across, load, label=name) for name in "FL"]
+        )
+        area = hv.Curve((at, [f.A_bar * f.scene.width for f in after]), across, hv.Dimension("A", unit="nm"))
+        layout = (forces + area + self._contact_map(after, across)).opts(shared_axes=False).cols(1)
+        if "bokeh" in hv.Store.loaded_backends():
+            kinds = hv.opts.Curve, hv.opts.QuadMesh
+            size = [kind(frame_width=560, frame_height=180, backend="bokeh") for kind in kinds]
+            layout.opts(*size, hv.opts.Overlay(legend_position="right", backend="bokeh"))
+        return layout
+
+    def _contact_map(self, frames, across):
+        """T_z (GPa, repulsion positive) over x from the middle of the cell and U_x; increments where U_x turns back."""
+        import holoviews as hv
+
+        x, T_z = self._fields(frames)
+        at = [frame.U_x for frame in frames]
+        if np.any(np.diff(at) <= 0.0):
+            across, at = hv.Dimension("increment"), range(len(frames))
+        kdims, most = [across, hv.Dimension("x", unit="nm")], np.abs(T_z).max()
+        value = hv.Dimension("T_z", label="normal traction T_z", unit="GPa", range=(-most, most))
+        return hv.QuadMesh((at, x, T_z.T), kdims, value).opts(hv.opts.QuadMesh(cmap="RdBu_r", colorbar=True))
+
+    def _fields(self, frames):
+        """(x (m,) nm from the middle of the cell, T_z (frames, m) GPa) over all nodes that any frame has."""
+        first = min(frame.first for frame in frames)
+        last = max(frame.first + frame.T.shape[1] for frame in frames)
+        T_z = np.zeros((len(frames), last - first))
+        for row, frame in zip(T_z, frames, strict=True):
+            row[frame.first - first : frame.first - first + frame.T.shape[1]] = frame.T[1]
+        return np.arange(first, last) * self.scene.spacing - self.scene.width / 2, T_z
+
+    def save(self, file: str | PathLike) -> None:
+        """Writes the plot as HTML, or as PNG (which needs matplotlib). Raises ValueError for another suffix."""
+        import holoviews as hv
+
+        backends = {".html": "bokeh", ".png": "matplotlib"}
+        suffix = Path(file).suffix
+        if suffix not in backends:
+            raise ValueError(f"file = {str(file)!r}; allowed: a name that ends in .html or .png; rename it")
+        hv.extension(backends[suffix])
+        hv.save(self.plot(), file, backend=backends[suffix], resources="inline")  # works without internet
+
+    def to_xarray(self) -> xr.Dataset:
+        """The curves and the tractions T_x, T_z (GPa) over increment and x (nm). Needs xarray."""
+        import xarray as xr
+
+        x, T_z = self._fields(self.frames)
+        curves = {name.split(" (")[0]: ("increment", column.to_numpy()) for name, column in self.table.items()}
+        return xr.Dataset(curves | {"T_z": (("increment", "x"), T_z)}, coords={"x": x}, attrs=self.scene.differences())
+
+    @property
+    def _after(self) -> list[Frame]:
+        """The Frames after the approach; of a run that failed before, those that there are."""
+        return [frame for frame in self.frames if frame.stage != "approach"] or list(self.frames)
+
+    @property
+    def _along(self) -> str:
+        return "delta" if self.scene.path == "unload" else "U_x"
+
+    def _repr_html_(self) -> str:
+        """What differs from the default, the first slip, and F over the path as a small curve."""
+        changed = ", ".join(f"{name} = {value}" for name, value in self.scene.differences().items()) or "the default"
+        sliding = self.slips[(self.slips["stage"] == "shear") & (self.slips["kind"] != "control")]
+        slipping = "no slip"
+        if len(sliding):
+            first = sliding.iloc[0]
+            slipping = f"first slip at U_x = {first['load (nm)']:.2f} nm: F = {first['F (N/m)']:.4g} N/m"
+            slipping += f", A = {first['A (nm)']:.4g} nm; {len(self.slips)} slips"
+        lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
+        return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self._after, self._along)
+
+
+def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
+    """Computes one scene from approach to the end of its path.
+
+    Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error.
+    Returns a Result. Where an increment has no equilibrium in reach, `failure` has the reason and a remedy, and the
+    Result ends before it.
+
+    Example: `simulate(Scene(delta_bar=0.2)).table`
+    """
+    scene, frames = scene or Scene(), []
+    try:
+        for frame in _with_progress(scene, progress):
+            frames.append(frame)
+    except NotConverged as failure:
+        return Result(scene, frames, str(failure))
+    return Result(scene, frames)
+
+
+def _with_progress(scene, progress):
+    if not progress:
+        return load_path(scene)
+    from tqdm.auto import tqdm
+
+    return tqdm(load_path(scene), total=sum(step.increments + 1 for step in load_steps_of(scene)), unit=" increments")
+
+
+def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any]) -> pd.DataFrame:
+    """Computes the first slip for every combination of parameter values.
+
+    Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
+    Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s, A_0
+    (nm), and `outcome`: "slips", "sticks" up to u_x_max, or why there is no result. Missing numbers are nan.
+    Raises ValueError for a name that is no parameter, SceneError for a value outside its range.
+
+    With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
+
+    Example: `sweep(delta_bar=[0.0, 0.2], phi_ratio=[0.5, 1.0])`
+    """
+    import pandas as pd
+
+    unknown = [name for name in values if name not in PARAMETERS]
+    if unknown:
+        raise ValueError(f"{unknown[0]} is no parameter of a Scene; allowed: {', '.join(PARAMETERS)}")
+    combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
+    scenes = [(scene or Scene()).changed(**combination) for combination in combinations]
+    if workers > 1:
+        first = dict(outcomes(first_slip, scenes, workers, LIMIT))
+    else:
+        first = {k: first_slip(each) for k, each in enumerate(scenes)}
+    rows = [first[k] if isinstance(first[k], dict) else {"outcome": _lost(first[k])} for k in range(len(scenes))]
+    columns = [*values, "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)", "A_0 (nm)", "outcome"]
+    return pd.DataFrame([given | row for given, row in zip(combinations, rows, strict=True)], columns=columns)
+
+
+def _lost(lost: Lost) -> str:
+    return f"not computed: {lost}"
+
+
+def first_slip(scene: Scene) -> dict[str, Any]:
+    """The first slip of a scene, and its area at U_x = 0, as a row of `sweep`; the run ends there."""
+    row: dict[str, Any] = {}
+    try:
+        for frame in load_path(scene):
+            if frame.stage == "approach":
+                continue
+            row.setdefault("A_0 (nm)", frame.A_bar * scene.width)
+            for event in frame.slips:
+                if event.stage == "shear" and event.kind != "control":
+                    numbers = _slip(frame, event)
+                    slip = {f"{name}_s ({unit})": numbers[f"{name} ({unit})"] for name, unit in FORCES}
+                    return row | {"U_s (nm)": event.load, "outcome": "slips"} | slip
+    except NotConverged as failure:
+        return row | {"outcome": str(failure)}
+    return row | {"outcome": "sticks"}
+
+
+FORCES = ("F", "N/m"), ("L", "N/m"), ("A", "nm")
+
+
+def _slip(frame, event):
+    """A SlipEvent of a Frame as a row, in N/m and nm."""
+    forces = {"F (N/m)": event.F_bar * frame.unit, "L (N/m)": event.L_bar * frame.unit}
+    where = {"stage": event.stage, "load (nm)": event.load} | forces | {"A (nm)": event.A_bar * frame.scene.width}
+    return where | {name: getattr(event, name) for name in ("kind", "located", "sensitive")}
+
+
+def _curve(frames, along):
+    """F over `along` as an SVG without axes."""
+    if len(frames) < 2:
+        return ""
+    x, y = np.array([(getattr(frame, along), frame.F) for frame in frames]).T
+    wide, high = SVG
+    at = [(value - value.min()) / (np.ptp(value) or 1.0) for value in (x, y)]
+    points = " ".join(f"{wide * a:.1f},{high * (1.0 - b):.1f}" for a, b in zip(*at, strict=True))
+    label = f"F over {along}, {y.min():.4g} to {y.max():.4g} N/m"
+    line = f'<polyline points="{points}" fill="none" stroke="#0072b2" stroke-width="1.5"/>'
+    return f'<svg width="{wide}" height="{high}" role="img" aria-label="{label}"><title>{label}</title>{line}</svg>'

@@ -1,0 +1,83 @@
+"""What Python users get: `simulate` and `sweep` give tables with units, plots and a summary for notebooks."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from solver import Scene, load_path, simulate, summarize, sweep
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return simulate(SMALL)
+
+
+def test_the_table_holds_the_frames_in_nm_and_newton_per_metre(result):
+    frames = list(load_path(SMALL))
+    assert len(result.table) == len(frames) and result.failure is None
+    for frame, (_, row) in zip(frames, result.table.iterrows(), strict=True):
+        assert (row["stage"], row["U_x (nm)"], row["slip"]) == (frame.stage, frame.U_x, frame.slip)
+        bars = [frame.F_bar * 160.0 * 30.0, frame.L_bar * 160.0 * 30.0, frame.A_bar * 160.0]
+        assert [row["F (N/m)"], row["L (N/m)"], row["A (nm)"]] == pytest.approx(bars, rel=1e-12)  # round-off
+
+
+def test_slips_are_the_events_of_the_run(result):
+    summary = summarize(SMALL, result.frames)
+    assert len(result.slips) == len(summary["events"]) > 1
+    first = result.slips[result.slips["stage"] == "shear"].iloc[0]
+    assert first["load (nm)"] == summary["U_s"]
+    assert first["F (N/m)"] == pytest.approx(summary["F_s"] * 160.0 * 30.0, rel=1e-12)  # round-off
+
+
+def test_a_run_that_fails_keeps_what_it_has_and_names_a_remedy():
+    lifted = simulate(SMALL.changed(hold="load", delta_bar=-0.1))
+    assert "pulled off" in lifted.failure and "press harder" in lifted.failure
+    assert len(lifted.table) > 0 and lifted.failure in lifted._repr_html_()
+    assert "pulled off" in sweep(SMALL.changed(hold="load"), delta_bar=[-0.1])["outcome"][0]
+
+
+def test_a_sweep_has_the_first_slip_of_every_combination_in_order():
+    table = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[1.0, 0.0])
+    assert table[["delta_bar", "phi_ratio"]].values.tolist() == [[0.1, 1.0], [0.1, 0.0], [0.2, 1.0], [0.2, 0.0]]
+    summary = summarize(SMALL, list(load_path(SMALL)))
+    assert table["U_s (nm)"][0] == summary["U_s"] and table["outcome"][0] == "slips"
+    assert table["A_0 (nm)"][0] == pytest.approx(summary["A_0"] * 160.0, rel=1e-12)
+    assert np.isnan(table["U_s (nm)"][1]) and table["outcome"][1] == "sticks"
+
+
+def test_a_sweep_in_processes_gives_the_same_numbers():
+    alone, spread = (sweep(SMALL, delta_bar=[0.1, 0.2], workers=n) for n in (1, 2))
+    assert alone.equals(spread)
+
+
+def test_a_sweep_rejects_a_name_that_is_no_parameter():
+    with pytest.raises(ValueError, match=r"stiffness is no parameter.*allowed: .*\bE\b"):
+        sweep(SMALL, stiffness=[1.0])
+
+
+def test_the_plot_is_saved_as_html_and_other_suffixes_are_rejected(result, tmp_path):
+    result.save(tmp_path / "run.html")
+    assert "bokeh" in (tmp_path / "run.html").read_text(encoding="utf-8").lower()
+    with pytest.raises(ValueError, match=r"\.html or \.png"):
+        result.save(tmp_path / "run.pdf")
+
+
+def test_a_result_prints_its_scene_in_a_few_lines(result):
+    assert "delta_bar=0.1" in repr(result) and len(repr(result)) < 1000
+
+
+def test_a_notebook_shows_what_differs_the_first_slip_and_a_curve(result):
+    shown = result._repr_html_()
+    assert "delta_bar = 0.1" in shown and "first slip at U_x = " in shown and "<polyline" in shown
+    assert " N/m" in shown and " nm" in shown
+
+
+def test_importing_the_solver_imports_no_web_stack():
+    heavy = "{'panel', 'bokeh', 'holoviews', 'pandas', 'tornado', 'tqdm', 'prometheus_client'}"
+    check = f"import sys, solver; print(sorted({heavy} & set(sys.modules)))"
+    shown = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, timeout=120, check=True)
+    assert shown.stdout.strip() == "[]"
