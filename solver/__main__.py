@@ -2,6 +2,8 @@
 
 import os
 import sys
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from numba.core.event import Event, Listener, install_listener
 
@@ -24,13 +26,16 @@ class CompilingNotice(Listener):
         pass
 
 
-def run() -> int:
-    """Runs `cli.main` and returns the exit code, also where the reader of standard output ends early (`| head`)."""
+def run(program: str = "python -m solver", more: Sequence[Callable[[Any], None]] = ()) -> int:
+    """Runs `cli.main` and returns the exit code, also where the reader of standard output ends early (`| head`).
+
+    program: its name in messages; more: functions that add commands.
+    """
     sys.stdout.reconfigure(errors="replace")  # some terminals cannot show the Greek letters of units
     try:
         try:
             with install_listener("numba:compile", CompilingNotice()):
-                return main()
+                return main(program=program, more=more)
         finally:
             sys.stdout.flush()
     except BrokenPipeError:

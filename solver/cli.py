@@ -3,7 +3,7 @@
 import argparse
 import sys
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
 from textwrap import wrap
@@ -54,10 +54,17 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f"{self.prog}: {message}")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the subcommand named in `argv` and returns the exit code."""
+def main(
+    argv: Sequence[str] | None = None,
+    program: str = "python -m solver",
+    more: Sequence[Callable[[Any], None]] = (),
+) -> int:
+    """Runs the subcommand named in `argv` and returns the exit code.
+
+    program: its name in messages; more: functions that add subcommands, as `add_run` does.
+    """
     try:
-        arguments = parser().parse_args(argv)
+        arguments = parser(program, more).parse_args(argv)
         with one_thread():
             return arguments.command(arguments)
     except (ClusterError, InputError, PresetError, SceneError) as error:
@@ -74,12 +81,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
-def parser() -> Parser:
+def parser(program: str = "python -m solver", more: Sequence[Callable[[Any], None]] = ()) -> Parser:
     """The parser of all commands."""
-    parser = Parser(prog="python -m solver", description="Adhesive contacts under mixed-mode loading.")
+    parser = Parser(prog=program, description="Adhesive contacts under mixed-mode loading.")
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread):
+    for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread, *more):
         add(commands)
     for name, listing in (("parameters", parameter_table), ("presets", preset_table)):
         listed = commands.add_parser(name, help=f"list all {name}", description=f"Lists all {name}.")

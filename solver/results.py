@@ -28,6 +28,10 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
     import xarray as xr
 
 LIMIT = 600.0  # s for one scene of a sweep: the most expensive scenes of tests/bench/box.py take a hundredth of it
+SIZES = {  # three plots below each other: as wide as a text column, all on one screen
+    "bokeh": {"frame_width": 560, "frame_height": 180},
+    "matplotlib": {"aspect": 3},
+}
 SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
 
@@ -88,10 +92,12 @@ class Result:
         )
         area = hv.Curve((at, [f.A_bar * f.scene.width for f in after]), across, hv.Dimension("A", unit="nm"))
         layout = (forces + area + self._contact_map(after, across)).opts(shared_axes=False).cols(1)
-        if "bokeh" in hv.Store.loaded_backends():
-            kinds = hv.opts.Curve, hv.opts.QuadMesh
-            size = [kind(frame_width=560, frame_height=180, backend="bokeh") for kind in kinds]
-            layout.opts(*size, hv.opts.Overlay(legend_position="right", backend="bokeh"))
+        for backend in hv.Store.loaded_backends():
+            size = SIZES.get(backend, {})
+            layout.opts(*(kind(**size, backend=backend) for kind in (hv.opts.Curve, hv.opts.QuadMesh) if size))
+            layout.opts(hv.opts.Overlay(legend_position="right", backend=backend))
+        if "matplotlib" in hv.Store.loaded_backends():
+            layout.opts(hv.opts.Layout(sublabel_format="", fig_inches=6, vspace=0.4, backend="matplotlib"))
         return layout
 
     def _contact_map(self, frames, across):

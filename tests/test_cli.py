@@ -17,6 +17,7 @@ import pytest
 from numba.core.event import install_listener
 
 import solver.cli as cli
+from app import console
 from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
 from solver.__main__ import CLOSED_PIPE, CompilingNotice
 from solver.continuation import gfmd
@@ -421,6 +422,16 @@ def test_compiling_is_reported_once_and_only_where_something_is_compiled(capsys)
         double(1.0)  # another type: compiled again
     assert (first.out, first.err.count("\n")) == ("", 1) and "Compiling" in first.err
     assert capsys.readouterr() == ("", "")
+
+
+def test_the_console_script_has_all_commands_and_serve(capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["mixed-mode-contact", "--help"])
+    with pytest.raises(SystemExit) as ended:
+        console.main()
+    shown = capsys.readouterr().out
+    assert ended.value.code == 0 and shown.startswith("usage: mixed-mode-contact ")
+    names = re.findall(r"^    (\w+) ", cli.parser().format_help(), re.M)
+    assert len(names) > 5 and all(f"    {name} " in shown for name in [*names, "serve"])
 
 
 def test_ci_runs_exactly_the_test_command_of_the_readme():

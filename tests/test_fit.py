@@ -1,8 +1,6 @@
 """Fits recover the parameters of computed curves, and warn of what the data do not determine."""
 
-import re
 from io import StringIO
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -221,10 +219,3 @@ def test_the_linear_spread_agrees_with_random_draws(skeleton):
 def test_an_invalid_standard_deviation_is_rejected(text):
     with pytest.raises(ValueError, match="phi_n"):
         deviations(SMALL, {"phi_n": text})
-
-
-def test_the_example_of_the_readme_runs(capsys):
-    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-    section = text.partition("## What matters, what fits, what spreads\n")[2].partition("\n## ")[0]
-    exec(re.search(r"```python\n(.*?)```", section, re.DOTALL)[1], {})
-    assert len(capsys.readouterr().out.splitlines()) == 3

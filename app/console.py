@@ -1,0 +1,28 @@
+"""The console script `mixed-mode-contact`: all commands of `python -m solver`, and `serve` for the page."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from solver.__main__ import run
+
+
+def main() -> int:
+    """Runs the command in `sys.argv` and returns the exit code."""
+    if sys.argv[1:2] == ["serve"]:
+        return serve(sys.argv[2:])
+    return run("mixed-mode-contact", [add_serve])
+
+
+def serve(options: list[str]) -> int:
+    """Serves the page with options of `panel serve`, from wherever this package is installed."""
+    command = [sys.executable, "-m", "panel", "serve", str(Path(__file__).parent), *options]
+    try:
+        return subprocess.run(command).returncode
+    except KeyboardInterrupt:
+        return 0
+
+
+def add_serve(commands) -> None:
+    """Lists `serve` among the commands; `main` runs it."""
+    commands.add_parser("serve", help="serve the page; options are those of `panel serve`, such as --show and --port")

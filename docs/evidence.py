@@ -1,0 +1,177 @@
+"""Measure what the project claims, and write docs/evidence.md: `python docs/evidence.py NAME ...`, or `all`.
+
+Each entry of COMMANDS is one command of the repository. Its output is kept in docs/evidence.json with the commit, date
+and processor. The page shows the output as it is; no number is typed in.
+"""
+
+import argparse
+import json
+import platform
+import subprocess
+import sys
+from datetime import date
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).parent
+ROOT, STORE, PAGE = HERE.parent, HERE / "evidence.json", HERE / "evidence.md"
+MOST = 25  # last lines of an output that the page shows: the summaries of all commands are shorter
+
+
+class Entry(NamedTuple):
+    """A heading, what the figures show, and the arguments of Python that measure them."""
+
+    chapter: str
+    title: str
+    meaning: str
+    command: tuple[str, ...]
+
+
+BENCH = "tests/bench/"
+COMMANDS = {
+    "landings": Entry(
+        "Accuracy",
+        "Where first slips land",
+        "First slips of random rough, wavy, flat and measured cells against an explicit GFMD without shared code."
+        " A slip counts where this GFMD agrees with itself at a third of its time step.",
+        (BENCH + "landings.py",),
+    ),
+    "sensitivities": Entry(
+        "Accuracy",
+        "Derivatives",
+        "Derivatives of slips against central differences, and their cost over that of the run.",
+        (BENCH + "sensitivities.py",),
+    ),
+    "skeletons": Entry(
+        "Accuracy",
+        "Skeletons",
+        "Skeletons of random scenes against their runs: right, refused, or wrong.",
+        (BENCH + "skeletons.py",),
+    ),
+    "fit": Entry(
+        "Accuracy",
+        "Fits",
+        "Fits to data with known parameters: convergence, coverage of the 95 % intervals, sparse data.",
+        (BENCH + "fit.py",),
+    ),
+    "map": Entry(
+        "Accuracy",
+        "Maps",
+        "A map of first slips against exact runs at 60 of its points.",
+        (BENCH + "map.py",),
+    ),
+    "jumps": Entry(
+        "Robustness",
+        "Jumps without an event",
+        "Frames that moved by more than delta_n without an event, in random scenes with held loads and flats.",
+        (BENCH + "jumps.py",),
+    ),
+    "onset": Entry(
+        "Robustness",
+        "Onset of stick-slip",
+        "U_s and the number of slips near the onset for three increments du_x.",
+        (BENCH + "onset.py",),
+    ),
+    "rests": Entry(
+        "Robustness",
+        "Frames at rest",
+        "Random scenes of the whole range of every parameter: does the fastest mode of every frame decay?",
+        (BENCH + "rests.py", "--scenes", "400", "--seed", "1"),
+    ),
+    "bench": Entry(
+        "Performance",
+        "Force evaluations of the presets",
+        "Counts differ by 1 to 3 % between processors; times are those of this machine.",
+        (BENCH + "bench.py", "--quick"),
+    ),
+    "box": Entry(
+        "Performance",
+        "The slider box",
+        "120 scenes over the range of the three sliders: time over that of the default, and slips located.",
+        (BENCH + "box.py", "--jobs", "1", "--limit", "60"),
+    ),
+    "follow": Entry(
+        "Performance",
+        "Following a slider",
+        "Moves of the sliders over their range: share followed, errors, force evaluations, time over that of the run.",
+        (BENCH + "follow.py",),
+    ),
+    "drag": Entry(
+        "Load",
+        "A drag in a browser",
+        "Pictures over values of the slider, and the age of a picture when it is drawn.",
+        (BENCH + "latency.py", "--drag", "--moves", "40"),
+    ),
+    "classroom": Entry(
+        "Load",
+        "A class of 30",
+        "Visitors who think for 2 to 5 s, then choose a preset or drag a slider; server and workers share their cores.",
+        ("tests/load/classroom.py", "--drag", "--visitors", "30", "--seconds", "45"),
+    ),
+}
+
+
+def measured(entry: Entry) -> dict[str, str]:
+    """Runs the command and returns its output with commit, date and processor; raises CalledProcessError."""
+    return {
+        "command": " ".join(["python", *entry.command]),
+        "commit": output("git", "rev-parse", "--short", "HEAD"),
+        "date": date.today().isoformat(),
+        "processor": processor(),
+        "output": output(sys.executable, *entry.command),
+    }
+
+
+def output(*command: str) -> str:
+    """What a command prints, run in the repository's root."""
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def processor() -> str:
+    """The model of the processor, with the number of its cores that are available."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
+    return f"{models[0] if models else platform.processor()}, {len(models) or '?'} cores"
+
+
+def page(store: dict[str, dict[str, str]]) -> str:
+    """The page, a section per entry of COMMANDS."""
+    parts = ["# Evidence", "This page is written by `python docs/evidence.py`. Edit the command, not the page."]
+    chapter = ""
+    for name, entry in COMMANDS.items():
+        if entry.chapter != chapter:
+            chapter = entry.chapter
+            parts.append(f"## {chapter}")
+        parts += [f"### {entry.title}", entry.meaning, *section(store.get(name), entry)]
+    return "\n\n".join(parts) + "\n"
+
+
+def section(result: dict[str, str] | None, entry: Entry) -> list[str]:
+    """Paragraphs that show one result, or the command where there is none."""
+    if result is None:
+        return [f"Not measured yet: `python {' '.join(entry.command)}`."]
+    where = f"`{result['command']}`, commit {result['commit']}, {result['date']}, {result['processor']}:"
+    lines = result["output"].splitlines()
+    return [where, "\n".join(["```text", *lines[-MOST:], "```"])]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"what to measure: all, {', '.join(COMMANDS)}")
+    parser.add_argument("--page", action="store_true", help="only write the page")
+    arguments = parser.parse_args()
+    unknown = set(arguments.names) - {*COMMANDS, "all"}
+    if unknown or not (arguments.names or arguments.page):
+        parser.error(f"unknown: {', '.join(unknown) or 'nothing'}; allowed: all, {', '.join(COMMANDS)}")
+    store = json.loads(STORE.read_text()) if STORE.exists() else {}
+    for name in COMMANDS if "all" in arguments.names else arguments.names:
+        print(f"{name}: python {' '.join(COMMANDS[name].command)}", flush=True)
+        store[name] = measured(COMMANDS[name])
+        STORE.write_text(json.dumps(store, indent=1) + "\n")
+    PAGE.write_text(page(store), encoding="utf-8")
+    print(f"wrote {PAGE.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()
