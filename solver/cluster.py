@@ -35,7 +35,8 @@ def outcomes(call: Callable, items: Iterable[Any], address: str, limit: float) -
         if not client.ncores():
             raise ClusterError(f"--scheduler {address}: no worker there; dask worker {address} --nthreads 1")
         futures = [client.submit(call, item, pure=False) for item in items]
-        ended, waiting, last = SimpleQueue(), {future.key: k for k, future in enumerate(futures)}, monotonic()
+        ended: SimpleQueue[Any] = SimpleQueue()
+        waiting, last = {future.key: k for k, future in enumerate(futures)}, monotonic()
         for future in futures:
             future.add_done_callback(ended.put)
         while waiting:

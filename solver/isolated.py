@@ -40,7 +40,7 @@ class Caller:
     """A process that makes one call at a time and ends with this one; any thread may `end` it."""
 
     def __init__(self) -> None:
-        context = get_context(START)
+        context: Any = get_context(START)  # which kind it has depends on the system
         self._pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with theirs, _prepared():  # their end is closed here, so that the pipe ends with the process
@@ -68,7 +68,8 @@ class Caller:
                     return value
                 if kind == "error":
                     raise Lost("error", value)
-                hear(value)
+                if hear is not None:
+                    hear(value)
         except Lost:
             raise
         except (EOFError, OSError):  # the process ended, maybe in the middle of an answer

@@ -1,4 +1,4 @@
-"""What is published works without the repository: sdist, the wheel from it, and the page served from an empty folder."""
+"""What is published works without the repository: the sdist, its wheel, and the page served from an empty folder."""
 
 import os
 import socket
