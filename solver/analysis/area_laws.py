@@ -22,7 +22,7 @@ class QuadraticLaw:
     points: int
 
 
-def quadratic_law(F, A):
+def quadratic_law(F, A) -> QuadraticLaw:
     """Least-squares fit of Eq. 8 to a branch from U_x = 0 on: forces F (k,), areas A (k,), the first is A_0.
 
     Uses the points in contact (A > 0). Raises ValueError with fewer than five of them, without contact at the first,
@@ -87,7 +87,7 @@ class ThresholdLaw:
     points: int
 
 
-def threshold_law(A_s, F_s):
+def threshold_law(A_s, F_s) -> ThresholdLaw:
     """Least-squares line through the points (A_s, F_s) with A_s > 0.
 
     Raises ValueError with fewer than three of them, where all A_s or all F_s are the same, or some are not finite.

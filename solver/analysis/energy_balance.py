@@ -60,7 +60,7 @@ def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
     return Work(np.cumsum(top), energy - energy[:1], np.cumsum(surface), np.cumsum(released))
 
 
-def layer_energy(scene, frame):
+def layer_energy(scene, frame) -> float:
     """1/2 sum T.(u - U) a, nN: the elastic energy of the layer."""
     top = np.array([[frame.U_x], [-frame.delta]])
     return 0.5 * float(np.sum(frame.T * (frame.u - top))) * scene.spacing

@@ -38,7 +38,7 @@ class Onset:
     A_nodes: float  # A_bar of the last increment before the slip, nodes counted rather than edges interpolated
 
 
-def onset(scene):
+def onset(scene) -> Onset:
     """The Onset of a scene, u_x_max extended as needed up to `reach`; raises NotConverged as load_path does.
 
     Without a slip by then, the run is repeated up to the reach at the strength that pressure gave its springs, as far
@@ -63,7 +63,7 @@ class Search:
     found: Onset | None = None
 
 
-def search_on(scene, search, budget=0.1, limit=inf):
+def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     """The Search some `budget` seconds later; raises NotConverged. limit: as of `advance`."""
     longer = _extended(scene, search.end)
     frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
@@ -104,7 +104,7 @@ def _strength(scene, frame):
     return tau_max(scene) * float(np.exp(-gap / scene.delta_n).sum()) / scene.nodes
 
 
-def reach(scene, strength=None):
+def reach(scene, strength=None) -> float:
     """U_x, nm, up to which `onset` looks for a slip: 2 (strength h/G + 2 a), strength in GPa (tau_max if None).
 
     Twice what shears the layer by that traction and moves it on by two lattice periods; tau_max is that at dn = 0.
@@ -121,7 +121,7 @@ def _extended(scene, end):
         return scene.changed(path="shear")
 
 
-def figure_8():
+def figure_8() -> list[tuple[str, Scene]]:
     """[(name of the interface, Scene)] of the 27 runs of paper Fig. 8."""
     return [
         (name, Scene(delta_bar=delta_bar, **values))
@@ -138,11 +138,11 @@ class Friction:
     F_k: float
 
     @property
-    def mean(self):
+    def mean(self) -> float:
         return 0.5 * (self.F_s + self.F_k)
 
 
-def friction_force(scene, frames):
+def friction_force(scene, frames) -> Friction:
     """The Friction of a run (Eq. 7), from its first slip on; without one, from one lattice period on.
 
     F_k is that of the increment in which a slip ended, so at most du_x beyond it. Raises ValueError where the
@@ -164,7 +164,7 @@ def friction_force(scene, frames):
     return Friction(max(F), min(F))
 
 
-def tau_max(scene):
+def tau_max(scene) -> float:
     """Tangential strength of one spring at dn = 0, GPa (Eq. 5): phi_t / (delta_t sqrt(e/2))."""
     return scene.phi_t / (scene.delta_t * sqrt(0.5 * e))
 
@@ -191,12 +191,12 @@ def _lattice(ratio):
     return xi, pull, slope
 
 
-def softening(scene):
+def softening(scene) -> float:
     """max dT_x/du_x of the flat interface at dn = 0, GPa/nm; to 1e-6 of its value, by the grid."""
     return -float(_lattice(scene.spacing / scene.delta_t)[2].min()) * scene.phi_t / scene.delta_t**2
 
 
-def critical_modulus(scene):
+def critical_modulus(scene) -> float:
     """E_c, GPa, at which max dT_x/du_x = G/h: below it a flat contact sticks and slips, from it on it slides.
 
     E_c = 2 (1 + nu) h max dT_x/du_x, proportional to phi_t (Prandtl 1928; Tomlinson 1929). Flat, delta_bar = 0.
@@ -205,7 +205,7 @@ def critical_modulus(scene):
     return 2.0 * (1.0 + scene.nu) * scene.height * scene.width * softening(scene)
 
 
-def friction(scene, reference=None):
+def friction(scene, reference=None) -> Friction:
     """The exact Friction of a flat contact at delta_bar = 0 in steady sliding (Eq. 7), over `reference` GPa (else E).
 
     As U_x grows, the surface rests at the least u ahead for which U(u) = u + pull(u) h/G reaches U_x: a slip leaps

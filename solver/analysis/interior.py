@@ -14,17 +14,18 @@ from math import cosh, exp, expm1, sinh
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 FAR = 50.0  # q (h - z): what the top sends back is exp(-2 FAR) (q h)^2 < 1e-29 of what comes
 
 
-def wavenumbers(scene, modes):
+def wavenumbers(scene, modes) -> NDArray[np.float64]:
     """q of the first modes, 1/nm."""
     return 2.0 * np.pi / scene.width * np.arange(modes)
 
 
 @njit(cache=True, nogil=True)
-def shape_of(q, z, height, nu):
+def shape_of(q, z, height, nu) -> tuple:
     """(y, eta, zeta, r, P, p, C, S): the first three, r = 2 zeta y + 4 (1-nu)(1-2nu), and the functions of depth.
 
     P, p = kappa (cosh, sinh)(y + zeta)/(2B) and C, S = (cosh, sinh)(eta)/(2B); B = kappa cosh^2 y + y^2 + (1-2nu)^2.
@@ -41,21 +42,21 @@ def shape_of(q, z, height, nu):
 
 
 @njit(cache=True, nogil=True)
-def normal(shape):
+def normal(shape) -> tuple[float, float]:
     """sigma_zz of a mode: (even) T_z + i (odd) T_x."""
     y, eta, zeta, r, P, p, C, S = shape
     return -(P + eta * p + (y + zeta) * S + (1.0 + r) * C), eta * (P + C) + r * S
 
 
 @njit(cache=True, nogil=True)
-def shear(shape):
+def shear(shape) -> tuple[float, float]:
     """sigma_xz of a mode: (even) T_x + i (odd) T_z."""
     y, eta, zeta, r, P, p, C, S = shape
     return -(P - eta * p - (y + zeta) * S + (1.0 + r) * C), eta * (P + C) - r * S
 
 
 @njit(cache=True, nogil=True)
-def lateral(shape):
+def lateral(shape) -> tuple[float, float]:
     """sigma_xx of a mode: (even) T_z + i (odd) T_x."""
     y, eta, zeta, r, P, p, C, S = shape
     even = -(P - eta * p + (3.0 * y - zeta) * S + (1.0 - r) * C)
@@ -63,7 +64,7 @@ def lateral(shape):
 
 
 @njit(cache=True, nogil=True)
-def displacement(q, z, height, G, nu):
+def displacement(q, z, height, G, nu) -> tuple:
     """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, above the top's; four numbers.
 
     With D_s, D_c = (sinh, cosh)(y + zeta) - (sinh, cosh)(eta), so that no digit is lost near the top.
@@ -98,7 +99,7 @@ def _less(zeta):
 
 
 @njit(cache=True, nogil=True)
-def transfer(q, z, height, G, nu):
+def transfer(q, z, height, G, nu) -> NDArray[np.float64]:
     """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
 
     Column 0, even: what u_x and sigma_xz have of T_x, the others of T_z; column 1, odd, times i: the other way round.

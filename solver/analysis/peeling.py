@@ -1,11 +1,12 @@
 """Edges of contact in a Frame, and how far they peeled between two: from behind, from the front or from both."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..run.frame import least_repulsion
 
 
-def edges(scene, frame):
+def edges(scene, frame) -> NDArray[np.float64]:
     """(patches, 2) nm, undeformed: the trailing and the leading edge of every patch of a Frame; nan in full contact.
 
     A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
@@ -31,7 +32,7 @@ def edges(scene, frame):
     return (frame.first + found) * scene.spacing
 
 
-def peel_asymmetry(scene, before, after):
+def peel_asymmetry(scene, before, after) -> float:
     """(back - front)/(|back| + |front|), how far the trailing and the leading edges of all patches moved inward.
 
     before, after: Frames. 1: all at the trailing edges, or these inward and the leading ones outward; 0: symmetric; -1:

@@ -1,12 +1,13 @@
 """The map of regimes, flat on flat at zero gap: where it sticks and slips, over stiffness and strength (Figs. 4, 5)."""
 
 from math import inf
+from typing import Any
 
 import numpy as np
 
 from ..continuation.state import NotConverged
 from ..run.loadpath import load_path
-from ..scene import SceneError
+from ..scene import Scene, SceneError
 from .friction_laws import friction, friction_force, tau_max
 
 MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m
@@ -16,18 +17,18 @@ LIMIT = 600.0  # s for one run
 COLUMNS = "E", "phi_t", "slips", "F_s", "F_k", "mean", "exact", "reason"
 
 
-def flat(scene):
+def flat(scene) -> Scene:
     """The scene, flat on flat at zero gap, overdamped as in the paper's Fig. 4."""
     return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
 
 
-def sliding(scene, E):
+def sliding(scene, E) -> Scene:
     """The flat with that E, GPa, over two periods of steady sliding; raises SceneError."""
     end = 2.5 * tau_max(scene) * 2 * (1 + scene.nu) / E * scene.height * scene.width + 3 * scene.spacing
     return scene.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
 
 
-def points(scene, count):
+def points(scene, count) -> list[tuple[Scene, float, float]]:
     """[(the scene as a flat, E, phi_t)], count x count, over the map."""
     base = flat(scene)
     return [
@@ -37,7 +38,7 @@ def points(scene, count):
     ]
 
 
-def regime(point):
+def regime(point) -> dict[str, Any]:
     """COLUMNS of a point as a dict: from its run, forces over wE, means over w tau_max, `exact` in closed form."""
     base, E, phi_t = point
     row = dict.fromkeys(COLUMNS, "") | {"E": E, "phi_t": phi_t}

@@ -75,7 +75,7 @@ class Bordered:
         self.phi, self.g = right[:-1], right[-1] + self.psi @ rest[:-1]  # its error is the product of both vectors'
         self.slopes = self.here.slopes(self.phi, self.psi)
 
-    def turned(self, here, phi):
+    def turned(self, here, phi) -> tuple[np.ndarray, float]:
         """(phi, g) of another Linearised nearby, from the last phi; one product."""
         change = here.tangent(phi)
         g = -(self.psi @ change)

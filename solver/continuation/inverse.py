@@ -115,27 +115,27 @@ class Space:
         self._v, self._k, self._w = np.empty((3, room, size))
         self._matrix = np.empty((room, room))
 
-    def emptied(self, here):
+    def emptied(self, here) -> "Space":
         """Empty, for another equilibrium, a Linearised; the same memory."""
         self.rows, self._here = 0, here
         return self
 
     @property
-    def vectors(self):
+    def vectors(self) -> np.ndarray:
         """V, (rows, size)."""
         return self._v[: self.rows]
 
     @property
-    def layered(self):
+    def layered(self) -> np.ndarray:
         """K V, (rows, size)."""
         return self._k[: self.rows]
 
     @property
-    def matrix(self):
+    def matrix(self) -> np.ndarray:
         """V^T M V, (rows, rows) GPa/nm."""
         return self._matrix[: self.rows, : self.rows]
 
-    def add(self, x, layered):
+    def add(self, x, layered) -> None:
         """Add the part of x (size,) that is independent of V, if there is room; layered: K x."""
         k = self.rows
         if not orthonormalise(self._v, k, x.copy(), self._k, layered.copy()):
@@ -145,7 +145,7 @@ class Space:
         self._matrix[: k + 1, k] = self.vectors @ self._w[k]
         self._matrix[k, :k] = self._w[:k] @ self._v[k]
 
-    def residuals(self, vectors, values):
+    def residuals(self, vectors, values) -> np.ndarray:
         """M x - mu x of the Ritz vectors x with coefficients `vectors` (rows, k), values mu (k,); (k, size)."""
         real = vectors.T.real @ self._w[: self.rows] - (vectors * values).T.real @ self.vectors
         if not values.imag.any():
@@ -154,7 +154,7 @@ class Space:
 
 
 @njit(cache=True, nogil=True)
-def orthonormalise(rows, known, q, others, z):
+def orthonormalise(rows, known, q, others, z) -> bool:
     """Append q to `rows`, made orthonormal to the first `known`, and z, transformed alike, to `others`; False if q
     depends on them, or there is no room. Overwrites q and z.
     """

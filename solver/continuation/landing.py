@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .problem import Problem
 from .slip import OPTIONS as SLIP
 from .slip import TooLong, Transient, Trial
-from .state import Crowded, NotConverged, State
+from .state import Crowded, LimitPoint, NotConverged, State
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ def _same(problem, state, other):
     return bool(np.abs(other.v - state.v).max() <= OPTIONS.same * problem.unit + 2.0 * abs(other.load - state.load))
 
 
-def widened(problem, end):
+def widened(problem, end) -> tuple[Problem, LimitPoint]:
     """(problem of more unknowns, the same LimitPoint of it)."""
     wide, v, active = problem.grown(end.v, end.active, end.load, True)
     begun = problem.grown(end.v + end.away, end.active, end.load, True)[1]

@@ -33,7 +33,7 @@ def law_constants(scene) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
-def exponential(x, power):
+def exponential(x, power) -> None:
     """Replace x by exp(x), to round-off, with x limited to +-700; power: scratch of the same length.
 
     exp(x) = 2^k p(r), r = x - k ln 2. Adding 1.5 2^52 leaves k in the low bits of the sum; shifted up they are 2^k.
@@ -55,7 +55,7 @@ def exponential(x, power):
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
-def window_sums(u_x, u_z, profile, law, work):
+def window_sums(u_x, u_z, profile, law, work) -> None:
     """Fill rows of work (WORK, m): exp(-dn), sums of 1, dt and dt^2 times exp(-dt^2), and dn.
 
     u_x, u_z, profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.

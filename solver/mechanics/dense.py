@@ -40,7 +40,7 @@ class DenseInverse:
 
 
 @njit(cache=True, nogil=True)
-def fill(kernels, nodes, tangents, out):
+def fill(kernels, nodes, tangents, out) -> None:
     """out (2 k, 2 k) = I - C J of k nodes; tangents: J, (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
     k, n = nodes.size, kernels.shape[1]
     for i in range(k):

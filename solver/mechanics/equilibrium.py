@@ -6,6 +6,8 @@ and bears no other force, so the layer always carries p_0, the mean of T_z over 
 `scale` (p - p_0), with a compliance `scale` that turns a pressure into nm.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import njit
 
@@ -106,7 +108,7 @@ class Equilibrium:
             )
         return active
 
-    def preconditioner(self, v, active):
+    def preconditioner(self, v, active) -> Callable | None:
         """A function close to the inverse of -dR/dv, (size,) nm each; None if forming it takes too long or fails."""
         if not 0 < active.sum() <= MOST:
             return None
@@ -136,7 +138,7 @@ class Equilibrium:
         x, z = self.surface(w)
         return self.contact.pressure(J[2] * x + J[3] * z)
 
-    def grown(self, v, active, s, hidden=False):
+    def grown(self, v, active, s, hidden=False) -> tuple | None:
         """(the problem on a wider patch, v, active there) where a node outside may interact, else None.
 
         hidden: grow in any case, as a wave grows that one node for all cannot show.

@@ -145,7 +145,7 @@ def _cut(modes, size, length):
 
 
 @njit(cache=True, nogil=True)
-def multiply(spectrum, c):
+def multiply(spectrum, c) -> None:
     """Multiply spectrum (2, modes) in place by blocks [[xx, i c], [-i c, zz]], c (3, modes) with rows xx, zz, c.
 
     These are the signs of a compliance: of a stiffness pass -c.

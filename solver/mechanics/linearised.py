@@ -29,11 +29,11 @@ class Linearised:
         self.scale = self.problem.scale / surface.count  # of the sum of T_z, to the residual of the top
 
     @property
-    def noise(self):
+    def noise(self) -> np.ndarray:
         """As of Surface."""
         return self.surface.noise
 
-    def tangent(self, w):
+    def tangent(self, w) -> np.ndarray:
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
         u, problem = w[: 2 * self.m], self.problem
         out = self.contact.product(self.J, u.reshape(2, -1)).reshape(-1) - u
@@ -42,7 +42,7 @@ class Linearised:
         out[self.m :] += w[-1]
         return np.append(out, problem.scale * problem.pressure_of(self.J, w))
 
-    def transposed(self, w):
+    def transposed(self, w) -> np.ndarray:
         """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""
         out = self.by_unknowns(self.by_traction(w))
         out[: 2 * self.m] -= w[: 2 * self.m]
@@ -50,34 +50,34 @@ class Linearised:
             out[-1] = w[self.m : -1].sum()
         return out
 
-    def by_traction(self, w):
+    def by_traction(self, w) -> np.ndarray:
         """<w, R> differentiated by the tractions, (2, m) nm/GPa; a new array; counts as a force evaluation."""
         out = self.contact.comply(w[: 2 * self.m].reshape(2, -1)).copy()
         if self.problem.held:
             out[1] += self.scale * w[-1]
         return out
 
-    def by_unknowns(self, gradient, J=None):
+    def by_unknowns(self, gradient, J=None) -> np.ndarray:
         """A gradient (2, m) by the tractions as one by the unknowns (problem size,): J^T gradient; J: another one."""
         out = np.zeros(self.surface.problem.size)
         J = self.J if J is None else J
         add_product(J[[0, 2, 1, 3]], gradient, out[: 2 * self.m].reshape(2, -1))
         return out
 
-    def pull(self, w, J=None):
+    def pull(self, w, J=None) -> np.ndarray:
         """J w, (2, m), of unknowns w (problem size,); J: another one; a new array."""
         out = np.zeros((2, self.m))
         add_product(self.J if J is None else J, w[: 2 * self.m].reshape(2, -1), out)
         return out
 
-    def mirrored(self, w):
+    def mirrored(self, w) -> np.ndarray:
         """The left null vector (problem size,) of dR/dv with the right one w, if J were symmetric: J w.
 
         Under a held load C J w + w[-1] is w, and the mirror image of w carries the height as a pressure.
         """
         return np.append(self.pull(w).reshape(-1), w[-1] / self.scale if self.problem.held else ())
 
-    def slopes(self, right, left):
+    def slopes(self, right, left) -> np.ndarray:
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
         way = right[: 2 * self.m].reshape(2, -1)
         h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), 1e-300)
@@ -85,7 +85,7 @@ class Linearised:
         change -= self.contact.tangents(self.u - h * way, self.active)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
-    def matrix(self):
+    def matrix(self) -> np.ndarray | None:
         """dR/dv, dense (problem size, problem size); None beyond `dense.MOST` nodes."""
         if self.m > MOST:
             return None
@@ -97,7 +97,7 @@ class Linearised:
         column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
         return np.block([[-out, column[:, None]], [rise, 0.0]])
 
-    def product(self, x, layered=None):
+    def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""
         surface, field = self.surface, x.reshape(2, -1)
         if layered is None:
@@ -107,7 +107,7 @@ class Linearised:
         add_product(self.J, field[:, surface.patch], out[:, surface.patch])
         return out.reshape(-1)
 
-    def seen(self, x):
+    def seen(self, x) -> np.ndarray:
         """The unknowns (problem size,) of a disturbance x (size,), with the sign in which the surface sinks."""
         field = x.reshape(2, -1)
         rises = field[1, self.surface.patch].sum() > 0.0
@@ -117,7 +117,7 @@ class Linearised:
         """The unknowns of a displacement of the surface (2, n), under which the layer bears the same load."""
         return np.append(field[:, self.surface.patch], field[1].mean() if self.problem.held else ())
 
-    def inverse(self, solve, f):
+    def inverse(self, solve, f) -> tuple[np.ndarray, np.ndarray]:
         """(x, K x), (size,) each, with (K - J) x = f; solve: the function that gives w for dR/dv w, (problem size,).
 
         K x is that of x to round-off, however accurate `solve` is.
@@ -140,7 +140,7 @@ class Linearised:
         """The damping over critical above which no wave can flutter, as of `flutter`."""
         return safe_friction(self.J, self.contact.modes.stiffness, self.contact.nodes) / self.surface.critical
 
-    def waves(self):
+    def waves(self) -> tuple | None:
         """Where all nodes are alike, so that every mode is a wave, (mu (2, waves) GPa/nm, shown); else None.
 
         shown(i, q): the disturbance, complex (size,), of mu[i, q]; None if these nodes cannot show it.

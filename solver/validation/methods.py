@@ -78,11 +78,11 @@ class Weighted:
         self._compliance = np.array([zz, xx, -c]) / (xx * zz - c * c)
         self._velocity, self.step = np.zeros_like(y), 0.0
 
-    def soften(self, stiffness, pace=1.0):
+    def soften(self, stiffness, pace=1.0) -> None:
         """Adapt the step to that spectral radius of dr/du."""
         self.step = pace * SAFETY * 2.0 / np.sqrt(stiffness)
 
-    def advance(self, active, steps):
+    def advance(self, active, steps) -> None:
         """Make so many steps with these nodes active; a force evaluation each."""
         for _ in range(steps):
             residual = self.dynamics.force(self.y, active, self.load)
@@ -102,7 +102,7 @@ class FireMotion(Weighted):
         super().__init__(dynamics, y, load)
         self._engine, self._mixing, self._since = engine, engine.mixing, 0  # steps since the power was negative
 
-    def soften(self, stiffness, pace=1.0):
+    def soften(self, stiffness, pace=1.0) -> None:
         """Adapt the longest step."""
         self._longest = pace * SAFETY * 2.0 / np.sqrt(stiffness)
         self.step = min(self.step or self._engine.start * self._longest, self._longest)
