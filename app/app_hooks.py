@@ -12,14 +12,12 @@ from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
 from app.session.session import visitors
-from app.views.pages import compose_all
 from solver import Scene
 from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two looks at who waits
 log = logging.getLogger("app")
 web.install()
-compose_all()  # before anybody can wait for it
 shared(f"/{Path(__file__).parent.name}")
 cohesive_law.traction(Scene(), np.zeros(1), 0.0)  # of which the page on the law makes use: the kernel is here then
 

@@ -10,14 +10,15 @@ import hashlib
 from functools import lru_cache
 from pathlib import Path
 
-STATIC = Path(__file__).parent / "static"
+HERE = Path(__file__).parent
+STATIC, PAGES = HERE / "static", HERE / "pages"
 
 
 def assets(page):
-    """{address: the same with its version} of every file under static/, for the page at this address."""
+    """{address: the same with its version} of every script and style, for the page at this address."""
     folder = page.rstrip("/").rsplit("/", 1)[-1]
-    files = sorted(path for path in STATIC.rglob("*") if path.suffix in (".js", ".css"))
-    names = {path: f"./{folder}/static/{path.relative_to(STATIC).as_posix()}" for path in files}
+    found = [path for path in STATIC.rglob("*") if path.suffix in (".js", ".css")] + [*PAGES.glob("*/page.js")]
+    names = {path: f"./{folder}/{path.relative_to(HERE).as_posix()}" for path in sorted(found)}
     return {name: f"{name}?v={content(path, path.stat().st_mtime_ns)[2]}" for path, name in names.items()}
 
 

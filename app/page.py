@@ -18,16 +18,13 @@ from bokeh.embed.util import RenderItem
 from bokeh.models import CustomJS, Div
 from bokeh.server.views.static_handler import StaticHandler
 
-from app import schema
+from app import pages, schema
 from app.assets import assets
 from app.glossary import forms
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.session import Session
 from app.session.wire import Wire
-from app.views.fit import FREE
 from app.views.live import live_figures
-from app.views.pages import PAGES, Pages, places, section
-from app.views.regimes import AXES, QUANTITIES
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
 
@@ -59,7 +56,7 @@ def open_page():
     """Bring a visitor's own models into the current document."""
     doc = pn.state.curdoc
     try:
-        session = Session(doc, Pages, pn.state.session_args)
+        session = Session(doc, pages.Pages, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
         with doc.models.freeze():  # the models are counted once
             for model in _own(session.wire, session.pages.slots):
@@ -85,7 +82,7 @@ def shared(address):
 @lru_cache(2)
 def _composed(files):
     files = dict(files)
-    doc, wire, figures, slots = Document(), Wire(), live_figures(), places()
+    doc, wire, figures, slots = Document(), Wire(), live_figures(), pages.places()
     (*_,) = _own(wire, slots)
     figures["punch"].tags = [wire]  # a model is synchronised only if a root of the document refers to it
     for name, model in (figures | slots).items():
@@ -103,7 +100,7 @@ def _composed(files):
 def _html(doc, files):
     script = f'<script src="./static/{StaticHandler.append_version("js/bokeh.min.js")}"></script>'  # all that is used
     item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
-    variables = {
+    values = {
         "assets": files,
         "controls": CONTROLS,
         "values": {control.name: MARK.format(control.name) for control in CONTROLS},
@@ -115,10 +112,7 @@ def _html(doc, files):
         "choices": CHOICES,
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
-        "pages": {"": "Experiment"} | {name: title for name, (title, _) in PAGES.items()},
-        "fit_free": FREE,
-        "map_axes": AXES,
-        "map_of": QUANTITIES,
+        "pages": {"": "Experiment"} | {name: page.TITLE for name, page in pages.listed().items()},
         "schema": schema,
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
@@ -126,9 +120,9 @@ def _html(doc, files):
     template = (
         (HERE / "html" / "page.html")
         .read_text(encoding="utf-8")
-        .replace("<!-- pages -->", "".join(map(section, PAGES)))
+        .replace("<!-- pages -->", "".join(map(pages.section, pages.listed())))
     )
-    return html_page_for_render_items((script, ""), {}, [item], TITLE, template, variables)
+    return html_page_for_render_items((script, ""), {}, [item], TITLE, template, values | pages.variables())
 
 
 def _grouped():
@@ -147,6 +141,7 @@ def _told():
         "terms": forms(),
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
+        "scripts": [name for name in pages.listed() if (pages.HERE / name / "page.js").exists()],
     }
 
 

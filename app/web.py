@@ -19,7 +19,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id
 from panel.io.server import DocHandler  # puts Panel's handlers into the patterns when it is imported
 from tornado.web import RequestHandler, authenticated
 
-from app.assets import STATIC, content
+from app.assets import PAGES, STATIC, content
 from app.door import door, turned_away
 from app.page import shared
 from app.service import metrics
@@ -139,6 +139,13 @@ class Files(Plain):
         return getattr(self, "tag", None) and f'"{self.tag}"'
 
 
+class Scripts(Files):
+    """Scripts of pages, each beside what it belongs to."""
+
+    def initialize(self, **_):
+        super().initialize(PAGES)
+
+
 class Metrics(Plain):
     """Counts and states, as Prometheus reads them."""
 
@@ -164,7 +171,11 @@ def install():
         return
     ours = {"/ws": Gate, "/?": Page}
     patterns = [(each[0], ours.get(each[0], each[1])) for each in urls.per_app_patterns if each[0] != "/autoload.js"]
-    urls.per_app_patterns[:] = [(r"/static/(.*)", Files), *patterns]
+    urls.per_app_patterns[:] = [
+        (r"/static/(.*)", Files),
+        (r"/pages/(\w+/page\.js)", Scripts),
+        *patterns,
+    ]
     urls.toplevel_patterns[:0] = [
         ("/metrics", Metrics),
         ("/liveness", Liveness),

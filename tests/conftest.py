@@ -110,7 +110,7 @@ def visit(server, browser):
     tabs.check()
 
 
-STATIC = Path(__file__).parent.parent / "app" / "static"
+APP = Path(__file__).parent.parent / "app"
 
 
 @pytest.fixture(scope="module")
@@ -120,8 +120,9 @@ def tab(browser):
     kinds = {".js": "text/javascript", ".html": "text/html"}
 
     def answer(route):
-        path = route.request.url.removeprefix("http://scripts/")
-        body = "<!doctype html>" if path == "blank.html" else (STATIC / path).read_text(encoding="utf-8")
+        path = route.request.url.removeprefix("http://scripts/").removeprefix("static/")
+        file = APP / path if path.startswith("pages/") else APP / "static" / path
+        body = "<!doctype html>" if path == "blank.html" else file.read_text(encoding="utf-8")
         route.fulfill(body=body, content_type=kinds[Path(path).suffix])
 
     page.route("http://scripts/**", answer)
@@ -179,10 +180,10 @@ def session():
     from bokeh.document import Document
     from visitor import NoPool
 
+    from app.pages import Pages
     from app.service.finished import Shelf
     from app.service.sweep import results
     from app.session.session import Session
-    from app.views.pages import Pages
 
     results.clear()  # as if no other test had asked for anything
     visit = Session(Document(), Pages, {}, NoPool(), Shelf())

@@ -6,8 +6,8 @@ import re
 import pytest
 from visitor import order
 
+from app.pages.fit.page import FREE, in_words
 from app.service import tasks
-from app.views.fit import FREE, in_words
 from solver import Scene
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)

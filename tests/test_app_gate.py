@@ -14,11 +14,11 @@ from bokeh.util.token import generate_jwt_token
 from tornado import locks
 from visitor import NoPool, say
 
+from app.pages import Pages
 from app.service.finished import Shelf
 from app.session import allowance, gate, orders
 from app.session.allowance import Allowance
 from app.session.session import Session
-from app.views.pages import Pages
 
 HELLO = '{"do":"hello","n":0}'
 

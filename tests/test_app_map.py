@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from visitor import order
 
+from app.pages.regimes.page import COLUMNS, ROWS, outlines
 from app.service import tasks
-from app.views.regimes import COLUMNS, ROWS, outlines
 from solver import Scene
 from solver.analysis.maps import REGIMES, Axis, Map, Point
 from solver.analysis.maps.run import computed

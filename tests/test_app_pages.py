@@ -1,16 +1,15 @@
 """The pages beside the experiment, without a browser: what they show, and that a closed page costs nothing."""
 
 import json
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from visitor import order
 
-from app.views import law, pages
-from app.views.pages import PAGES, Sheet, section
+from app import pages
+from app.pages import Sheet, listed, section
+from app.pages.law import page as law
 from solver import Scene
 from solver.mechanics import cohesive_law
 
@@ -24,7 +23,7 @@ def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
     assert len(session.doc.models) == before and session.wire.page == "{}"
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", listed())
 def test_every_page_fills_its_places_and_no_other(session, name):
     order(session, "page", page=name)
     for slot, column in session.pages.slots.items():  # nor the place for a second punch
@@ -69,11 +68,15 @@ def test_the_tangential_law_has_its_peak_where_the_page_says(session):
     assert at > beside and at > abs(cohesive_law.traction(Scene(), peak - 0.05, 0.0)[0])
 
 
-def test_a_blank_page_needs_an_entry_and_a_module(session, monkeypatch):
-    module = SimpleNamespace(compose=law.compose, Page=Sheet)
-    monkeypatch.setitem(PAGES, "law", ("Blank", ("shear_map",)))
-    monkeypatch.setitem(sys.modules, "app.views.law", module)
-    monkeypatch.setattr(pages, "SECTIONS", Path("nowhere"))
+def test_a_folder_with_a_module_is_a_page(session, monkeypatch, tmp_path):
+    blank = SimpleNamespace(TITLE="Blank", ORDER=0, FIGURES=("shear_map",), compose=law.compose, Page=Sheet)
+    monkeypatch.setattr(pages, "HERE", tmp_path)
+    monkeypatch.setattr(pages, "import_module", lambda name: blank)
+    (tmp_path / "law").mkdir()
+    (tmp_path / "law" / "page.py").touch()
+    listed = pages.listed.__wrapped__()
+    assert listed == {"law": blank}
+    monkeypatch.setattr(pages, "listed", lambda: listed)
     order(session, "page", page="law")
     order(session, "scene", E="80")
     order(session, "ask", what="ever")

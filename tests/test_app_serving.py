@@ -32,7 +32,7 @@ def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
         finished(page)
         entries = "performance.getEntriesByType('resource').map(({ name, transferSize }) => [name, transferSize])"
         files = {name: size for name, size in page.evaluate(entries) if "/app/static/" in name}
-        assert {name.rsplit("/", 1)[1].split("?v=")[0] for name in files} >= {"style.css", "main.js", "solid.js"}
+        assert {name.rsplit("/", 1)[1].split("?v=")[0] for name in files} >= {"style.css", "main.js", "pages.js"}
         assert all(f"{behind.address}/static/" in name and "?v=" in name for name in files)
         paid.append({name for name, size in files.items() if size > 0})
         page.close()

@@ -13,8 +13,10 @@ from app.service import packing, tasks
 from solver import Scene, load_path
 
 pytestmark = pytest.mark.browser
-STATIC = Path(__file__).parent.parent / "app" / "static"
-MODULES = sorted(path.relative_to(STATIC).as_posix() for path in STATIC.rglob("*.js"))
+APP = Path(__file__).parent.parent / "app"
+MODULES = sorted(
+    path.relative_to(APP).as_posix() for room in ("static", "pages") for path in (APP / room).rglob("*.js")
+)
 SHORT = Scene(nodes=256, width=625.0, radius=60.0, u_x_max=12.0, E=200.0)
 WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
 LOOP = SHORT.changed(path="loop", u_x_max=6.0)
@@ -204,7 +206,7 @@ def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
 
 
 def test_fringes_finer_than_the_picture_are_grey_and_others_stay(tab):
-    seen = """import("http://scripts/js/pages/solid.js").then(({ seen }) => [...seen(Float32Array.from(%s), 8)])"""
+    seen = """import("http://scripts/pages/solid/page.js").then(({ seen }) => [...seen(Float32Array.from(%s), 8)])"""
     fine, wide = np.arange(16.0) * 1.3, np.arange(16.0) * 0.01
     assert tab.evaluate(seen % fine.tolist()) == pytest.approx(np.full(16, 0.5))
     across = np.tile(wide[:8], 2)

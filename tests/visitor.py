@@ -7,12 +7,12 @@ import time
 
 import numpy as np
 
+from app.pages import Pages
 from app.service import packing, worker
 from app.service.finished import Shelf
 from app.service.pool import Task
 from app.session import orders
 from app.session.session import Session
-from app.views.pages import Pages
 from solver import Scene
 
 SHORT = Scene(u_x_max=6.0)

@@ -43,7 +43,7 @@ export function start({ wire, figures, slots, told, index }) {
   channel.listen("chunk", player.receive, unpackLater)
   channel.listen("hand", player.follow)
   channel.listen("status", status.heard)
-  channel.listen("page", pages.told)
+  channel.listen("page", pages.told, pages.read)
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {
     tellStretch()

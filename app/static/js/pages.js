@@ -1,18 +1,13 @@
-// The pages beside the experiment: opened and closed here, filled by the server (app/views/pages.py). A page may have
-// a module, with any of connect(), opened(), told(news), frame(run, k), painted(), closed().
+// The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
+// app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), told(news),
+// frame(run, k), painted(), closed().
 
 import { ask, order } from "./channel.js"
 import { by, makeButton, makeRow, minus, readdress } from "./dom.js"
 import { adopt, drawn, forget, paint, shade } from "./figures.js"
-import * as fit from "./pages/fit.js"
-import * as law from "./pages/law.js"
-import * as matters from "./pages/matters.js"
-import * as regimes from "./pages/regimes.js"
-import * as solid from "./pages/solid.js"
-import * as stickslip from "./pages/stickslip.js"
-import { me } from "./state.js"
+import { declared, me } from "./state.js"
 
-const modules = { law, stickslip, solid, matters, regimes, fit }
+const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
 let slots = {} // figure: where it goes
 let sheet = { open: "", figures: [] } // what the server said last of the page that is open
@@ -22,7 +17,6 @@ const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
 export function connect(given) {
   slots = given
-  for (const name in modules) modules[name].connect?.()
   for (const button of document.querySelectorAll(".sheet [data-ask]")) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
@@ -39,12 +33,28 @@ export function openPage(name) {
   for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
   if (name) by(name).dataset.drawing = ""
   readdress((asked) => { if (name) asked.set("page", name); else asked.delete("page") })
+  load(name)
   clearTimeout(picking)
   picking = setTimeout(() => order("page", { page: name }), SETTLE)
 }
 
-export function told(text) {
+// The script of a page, once it is there
+async function load(name) {
+  if (!declared.scripts.includes(name) || name in modules) return
+  const script = await import(`../../pages/${name}/page.js`)
+  if (name in modules) return
+  modules[name] = script
+  script.connect?.()
+}
+
+// What a message holds, once the script of its page is there
+export async function read(text) {
   const news = { open: "", figures: [], ...JSON.parse(text) }
+  await load(news.open)
+  return news
+}
+
+export function told(news) {
   if (sheet.open !== news.open) {
     call("closed")
     sheet.figures.forEach(forget)

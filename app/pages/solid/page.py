@@ -1,12 +1,13 @@
-"""The page "Inside the solid": the stress in the layer, drawn by the browser (static/js/pages/solid.js)."""
+"""The page "Inside the solid": the stress in the layer, drawn by the browser (page.js)."""
 
 import holoviews as hv
 from bokeh.palettes import cividis
 
+from app.pages import Sheet
 from app.schema import STRESSES
-from app.views.pages import Sheet
 from app.views.plots import curve, picture, rendered
 
+TITLE, ORDER, FIGURES = "Inside the solid", 4, ("field",)
 NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where it was in the undeformed layer
 
 

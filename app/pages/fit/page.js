@@ -1,10 +1,10 @@
 // The page "Fit": a measured curve, over it that of the sliders, and what a fit has found.
 
-import { ask, order, sendFile } from "../channel.js"
-import { set } from "../bokeh.js"
-import { by, make, minus, on } from "../dom.js"
-import { extent, figures, fill } from "../figures.js"
-import { leaveBehind } from "../state.js"
+import { ask, order, sendFile } from "../../static/js/channel.js"
+import { set } from "../../static/js/bokeh.js"
+import { by, make, minus, on } from "../../static/js/dom.js"
+import { extent, figures, fill } from "../../static/js/figures.js"
+import { leaveBehind } from "../../static/js/state.js"
 
 const ROOM = 0.08 // of a curve, above and below it
 const OWN = ["phi_n", "phi_ratio", "delta_bar", "E"] // of what is found, what the experiment has; the rest is of the axes

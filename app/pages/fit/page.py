@@ -1,7 +1,7 @@
 """The page "Fit": a measured friction curve over that of the sliders, and the parameters that make it.
 
 A file is read and fitted by a worker (`solver.analysis.measurement`, `fit`); the curve of the sliders is filled in by
-the browser (static/js/pages/fit.js), so that a hand can try before the machine does.
+the browser (page.js), so that a hand can try before the machine does.
 """
 
 import re
@@ -9,11 +9,12 @@ import re
 import holoviews as hv
 import numpy as np
 
+from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
-from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 
+TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
 FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
     "phi_n": ("adhesion φₙ", "N/m", False),  # which F and L hardly tell from the next
     "phi_ratio": ("friction / adhesion φₜ/φₙ", "", True),
@@ -23,6 +24,7 @@ FREE = {  # what can be free: what the page calls it, its unit, whether it is fr
     "scale_F": ("scale of F", "", False),
     "offset_F": ("zero of F", "", False),
 }
+TEMPLATE = {"fit_free": FREE}
 COLOURS = {"run": "--shear", "run_load": "--text"}
 COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitted", "fitted_load"), "--cut")
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # of the figure, for each quantity

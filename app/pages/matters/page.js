@@ -1,12 +1,12 @@
 // The page "What matters": a bar for each parameter, and in the hero which nodes hold the contact until the first slip.
 
-import { frameBox } from "../bokeh.js"
-import { ask, order } from "../channel.js"
-import { by, digits, make, makeButton, minus, on } from "../dom.js"
-import { figures, fill } from "../figures.js"
-import { inks } from "../pen.js"
-import { leaveBehind, me } from "../state.js"
-import { forceUnit, inWords } from "../words.js"
+import { frameBox } from "../../static/js/bokeh.js"
+import { ask, order } from "../../static/js/channel.js"
+import { by, digits, make, makeButton, minus, on } from "../../static/js/dom.js"
+import { figures, fill } from "../../static/js/figures.js"
+import { inks } from "../../static/js/pen.js"
+import { leaveBehind, me } from "../../static/js/state.js"
+import { forceUnit, inWords } from "../../static/js/words.js"
 
 const MORE = 1.05 // times the value, that a click asks for
 const OF_ZERO = 0.05 // of the depth, where that is zero

@@ -1,15 +1,16 @@
 """The page "What matters": by how much each parameter moves the first slip, and which nodes hold the contact.
 
 A worker computes the run of the scene on screen and its derivatives (`solver.analysis.sensitivities`); the browser
-draws both (static/js/pages/matters.js), the nodes in the hero. On request, what is known of the curves if each
+draws both (page.js), the nodes in the hero. On request, what is known of the curves if each
 parameter has a spread: a band, and intervals of the first slip, by derivatives and by runs (`solver.analysis.spread`).
 """
 
+from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY
 from app.service.wanted import Wanted
-from app.views.pages import Sheet
 
+TITLE, ORDER, FIGURES = "What matters", 5, ()
 WIDEST, DRAWS = 50.0, 100  # per cent, and runs, at most
 LOST = "it was not computed; change a parameter to try again"
 LONG = 120.0  # s that the run of a scene and its derivatives may take

@@ -1,11 +1,11 @@
 // The page "Inside the solid": stress in the layer at the increment shown, summed here (inside.js).
 
-import { set } from "../bokeh.js"
-import { nice, rampIn, shades } from "../colours.js"
-import { by, on } from "../dom.js"
-import { extent, figures, fill, fillImage, painted as together, parts, tellLimits, tellStretch } from "../figures.js"
-import { APART, mean, middles, moved, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../inside.js"
-import { me } from "../state.js"
+import { set } from "../../static/js/bokeh.js"
+import { nice, rampIn, shades } from "../../static/js/colours.js"
+import { by, on } from "../../static/js/dom.js"
+import { extent, figures, fill, fillImage, painted as together, parts, tellLimits, tellStretch } from "../../static/js/figures.js"
+import { APART, mean, middles, moved, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
+import { me } from "../../static/js/state.js"
 
 const COLUMNS = 400, ROWS = 100 // of the picture
 const MODES = 1024 // at most: of more nodes than twice that the finest waves are left out

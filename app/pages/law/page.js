@@ -1,7 +1,7 @@
-// The page "Interface law": every node of the increment shown, as a dot on the law drawn by app/views/law.py.
+// The page "Interface law": every node of the increment shown, as a dot on the law drawn by page.py.
 
-import { by } from "../dom.js"
-import { fill } from "../figures.js"
+import { by } from "../../static/js/dom.js"
+import { fill } from "../../static/js/figures.js"
 
 let law = null // {spacing, peak: where sticking ends, nm} of the scene on screen
 

@@ -1,10 +1,10 @@
 // The page "Map": what it is over and of; a click goes to that scene, and a drag through all between.
 
-import { drawnBy, onEvent } from "../bokeh.js"
-import { ask } from "../channel.js"
-import { by, digits, minus, on } from "../dom.js"
-import { figures, parts } from "../figures.js"
-import { letGo, steer } from "../steer.js"
+import { drawnBy, onEvent } from "../../static/js/bokeh.js"
+import { ask } from "../../static/js/channel.js"
+import { by, digits, minus, on } from "../../static/js/dom.js"
+import { figures, parts } from "../../static/js/figures.js"
+import { letGo, steer } from "../../static/js/steer.js"
 
 const DIGITS = 4 // of a value
 

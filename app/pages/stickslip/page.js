@@ -1,9 +1,9 @@
 // The page "Stick-slip": a click on the map of regimes loads that scene.
 
-import { onEvent } from "../bokeh.js"
-import { ask } from "../channel.js"
-import { figures } from "../figures.js"
-import { leaveBehind } from "../state.js"
+import { onEvent } from "../../static/js/bokeh.js"
+import { ask } from "../../static/js/channel.js"
+import { figures } from "../../static/js/figures.js"
+import { leaveBehind } from "../../static/js/state.js"
 
 export function opened() {
   onEvent(figures.stickslip_map, "tap", ({ x, y }) => {

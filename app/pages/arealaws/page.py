@@ -10,13 +10,14 @@ import holoviews as hv
 import numpy as np
 
 from app.limits import INCREMENTS, increments_of
+from app.pages import Sheet
 from app.service import tasks
-from app.views.pages import Sheet
 from app.views.plots import curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
 
+TITLE, ORDER, FIGURES = "Area laws", 3, ("runs", "threshold")
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
 DEPTHS = (*INDENTATIONS, BEYOND)
 MARKS = (  # of a series: marker, the same as text, colour, dash; as many series at a time

@@ -1,6 +1,6 @@
 """The page "Interface law" (paper Fig. 3, Eq. 4): the traction a node feels, summed over the lattice, and where it is.
 
-The law is drawn here, once per scene; the dots that ride on it are set in the browser, which has the frames (law.js).
+The law is drawn here, once per scene; the dots that ride on it are set in the browser, which has the frames (page.js).
 Slip distance s: how far the node is ahead of the nearest lattice site; all repeats with the node spacing a. It factors:
 T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
 """
@@ -8,11 +8,12 @@ T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/del
 import holoviews as hv
 import numpy as np
 
+from app.pages import Sheet
 from app.schema import RIDERS
-from app.views.pages import Sheet
 from app.views.plots import curve, dots, picture, rendered
 from solver.mechanics import cohesive_law
 
+TITLE, ORDER, FIGURES = "Interface law", 1, ("shear_map", "normal_map", "shear_law", "normal_law")
 OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
 GAP = hv.Dimension("gap", label="gap", unit="nm")
 FINE = 160  # pixels of a map, and steps of a curve, along an axis

@@ -12,14 +12,15 @@ import numpy as np
 from bokeh.models import FixedTicker
 from scipy.ndimage import distance_transform_edt
 
+from app.pages import Sheet
 from app.service import tasks
-from app.views.pages import Sheet
 from app.views.plots import curve, dots, picture, rendered
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
 from solver.analysis.maps.grid import corners
 from solver.scene import PARAMETERS
 
+TITLE, ORDER, FIGURES = "Map", 6, ("map",)
 COLUMNS, ROWS = 33, 25
 AXES = {  # of what may be chosen: what it is called, low, high, whether even in the logarithm, ticks
     "delta_bar": ("press depth δ/δ₀", -0.8, 1.0, False, (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
@@ -37,6 +38,7 @@ QUANTITIES = {  # of a Point: what the page calls it, its unit, and the paramete
     "reattached": ("share reattached", "", ()),
     "L_min": ("load L at pull-off", "N/m", ("width", "E")),
 }
+TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
 ASIDE = 2.0  # columns and rows that the name of a regime keeps from the edges
 COLUMN, ROW = hv.Dimension("i", label="x"), hv.Dimension("j", label="y")
 

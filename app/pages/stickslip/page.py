@@ -10,15 +10,16 @@ import numpy as np
 from bokeh.models import FixedTicker
 
 from app.limits import INCREMENTS, increments_of
+from app.pages import Sheet
 from app.schema import FLATS
 from app.service import tasks
-from app.views.pages import Sheet
 from app.views.plots import curve, dots, picture, rendered
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
 from solver.presets import presets
 
+TITLE, ORDER, FIGURES = "Stick-slip", 2, ("forces", "mean", "map")
 NORMAL = 70.0  # GPa, over which forces are shown
 ROWS = 120  # of the map
 RATIOS = 200  # points of the curve of mean friction

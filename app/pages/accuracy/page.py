@@ -8,9 +8,10 @@ from math import ceil, floor, log10
 import holoviews as hv
 from bokeh.models import FixedTicker
 
-from app.views.pages import Sheet
+from app.pages import Sheet
 from app.views.plots import curve, dots, rendered
 
+TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
 SERIES = {  # method: marker, colour; px by which a tolerance stands beside its point, and how it is aligned there
     "fast": ("circle", "--repulsive", 9, -6, "left"),
     "gfmd": ("square", "--adhering", 9, -6, "left"),

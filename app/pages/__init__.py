@@ -1,14 +1,16 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
-A page is an entry of PAGES and a module here with compose() -> [figure], named page_slot, and a class `Page`,
-a Sheet. What it publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part
-done or None), images {view.label: limits}, hidden {element: whether} and tables {element: rows of cells}, a cell a text
-or a button {said, pressed, ask: what it orders}; the rest is for a script of its own, static/js/pages/NAME.js. Its
-section of the document is html/pages/NAME.html; without one it is a title above the figures.
+A page is a folder here. Its page.py has TITLE, ORDER in the menu, FIGURES (the slots of its figures), compose() ->
+[figure], each named page_slot, and a class `Page`, a Sheet; TEMPLATE, if any, holds values for its page.html. What a
+page publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part done or None),
+images {view.label: limits}, hidden {element: whether} and tables {element: rows of cells}, a cell a text or a button
+{said, pressed, ask: what it orders}; the rest is for the page's own script, page.js, if it has one. page.html is its
+section of the document; without it, the section is a title above the figures.
 """
 
 import json
 import logging
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -17,33 +19,38 @@ from bokeh.models import Column, Range1d
 from app.service.sweep import Sweep
 from app.service.wanted import Wanted
 from app.views.live import punch
-from app.views.plots import composed, views
+from app.views.plots import views
 
 log = logging.getLogger("app")
-PAGES = {  # name: (title, where its figures go)
-    "law": ("Interface law", ("shear_map", "normal_map", "shear_law", "normal_law")),
-    "stickslip": ("Stick-slip", ("forces", "mean", "map")),
-    "arealaws": ("Area laws", ("runs", "threshold")),
-    "solid": ("Inside the solid", ("field",)),
-    "matters": ("What matters", ()),
-    "regimes": ("Map", ("map",)),
-    "fit": ("Fit", ("curve", "residuals")),
-    "accuracy": ("Accuracy", ("seconds", "evaluations")),
-}
-SECTIONS = Path(__file__).parents[1] / "html" / "pages"
+HERE = Path(__file__).parent
+
+
+@cache
+def listed():
+    """{name: module} of all pages, in the order of the menu."""
+    modules = {
+        path.parent.name: import_module(f"{__name__}.{path.parent.name}.page") for path in HERE.glob("*/page.py")
+    }
+    return dict(sorted(modules.items(), key=lambda item: item[1].ORDER))
 
 
 def section(name):
     """The section of a page in the document, as a template."""
-    if (SECTIONS / f"{name}.html").exists():
-        return (SECTIONS / f"{name}.html").read_text(encoding="utf-8")
-    figures = "".join(f'{{% call plot("{name}_{slot}") %}}{{% endcall %}}' for slot in PAGES[name][1])
+    own = HERE / name / "page.html"
+    if own.exists():
+        return own.read_text(encoding="utf-8")
+    figures = "".join(f'{{% call plot("{name}_{slot}") %}}{{% endcall %}}' for slot in listed()[name].FIGURES)
     return f'{{% call sheet("{name}") %}}<div class="figures">{figures}</div>{{% endcall %}}'
+
+
+def variables():
+    """What the templates of the pages need, by name."""
+    return {key: value for page in listed().values() for key, value in getattr(page, "TEMPLATE", {}).items()}
 
 
 def places():
     """{page_slot: where a figure of a page goes}, and "twin" for a second punch, all empty."""
-    names = [f"{page}_{slot}" for page, (_, slots) in PAGES.items() for slot in slots] + ["twin"]
+    names = [f"{name}_{slot}" for name, page in listed().items() for slot in page.FIGURES] + ["twin"]
     return {name: Column(sizing_mode="stretch_both") for name in names}
 
 
@@ -84,12 +91,6 @@ class Sheet:
         source.data = dict(source.data) | columns
 
 
-def compose_all():
-    """Compose the figures of every page once, for all visitors: done when the server starts, as it takes a while."""
-    for name in PAGES:
-        composed(import_module(f"app.views.{name}").compose)
-
-
 class Pages:
     """The page that one visitor has open, if any; every method runs under the lock of the visitor's document."""
 
@@ -101,9 +102,9 @@ class Pages:
     def open(self, name):
         """Show page `name` instead of the one that is open; '' for none."""
         self.close()
-        if name not in PAGES:
+        if name not in listed():
             return
-        module = import_module(f"app.views.{name}")
+        module = listed()[name]
         made = {view.figure.name.removeprefix(f"{name}_"): view for view in views(module.compose)}
         page = module.Page(self.session, lambda **news: self._publish(page, news), made)
         self.name, self.page = name, page
@@ -122,7 +123,7 @@ class Pages:
         if self.page is not None:
             page, self.page = self.page, None
             page.close()
-            for slot in PAGES[self.name][1]:
+            for slot in listed()[self.name].FIGURES:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name, self.published = "", {}
             self.session.wire.page = "{}"
