@@ -182,10 +182,10 @@ def session():
 
     from app.pages import Pages
     from app.service.finished import Shelf
-    from app.service.sweep import results
+    from app.service.requests import shared
     from app.session.session import Session
 
-    results.clear()  # as if no other test had asked for anything
+    shared.clear()  # as if no other test had asked for anything
     visit = Session(Document(), Pages, {}, NoPool(), Shelf())
     visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
     for slot in visit.pages.slots.values():

@@ -48,7 +48,7 @@ def test_a_measurement_is_drawn_in_its_own_unit_and_fitted(session, page):
 
 def test_what_is_free_at_first_is_told_by_a_made_up_measurement_of_the_usual_scene():
     free = tuple(name for name, (_, _, first) in FREE.items() if first)
-    found = tasks.fitted(Scene(), tasks.made_up_curve(Scene())[0], free)
+    found = tasks.fitted(Scene(), tasks.made_up_curve(Scene(), 1)[0], free)
     assert len(free) == 2 and not found.warnings and abs(found.correlations[0, 1]) < 0.9
     assert found.chi2 == pytest.approx(1.0, abs=0.5)
 

@@ -7,7 +7,7 @@ from visitor import order
 
 from app.service import tasks
 from app.service.pool import LATER
-from app.service.sweep import LIVES
+from app.service.requests import LIVES
 from solver import NotConverged, load_path
 from solver.continuation.state import OutOfTime
 from solver.presets import presets

@@ -103,7 +103,7 @@ def test_along_a_slider_its_marks_are_looked_for_once(default):
 
     page = Marks(Page())
     asked = []
-    page.add = lambda calls: [asked.append(call[2]) or page.take(call, call[0](*call[1:])) for call in calls]
+    page.add = lambda calls: [asked.append(call[2]) or page._made(call, call[0](*call[1:])) for call in calls]
     page.seek(Scene(), default)
     assert sorted(asked) == sorted(marks.SLIDERS)
     asked.clear()

@@ -8,7 +8,7 @@ import pytest
 from visitor import NoPool, order
 
 from app.service import tasks
-from app.service.sweep import Results, Sweep
+from app.service.requests import Requests, Shared
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
 from solver.isolated import Lost
 from solver.presets import presets
@@ -30,8 +30,8 @@ def pool():
 
 
 def test_what_two_visitors_want_is_computed_once_and_kept_for_a_third(pool):
-    shared, seen = Results(), []
-    sweeps = [Sweep(Visitor(pool), lambda call, result, k=k: seen.append((k, result)), shared) for k in range(3)]
+    shared, seen = Shared(), []
+    sweeps = [Requests(Visitor(pool), lambda call, result, k=k: seen.append((k, result)), shared) for k in range(3)]
     for sweep in sweeps[:2]:
         sweep.add([(abs, -3)])
     assert len(pool.tasks) == 1 and sweeps[0].part == 0.0
@@ -42,8 +42,8 @@ def test_what_two_visitors_want_is_computed_once_and_kept_for_a_third(pool):
 
 
 def test_a_call_is_withdrawn_when_the_last_visitor_leaves_and_not_before(pool):
-    shared = Results()
-    first, second = (Sweep(Visitor(pool), lambda call, result: None, shared) for _ in range(2))
+    shared = Shared()
+    first, second = (Requests(Visitor(pool), lambda call, result: None, shared) for _ in range(2))
     for sweep in (first, second):
         sweep.add([(abs, -3)])
     first.cancel()
@@ -55,7 +55,7 @@ def test_a_call_is_withdrawn_when_the_last_visitor_leaves_and_not_before(pool):
 def test_a_cancelled_sweep_hears_nothing_more(pool):
     seen = []
     sweep, other = (
-        Sweep(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [Results()] * 2
+        Requests(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [Shared()] * 2
     )
     sweep.add([(abs, -3)])
     other.add([(abs, -3)])
@@ -66,7 +66,7 @@ def test_a_cancelled_sweep_hears_nothing_more(pool):
 
 def test_a_call_lost_with_its_worker_is_made_again_and_in_the_end_reported(pool):
     seen = []
-    sweep = Sweep(Visitor(pool), lambda call, result: seen.append(result), Results())
+    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), Shared())
     sweep.add([(abs, -3)])
     for attempt in range(3):
         assert len(pool.tasks) == attempt + 1 and not seen
@@ -75,8 +75,8 @@ def test_a_call_lost_with_its_worker_is_made_again_and_in_the_end_reported(pool)
 
 
 def test_results_used_longest_ago_are_dropped(pool):
-    shared = Results(capacity=2 * len(pickle.dumps(((abs, -1), 1))))
-    sweep = Sweep(Visitor(pool), lambda call, result: None, shared)
+    shared = Shared(capacity=2 * len(pickle.dumps(((abs, -1), 1))))
+    sweep = Requests(Visitor(pool), lambda call, result: None, shared)
     for k in range(3):
         sweep.add([(abs, -k)])
         pool.tasks[k].set_result(k)

@@ -16,8 +16,7 @@ from pathlib import Path
 
 from bokeh.models import Column, Range1d
 
-from app.service.sweep import Sweep
-from app.service.wanted import Wanted
+from app.service.requests import Requests
 from app.views.live import punch
 from app.views.plots import views
 
@@ -62,7 +61,7 @@ class Sheet:
 
     def __init__(self, session, publish, views):
         self.session, self.publish, self.views = session, publish, views
-        self.sweep, self.wanted = Sweep(session, self.take), Wanted(session)
+        self.sweep, self.wanted = Requests(session, self.take), Requests(session)
 
     def start(self):
         """The page has been opened."""
@@ -83,7 +82,7 @@ class Sheet:
     def close(self):
         """Ask for nothing any longer."""
         self.sweep.cancel()
-        self.wanted.forget()
+        self.wanted.cancel()
 
     def draw(self, slot, label, **columns):
         """Give a part of a figure other data."""

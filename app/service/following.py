@@ -12,7 +12,7 @@ from math import ceil, e
 
 import numpy as np
 
-from app.service.packing import FREE, headed, middle, pack
+from app.service.packing import FREE, ORDER, columns, headed, middle, pack
 from solver import NotFollowed, follow
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
@@ -42,12 +42,17 @@ def followed(skeleton, scene, at):
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # a word for many
 
 
-def compared(skeleton, U_x, F_bar, slips):
-    """(nm by which slips of a pickled Skeleton are off at most, part of the largest |F_bar| by which F_bar is).
+def compared(skeleton, blocks):
+    """(largest error of the slips of a pickled Skeleton, nm; largest error of its F_bar over the largest |F_bar|).
 
-    U_x, F_bar (k,) and slips, the loads of slips (nm), are those of the exact run.
+    blocks: of the exact run.
     """
-    there = pickle.loads(skeleton)
+    there, parts = pickle.loads(skeleton), [columns(block)[1] for block in blocks]
+    stage, U_x, F_bar, slip, at = (
+        np.concatenate([part[name] for part in parts]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
+    )
+    sheared = stage == ORDER.index("shear")
+    U_x, F_bar, slips = U_x[sheared].astype(float), F_bar[sheared], at[sheared & (slip > 0)].astype(float)
     loads = [slip.load for slip in there.slips if slip.load <= U_x[-1]]
     if len(loads) != len(slips):
         return float("inf"), float("inf")

@@ -252,9 +252,9 @@ def measured_curve(text, scene):
         return None, str(error)
 
 
-def made_up_curve(scene):
-    """A Measurement with another friction and depth than the scene, a little, with noise; or why there is none."""
-    rng = np.random.default_rng()
+def made_up_curve(scene, seed):
+    """(a Measurement of slightly other friction and depth than the scene, with noise, None); or (None, why)."""
+    rng = np.random.default_rng(seed)
     ratio, delta_bar = scene.phi_ratio * APART ** rng.uniform(-1.0, 1.0), scene.delta_bar + rng.uniform(-0.1, 0.1)
     other = scene.changed(path="shear", delta_bar=delta_bar, phi_ratio=ratio)
     try:

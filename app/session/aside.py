@@ -9,8 +9,7 @@ from functools import cache
 from app.service import marks, packing, tasks, worker
 from app.service.packing import Frames
 from app.service.pool import LATER
-from app.service.sweep import Sweep
-from app.service.wanted import Wanted
+from app.service.requests import Requests
 from app.session.controls import scene_from_address
 from solver.presets import presets
 
@@ -22,12 +21,12 @@ GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table 
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # of it, that a browser may ask for; nm
 
 
-class Film(Wanted):
+class Film(Requests):
     """The motion through a slip of the run on screen."""
 
     def want(self, values):
         """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
-        self.forget()
+        self.cancel()
         session, run, k = self.session, self.session.pursuit.run, values["frame"]
         session.notes = [note for note in session.notes if not note.startswith(FILM_NAME)]
         if run is None or run.number != values["run"]:
@@ -47,7 +46,7 @@ class Film(Wanted):
         self.session.wire.send(FILM + k, made)
 
 
-class Layer(Wanted):
+class Layer(Requests):
     """How tractions make up the stress inside the layer: a table for each geometry, for what a browser draws of it."""
 
     def want(self, values):
@@ -67,7 +66,7 @@ class Layer(Wanted):
             self.session.wire.layer = packing.headed(head | {"counts": counts}, body)
 
 
-class Pinned(Sweep):
+class Pinned(Requests):
     """The runs pinned in an address, each sent whole."""
 
     def __init__(self, session):
@@ -95,7 +94,7 @@ class Pinned(Sweep):
                 self.session.wire.send(number, run.blocks)
 
 
-class Marks(Sweep):
+class Marks(Requests):
     """The marks beside the sliders; `told`: {slider: ((value, what happens there), ...)} as far as it is known."""
 
     def __init__(self, session):
@@ -122,7 +121,7 @@ def _thumbnails():
     return {(tasks.thumbnail, one.scene): one.name for one in presets().values()}
 
 
-class Gallery(Sweep):
+class Gallery(Requests):
     """Small pictures of the presets."""
 
     def __init__(self, session):

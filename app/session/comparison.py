@@ -1,30 +1,23 @@
 """Whether the picture of a held slider was right: the exact run that takes its place is compared with it."""
 
 import logging
+from math import isfinite
 
-import numpy as np
-
-from app.service import metrics, packing
+from app.service import metrics
 from app.service.following import AGREE_F, AGREE_U, SHOWN, compared
 from app.service.pool import LATER
-from app.service.wanted import Wanted
+from app.service.requests import Requests
 
 log = logging.getLogger("app")
 OFF = "What was shown while the slider moved"  # a note begins with it
 
 
-class Comparison(Wanted):
+class Comparison(Requests):
     """Of one visitor; every method runs under the lock of the document."""
 
     def compare(self, skeleton, scene, blocks):
         """Compare the pickled Skeleton of a picture with the packed exact run of the same scene."""
-        columns = [packing.columns(block)[1] for block in blocks]
-        stage, U_x, F_bar, slip, at = (
-            np.concatenate([each[name] for each in columns]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
-        )
-        sheared = stage == packing.ORDER.index("shear")
-        exact = (U_x[sheared].astype(float), F_bar[sheared], at[sheared & (slip > 0)].tolist())
-        self.ask((compared, skeleton, *exact), lambda off: self._judge(off, scene), rank=LATER)
+        self.ask((compared, skeleton, tuple(blocks)), lambda off: self._judge(off, scene), rank=LATER)
 
     def _judge(self, off, scene):
         """Count the outcome, and show a note where the picture was off."""
@@ -37,6 +30,6 @@ class Comparison(Wanted):
             where = {name: getattr(scene, name) for name in SHOWN}
             log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
             if self.session.scene == scene:
-                how = f"by {off_U:.2g} nm at a slip" if np.isfinite(off_U) else "by a slip more or less"
+                how = f"by {off_U:.2g} nm at a slip" if isfinite(off_U) else "by a slip more or less"
                 self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
                 self.session.publish()

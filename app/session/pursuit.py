@@ -94,7 +94,7 @@ class Pursuit:
     def close(self):
         """Wait for nothing any longer."""
         self.abandon()
-        self.comparison.forget()
+        self.comparison.cancel()
         self.run = self.wanted = None
 
     # what the visitor asks for
@@ -105,7 +105,7 @@ class Pursuit:
         self.session.pages.scene_changed()
         self.wanted, self.held = wish, wish.held
         state = self.state
-        if (state == "following" and not wish.held) or (state == "exact" and (self.run.refines or self.task.cancel())):
+        if (state == "following" and not wish.held) or (state == "exact" and (self.run.refines or self._queued())):
             self.abandon()
         if self.task is None:
             self._take_up()
@@ -149,9 +149,13 @@ class Pursuit:
 
     def abandon(self):
         """Wait no longer for the call in flight: another worker takes what comes next."""
-        if self.task is not None:
-            self.session.pool.abandon(self.task)
-            self.task = None
+        task, self.task = self.task, None
+        if task is not None:
+            self.session.pool.abandon(task)
+
+    def _queued(self):
+        """Whether the call in flight still waits for a worker."""
+        return not self.task.running() and not self.task.done()
 
     def _submit(self, call, take, **how):
         self.task, self.since = self.session.pool.submit(*call, owner=id(self.session), **how), time.monotonic()

@@ -10,7 +10,7 @@ from app.service.bench import Bench
 from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
-from app.service.wanted import Wanted
+from app.service.requests import Requests
 from app.session import controls
 from app.session.aside import Film, Gallery, Layer, Marks, Pinned
 from app.session.pursuit import Pursuit, Wish
@@ -43,7 +43,7 @@ class Session:
         self.pinned, self.marks, self.gallery = Pinned(self), Marks(self), Gallery(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
-        self.reading = Wanted(self)  # a profile
+        self.reading = Requests(self)  # a profile
         self.closed = False
         visitors.add(self)
         metrics.count("visits")
@@ -55,10 +55,8 @@ class Session:
             self.closed = True
             for part in (self.pursuit, self.bench, self.pages):
                 part.close()
-            for wanted in (self.reading, self.share, self.film, self.layer):
-                wanted.forget()
-            for sweep in (self.pinned, self.marks, self.gallery):
-                sweep.cancel()
+            for requests in (self.reading, self.share, self.film, self.layer, self.pinned, self.marks, self.gallery):
+                requests.cancel()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
 
@@ -176,7 +174,7 @@ class Session:
 
     def show(self, scene, preset):
         """A scene that a page has made from `preset`."""
-        self.reading.forget()
+        self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
         self.pursuit.want(Wish(scene))
 

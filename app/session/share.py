@@ -6,7 +6,7 @@ import segno
 
 from app.service import packing, tasks
 from app.service.pool import LATER
-from app.service.wanted import Wanted
+from app.service.requests import Requests
 from solver import Scene
 
 SCANNED = 1200  # characters of a link beyond which a QR code is too fine for a phone at the back of a room
@@ -16,7 +16,7 @@ LARGE = "it would be larger than 20 MB: use python -m solver run"
 SLOW = "it takes too long here: use python -m solver run"
 
 
-class Share(Wanted):
+class Share(Requests):
     """What one visitor takes away; every method runs under the lock of the document."""
 
     def __init__(self, session):

@@ -37,7 +37,7 @@ class MeasurementError(ValueError):
     """An unusable measurement; the message gives the line, if there is one, the reason and the remedy."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Measurement:
     """A curve measured along U_x (k,), nm, ascending.
 

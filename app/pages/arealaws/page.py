@@ -1,7 +1,7 @@
 """The page "Area laws" (paper Fig. 8, Eqs. 8, 9): runs up to the onset of sliding over a range of indentations.
 
 A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8 and those on screen since. Results are
-kept for all visitors (sweep.py).
+kept for all visitors (requests.py).
 """
 
 from dataclasses import dataclass, field

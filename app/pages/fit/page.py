@@ -5,6 +5,7 @@ the browser (page.js), so that a hand can try before the machine does.
 """
 
 import re
+from random import randrange
 
 import holoviews as hv
 import numpy as np
@@ -29,6 +30,7 @@ COLOURS = {"run": "--shear", "run_load": "--text"}
 COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitted", "fitted_load"), "--cut")
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # of the figure, for each quantity
 LONG = 120.0  # s that a fit may take
+SEEDS = 2**32  # of made-up measurements, each another one
 LOST = "it could not be computed; try again"
 ROOM = 0.08  # of a curve, above and below it
 PLACE, FORCE = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm"), hv.Dimension("F", unit="N/m")
@@ -64,7 +66,7 @@ class Page(Sheet):
         if what == "file":
             self.wanted.ask((tasks.measured_curve, values["text"], scene), self._read, rank=LATER)
         elif what == "example":
-            self.wanted.ask((tasks.made_up_curve, scene), self._read, rank=HEAVY, seconds=LONG)
+            self.wanted.ask((tasks.made_up_curve, scene, randrange(SEEDS)), self._read, rank=HEAVY, seconds=LONG)
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:

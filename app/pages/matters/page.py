@@ -8,7 +8,7 @@ parameter has a spread: a band, and intervals of the first slip, by derivatives 
 from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY
-from app.service.wanted import Wanted
+from app.service.requests import Requests
 
 TITLE, ORDER, FIGURES = "What matters", 5, ()
 WIDEST, DRAWS = 50.0, 100  # per cent, and runs, at most
@@ -26,17 +26,17 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.known = Wanted(self.session)
+        self.known = Requests(self.session)
 
     def scene_changed(self):
         """Another scene is on screen."""
-        self.known.forget()
+        self.known.cancel()
         self.publish(matters=None, band=None, busy=None, texts={"matters-said": "computing …"})
         self.wanted.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)
 
     def order(self, values):
         """A band for a spread in per cent, checked by so many runs; or none."""
-        self.known.forget()
+        self.known.cancel()
         percent, draws = values.get("percent", 0.0), int(min(values.get("draws", 0), DRAWS))
         if not 0.0 < percent <= WIDEST:
             return self.publish(band=None, busy=None)
@@ -47,7 +47,7 @@ class Page(Sheet):
     def close(self):
         """Ask for nothing any longer."""
         super().close()
-        self.known.forget()
+        self.known.cancel()
 
     def _take_band(self, found):
         if found is None or isinstance(found, str):

@@ -1,7 +1,7 @@
 """The page "Map": the first slip over two parameters, regimes outlined and named; a click or a drag goes there.
 
 The map is made of tiles (solver/analysis/maps), each a call for the workers, from coarse to fine: a tile is asked for
-as soon as the points around it are known, and what one visitor has asked for is there for all (sweep.py).
+as soon as the points around it are known, and what one visitor has asked for is there for all (requests.py).
 """
 
 import pickle
