@@ -11,6 +11,7 @@ Fourier fields have the signs and scaling of numpy's rfft: K_xz = -i K_c, K_zx =
 Nyquist mode is uncoupled. The residual max |U + C T(u) - u| (nm) is the error measure of every method.
 
 What each module and folder holds; none imports from a line below its own:
+tables                          columns of numbers from text files
 schema, surfaces, scene         parameters with ranges and choices, shapes of the surface, the Scene
 text, profile, presets          scenes from text, profiles from files, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem

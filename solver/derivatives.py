@@ -76,9 +76,12 @@ def fit(arguments: argparse.Namespace) -> int:
     scene = scene_of(arguments.set, arguments.preset)
     options = FitOptions(starts=arguments.starts, limit=arguments.limit)
     try:
-        result = fitted(scene, read_measurement(arguments.file, scene), arguments.free, options)
+        measured = read_measurement(arguments.file, scene)
+        result = fitted(scene, measured, arguments.free, options)
     except ValueError as error:  # MeasurementError among them
         raise InputError(str(error)) from None
+    for note in measured.notes:
+        print(note)
     for name, value in result.values.items():
         print(f"{name:12} {value:12.6g} +- {result.errors[name]:.2g}")
     print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs followed")

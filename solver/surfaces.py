@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .schema import as_number
+from .tables import TableError
 
 Floats = NDArray[np.float64]
 
@@ -26,12 +27,8 @@ LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
 
-class ProfileError(ValueError):
-    """An unusable profile; the message gives the reason and the number of the line, if there is one, as `line`."""
-
-    def __init__(self, reason: str, line: int | None = None) -> None:
-        self.line = line
-        super().__init__(reason if line is None else f"line {line}: {reason}")
+class ProfileError(TableError):
+    """An unusable profile."""
 
 
 @dataclass(frozen=True)

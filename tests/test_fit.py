@@ -156,6 +156,8 @@ def test_a_curve_that_no_parameter_makes_does_not_fit(skeleton):
         ("U_x,F_bar\n1,x\n", "line 2.*not a number"),
         ("U_x,F_bar\n1,2,3\n", "line 2: 3 columns"),
         ("U_x,F_bar\n1,2\n", "points: 1"),
+        ("U_x,F_bar\n", "line 2: no points"),
+        ("U_x (ft),F_bar\n1,2\n", "U_x in 'ft'; allowed units: nm"),
     ],
 )
 def test_an_unusable_file_is_rejected_with_line_and_remedy(tmp_path, text, said):
@@ -170,7 +172,10 @@ FORMS = {
     "heading of the page": ("U_x (nm),F (N/m)", ",", str),
     "semicolons and decimal commas": ("U_x (nm);F (N/m)", ";", lambda x: str(x).replace(".", ",")),
     "micrometres and millinewtons": ("U_x [um]\tF/mN/m", "\t", str),
-    "a row without a number": ("U_x,F", ",", str),
+    "tabs and decimal commas": ("U_x\tF", "\t", lambda x: str(x).replace(".", ",")),
+    "blanks": ("U_x (nm)  F (N/m)", "  ", str),
+    "lines above the heading": ("Probe 3\n\n2024, run 7\nU_x,F", ",", str),
+    "other columns": ('"t (s)","U_x","F"', ",", str),
 }
 
 
@@ -178,10 +183,18 @@ FORMS = {
 def test_usual_forms_of_a_file_are_read(form):
     heading, separator, text = FORMS[form]
     length, force = (1e-3, 1e3) if "micro" in form else (1.0, 1.0)
-    lines = [heading, *(separator.join((text(x * length), text(F * force))) for x, F in ROWS)]
-    data = read_measurement(StringIO("\n".join(lines + ["6.0,nan"] * ("without" in form))), SMALL)
+    before = [text(0.5)] if "other" in form else []
+    lines = [heading, *(separator.join((*before, text(x * length), text(F * force))) for x, F in ROWS)]
+    data = read_measurement(StringIO("\n".join(lines)), SMALL)
     assert data.U_x == pytest.approx([x for x, _ in ROWS])
     assert data.values["F_bar"] * data.unit == pytest.approx([F for _, F in ROWS])
+
+
+def test_rows_without_a_number_are_left_out_and_reported():
+    lines = ["U_x,F", *(f"{x},{F}" for x, F in ROWS)]
+    data = read_measurement(StringIO("\n".join([*lines[:3], "1.2,", "1.3,nan", "", *lines[3:]])), SMALL)
+    assert data.U_x == pytest.approx([x for x, _ in ROWS])
+    assert data.notes == ("2 rows without all numbers left out (line 4, 5).",)
 
 
 @pytest.mark.parametrize("text", ["\x01\x02rubbish\x7f,b\n", "U_x,F\n1,\x01\x02\n", "PK\0\0"])

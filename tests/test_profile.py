@@ -9,9 +9,10 @@ import pytest
 
 from solver import Profile, ProfileError, Scene, SceneError, load_path, read_profile
 from solver.analysis.peeling import edges
-from solver.profile import FEWEST_POINTS, MOST_BYTES, MOST_POINTS, STEEPEST
+from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
 from solver.surfaces import LENGTHS
+from solver.tables import MOST_BYTES
 
 X = np.linspace(0.0, 640.0, 257)
 HILLS = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # two whole waves: highest at x = 0, 320, 640
@@ -30,6 +31,24 @@ def shown(profile, nodes=256):
 @pytest.mark.parametrize("heading", ["", "x,z\n", "x [nm] z [nm]\n", "# by hand\n\nx;z\n"])
 def test_columns_may_be_separated_and_headed_in_any_usual_way(separator, heading):
     assert read_profile(table(X, HILLS, separator, heading)) == read_profile(table(X, HILLS))
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_semicolons_and_tabs_allow_decimal_commas(separator):
+    assert read_profile(table(X, HILLS, separator).replace(".", ",")) == read_profile(table(X, HILLS))
+
+
+def test_lines_above_the_heading_are_skipped():
+    preamble = "Instrument: AFM 3\nDate; 1.2.2024\n\nChannel, height\n"
+    assert read_profile(preamble + table(X / 1000.0, HILLS, heading="x [µm], z [nm]\n")).length == 640.0
+
+
+@pytest.mark.parametrize("row", ["{},", "{},nan", "{}", ",", "NaN,1.0", "{},-inf"])
+def test_rows_without_both_numbers_are_left_out_and_reported(row):
+    lines = table(X, HILLS).split("\n")
+    profile = read_profile("\n".join([*lines[:2], row.format(2.6), *lines[2:]]))
+    assert profile == read_profile(table(X, HILLS)) and profile.notes[0].startswith("257 points")
+    assert profile.notes[1] == "1 row without all numbers left out (line 3)."
 
 
 @pytest.mark.parametrize("heading", ["x [µm], z [nm]\n", "x/um; z/nm\n", "x (μm) z (nm)\n"])
@@ -136,22 +155,22 @@ def test_a_width_takes_the_middle_part():
         ("", 1, "no points"),
         ("\n\n# nothing\n", 4, "no points"),
         ("x,z\n", 2, "no points"),
-        ("a fairy tale\nin two lines\n", 2, "3 columns"),
+        ("a fairy tale\nin two lines\n", 3, "no points; needed: two columns: x, z in nm"),
         ("x,z\n1,2\n2,three\n", 3, "z = 'three' is not a number"),
-        ("1,2\n2,\n", 2, "z = '' is not a number"),
-        ("1,2\n2,nan\n", 2, "z = nan"),
-        ("1,2\ninf,3\n", 2, "x = inf"),
-        ("1,2\n2,1e300\n", 2, "z = 1e300: allowed"),
-        ("1,2\n2," + "9" * 400 + "\n", 2, "z = 9999"),
-        ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; x must ascend"),
-        ("x z\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; x must ascend"),
+        ("1,2\n2,\n", 1, "only 1 points"),
+        ("1,2\n2,nan\ninf,3\n4," + "9" * 400 + "\n", 1, "only 1 points"),
+        ("1,2\n2,\1\n", 2, "z = an unreadable cell is not a number"),
+        ("1,2\n2,1e300\n", 2, "z = 1e+300 nm: allowed"),
+        ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; sort the lines by x"),
+        ("x z\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; sort the lines by x"),
         ("1\n2\n3\n", 1, "one column, two are needed"),
         ("1,2,3\n", 1, "3 columns, two are needed"),
-        ("1,5;2,0\n", 1, "4 columns, two are needed: x, z in nm, with decimal points, not commas"),
-        ("1,2\n\0\0\0\n", 2, "a zero byte"),
+        ("1,5,2,0\n", 1, "4 columns, two are needed: x, z in nm"),
+        ("1,2\n3,4,5\n", 2, "3 columns in place of 2; use decimal points, or semicolons between columns"),
+        ("1,2\n\0\0\0\n", 2, "not a text file"),
         (table(X[:9], HILLS[:9]), 9, f"only 9 points, at least {FEWEST_POINTS} are needed"),
         (table(1e-4 * X, 1e-4 * HILLS), 257, "0.064 nm long, allowed: 1 .. 1e+06 nm"),
-        (table(1e7 * X, HILLS), 42, "x = 1025000000.0: allowed: -1e+09 .. 1e+09 nm"),
+        (table(1e7 * X, HILLS), 42, "x = 1.025e+09 nm: allowed: -1e+09 .. 1e+09 nm; check its unit"),
         (table(1e4 * X, HILLS), 257, "6.4e+06 nm long, allowed: 1 .. 1e+06 nm"),
         (table(X, HILLS + 0.5 * X), 257, "tilted by 0.5, allowed: up to 0.3; level it"),
         (
@@ -198,9 +217,9 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
     [
         (bytes(range(256)), "line 2: not UTF-8 text"),
         ("1,2\n2,3\n".encode("utf-16"), "line 1: not UTF-8 text"),
-        ("1,2\n2,3\n".encode("utf-16-le"), "line 1: a zero byte"),
+        ("1,2\n2,3\n".encode("utf-16-le"), "line 1: not a text file"),
         (b"x,z\n1,2\n3,\xb5\n", "line 3: not UTF-8 text"),
-        (b"\0" * 100, "line 1: a zero byte"),
+        (b"\0" * 100, "line 1: not a text file"),
         (b"7" * (MOST_BYTES + 1), "more than 10 MB"),
     ],
 )

@@ -95,7 +95,7 @@ class Page(Sheet):
             self.draw("curve", line, U_x=[], F=[])
         self.draw("residuals", "residuals", U_x=[], off=[])
         count, noise = measured.U_x.size, measured.noise["F_bar"] * self._unit
-        text = f"{count} points, {len(measured.slips)} slips, noise {noise:.2g} N/m."
+        text = f"{count} points, {len(measured.slips)} slips, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
         self.publish(texts={"fit-said": f"{text} Move the sliders until the curves meet, or let it fit."}, fit=None)
 
     @property
