@@ -19,7 +19,7 @@ mechanics/                      the physics: NP1 law, elastic layer, contact
 threads, isolated, cluster      one BLAS thread; calls with a time limit in other processes, or on a cluster
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
-results                         a run as tables and plots, first slips of many scenes
+plots, results                  a run as tables and plots, first slips of many scenes
 cautions                        sentences on choices that affect a result
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
 validation/                     independent calculations of the same, accuracy over run time

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from . import METHODS, Frame, NotConverged, NotFollowed, Scene, SceneError, __version__, load_path, summarize
+from . import METHODS, Frame, NotConverged, NotFollowed, Scene, SceneError, __version__, load_path, plots, summarize
 from .cautions import cautions
 from .cluster import ClusterError
 from .command import (
@@ -22,6 +22,7 @@ from .command import (
     InputError,
     add_command,
     add_file,
+    add_plot,
     caution,
     progress,
     scene_of,
@@ -29,7 +30,7 @@ from .command import (
 )
 from .derivatives import add_fit, add_sensitivities, add_spread
 from .files import write_csv, write_json, write_npz
-from .mapping import add_map
+from .mapping import add_flats, add_map
 from .presets import PresetError, presets
 from .reports import add_accuracy, add_stability
 from .run.load_steps import load_steps_of
@@ -86,7 +87,17 @@ def parser(program: str = "python -m solver", more: Sequence[Callable[[Any], Non
     parser = Parser(prog=program, description="Adhesive contacts under mixed-mode loading.")
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for add in (add_run, add_accuracy, add_stability, add_map, add_sensitivities, add_fit, add_spread, *more):
+    for add in (
+        add_run,
+        add_accuracy,
+        add_stability,
+        add_map,
+        add_flats,
+        add_sensitivities,
+        add_fit,
+        add_spread,
+        *more,
+    ):
         add(commands)
     for name, listing in (("parameters", parameter_table), ("presets", preset_table)):
         listed = commands.add_parser(name, help=f"list all {name}", description=f"Lists all {name}.")
@@ -120,6 +131,7 @@ def add_run(commands: Any) -> None:
     add_file(parser, "csv", "the curves, a row per increment after the approach")
     add_file(parser, "npz", "the curves and the fields of these increments")
     add_file(parser, "json", "scene, version, method and summary")
+    add_plot(parser, "F and L, A and the contact")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -131,7 +143,7 @@ def run(arguments: argparse.Namespace) -> int:
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    frames, failure, code = compute(scene, arguments.method, fields_too=arguments.npz is not None)
+    frames, failure, code = compute(scene, arguments.method, fields_too=bool(arguments.npz or arguments.html))
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
     caution(
         sentence
@@ -145,9 +157,14 @@ def run(arguments: argparse.Namespace) -> int:
     write(arguments.csv, write_csv, after)
     write(arguments.npz, write_npz, scene, after)
     write(arguments.json, write_json, report)
+    write(arguments.html if after else None, _save_plot, scene, after)
     if failure is not None:
         print(failure, file=sys.stderr)
     return code or (0 if report["converged"] else NOT_CONVERGED)
+
+
+def _save_plot(file, scene, frames):
+    plots.save(lambda: plots.experiment(scene, frames), file)
 
 
 class Computed(NamedTuple):
@@ -188,17 +205,24 @@ def report_of(
 def described(report: dict[str, Any], increments: int) -> str:
     """The summary in three lines."""
 
-    def shown(name, unit=""):
-        value = report[name]
-        return f"{name} = " + ("none" if value is None or value != value else f"{value:.6g}{unit}")
+    scene = report["scene"]
+    force, width = scene["width"] * (report.get("E_s") or scene["E"]), scene["width"]
+
+    def shown(name, key, factor, unit):
+        value = report[key]
+        return f"{name} = " + ("none" if value is None or value != value else f"{value * factor:.4g} {unit}")
 
     first = "the contact sticks"
     if report["U_s"] is not None:
-        first = f"first at {shown('U_s', ' nm')}: {shown('F_s')}, {shown('A_s')}"
+        first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', force, 'N/m')}"
+        first += f", {shown('A', 'A_s', width, 'nm')}"
     elif "L_min" in report:
-        first = f"pull-off at {shown('L_min')}"
+        first = f"pull-off at {shown('L', 'L_min', force, 'N/m')}"
     state = "converged" if report["converged"] else "NOT converged"
     return (
         f"{report['method']}: {increments} increments {state}, {report['evaluations']} evaluations,"
-        f" {report['seconds']:.3g} s\n{shown('A_0')}\n{report['slips']} slips; {first}"
+        f" {report['seconds']:.3g} s\n{shown('A_0', 'A_0', width, 'nm')}\n{report['slips']} slips; {first}"
     )
+
+
+COMMANDS = add_run, add_accuracy, add_stability, add_map, add_flats, add_sensitivities, add_fit, add_spread

@@ -8,6 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from .plots import BACKENDS
 from .presets import preset
 from .profile import ProfileError, read_profile
 from .scene import PARAMETERS, Scene
@@ -34,6 +35,18 @@ def add_command(commands: Any, name: str, run: Callable, summary: str, text: str
 def add_file(parser: argparse.ArgumentParser, option: str, content: str, **options: Any) -> None:
     """Adds --option FILE."""
     parser.add_argument(f"--{option}", type=_writable, metavar="FILE", help=f"write {content}", **options)
+
+
+def add_plot(parser: argparse.ArgumentParser, content: str) -> None:
+    """Adds --html FILE."""
+    parser.add_argument("--html", type=_plot, metavar="FILE", help=f"plot {content} as a page that opens offline")
+
+
+def _plot(file):
+    """A type for argparse: the name of a plot that can be written."""
+    if not file.endswith(tuple(BACKENDS)):
+        raise argparse.ArgumentTypeError(f"{file!r}; allowed: a name that ends in {' or '.join(BACKENDS)}; rename it")
+    return _writable(file)
 
 
 def add_scheduler(parser: argparse.ArgumentParser) -> None:

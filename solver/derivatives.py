@@ -4,11 +4,29 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from . import skeleton_of
+from . import plots, skeleton_of
 from .analysis import sensitivities as analysis
 from .analysis.spread import SLIP, deviations, spread_of
-from .command import NOT_CONVERGED, InputError, add_command, add_file, caution, scene_of, settings, within, write
+from .command import (
+    NOT_CONVERGED,
+    InputError,
+    add_command,
+    add_file,
+    add_plot,
+    caution,
+    scene_of,
+    settings,
+    within,
+    write,
+)
 from .files import write_json, write_rows
+
+VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
+    (True, True): "The curve fits the data, and the data determine the parameters.",
+    (True, False): "The curve fits the data; the cautions say what the data do not determine.",
+    (False, True): "No starting point led to a curve within the noise.",
+    (False, False): "No starting point led to a curve within the noise; the cautions say more.",
+}
 
 
 def _add(commands: Any, name: str, run: Callable, summary: str, text: str) -> argparse.ArgumentParser:
@@ -64,6 +82,7 @@ def add_fit(commands: Any) -> None:
     starts = "number of starting points, default 3"
     parser.add_argument("--starts", type=within(1), default=3, metavar="N", help=starts)
     limit = "seconds in all, default 60"
+    add_plot(parser, "data, fitted curve and residuals")
     parser.add_argument("--limit", type=within(0.0, kind=float), default=60.0, metavar="S", help=limit)
 
 
@@ -85,10 +104,16 @@ def fit(arguments: argparse.Namespace) -> int:
     for name, value in result.values.items():
         print(f"{name:12} {value:12.6g} +- {result.errors[name]:.2g}")
     print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs followed")
+    print(VERDICTS[result.reached, not result.warnings])
     caution(result.warnings)
+    write(arguments.html, _save_plot, result)
     write(arguments.csv, write_rows, ["U_x", "quantity", "measured", "model"], result.rows)
     write(arguments.json, write_json, result.as_dict())
     return 0 if result.reached else NOT_CONVERGED
+
+
+def _save_plot(file, result):
+    plots.save(lambda: plots.comparison(result.rows), file)
 
 
 def add_spread(commands: Any) -> None:

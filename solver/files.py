@@ -2,9 +2,12 @@
 
 import csv
 import json
+import subprocess
 from collections.abc import Iterable, Sequence
+from functools import cache
 from math import inf, isfinite, nan
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,7 @@ from .run.frame import Frame
 from .run.summary import changing
 from .scene import Scene
 
+SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
 COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
 
 
@@ -61,10 +65,24 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame]) -> No
 
 
 def write_json(file: str | PathLike, report: dict[str, Any]) -> None:
-    """Writes strict JSON with the version; nan becomes null, infinity "inf", as `--set` takes it."""
+    """Writes strict JSON with schema, version and commit; nan becomes null, infinity "inf", as `--set` takes it."""
+    origin = {"schema": SCHEMA, "version": __version__, "commit": commit()}
     with open(file, "w", encoding="utf-8") as out:
-        json.dump(plain({"version": __version__} | report), out, indent=2, allow_nan=False)
+        json.dump(plain(origin | report), out, indent=2, allow_nan=False)
         out.write("\n")
+
+
+@cache
+def commit() -> str | None:
+    """The commit of the checkout that computes, with "+" where files differ from it; None outside a checkout."""
+    root = Path(__file__).parents[1]
+    if not (root / ".git").exists():
+        return None
+    command = ["git", "-C", root, "describe", "--always", "--dirty=+", "--exclude=*"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
+    except (OSError, subprocess.SubprocessError):  # no git, or not its repository
+        return None
 
 
 def plain(value: Any) -> Any:

@@ -1,11 +1,12 @@
-"""The command `map`: a map of first slips over two parameters, or of the friction of flats."""
+"""The commands `map`, of first slips over two parameters, and `flats`, of the friction of flats."""
 
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Any
 
+from . import plots
 from .analysis import regimes
 from .analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, worked_off
 from .analysis.maps.point import QUANTITIES
@@ -15,6 +16,7 @@ from .command import (
     InputError,
     add_command,
     add_file,
+    add_plot,
     add_scheduler,
     progress,
     scene_of,
@@ -31,24 +33,29 @@ LIMIT = 600.0
 
 def add_map(commands: Any) -> None:
     """Adds `map` to the subcommands."""
-    text = (
-        "With --x and --y: the first slip over two parameters; each point is continued from its neighbours or run."
-        " Without: friction of flats over stiffness E and strength phi_t (Figs. 4, 5), from runs and in closed form."
-    )
+    text = "The first slip over two parameters; each point is continued from its neighbours or run."
     epilog = (
-        "Columns over two parameters: i, j, the parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites,"
-        " reattached, L_min, branches, followed, evaluations, reason; see solver/analysis/maps/point.py."
-        " Columns of flats: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max),"
-        " reason."
+        "Columns: i, j, the parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites, reattached, L_min, branches,"
+        " followed, evaluations, reason; see solver/analysis/maps/point.py."
     )
-    parser = add_command(commands, "map", mapped, "maps over two parameters", text, epilog)
+    parser = add_command(commands, "map", mapped, "first slips over two parameters", text, epilog)
     form = "NAME=LOW:HIGH:COUNT[:log]"
-    parser.add_argument("--x", metavar=form, help="a continuous parameter and its values")
-    parser.add_argument("--y", metavar=form, help="another one")
+    parser.add_argument("--x", metavar=form, required=True, help="a continuous parameter and its values")
+    parser.add_argument("--y", metavar=form, required=True, help="another one")
     column = "write this column only, as a table of y by x"
     parser.add_argument("--of", metavar="COLUMN", choices=("regime", *QUANTITIES), help=column)
     parser.add_argument("--resume", action="store_true", help="continue from the points of the same map in --csv")
-    points = "of flats: N x N points, 2 .. 100, default 12"
+    add_scheduler(parser)
+    add_file(parser, "csv", "a row per point", required=True)
+    add_plot(parser, "the column and the regimes")
+
+
+def add_flats(commands: Any) -> None:
+    """Adds `flats` to the subcommands."""
+    text = "Friction of flats over stiffness E and strength phi_t (Figs. 4, 5), from runs and in closed form."
+    epilog = "Columns: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max), reason."
+    parser = add_command(commands, "flats", flats, "friction of flats over E and phi_t", text, epilog)
+    points = "N x N points, 2 .. 100, default 12"
     parser.add_argument("--points", type=within(2, 100), default=12, metavar="N", help=points)
     add_scheduler(parser)
     add_file(parser, "csv", "a row per point", required=True)
@@ -57,11 +64,6 @@ def add_map(commands: Any) -> None:
 def mapped(arguments: argparse.Namespace) -> int:
     """Computes a map and writes it; 1 if a point has no result."""
     scene, workers = scene_of(arguments.set, arguments.preset), arguments.scheduler or os.cpu_count() or 1
-    if arguments.x is None and arguments.y is None:
-        return flats(regimes.points(scene, arguments.points), workers, arguments.csv)
-    for option in ("x", "y"):
-        if getattr(arguments, option) is None:
-            raise InputError(f"--{option}: missing; give --x and --y, or none of them for a map of flats")
     grid = Map(scene, Axis.of(arguments.x), Axis.of(arguments.y))
     points, code = _resumed(arguments.csv, grid) if arguments.resume else [], 0
     try:
@@ -74,19 +76,27 @@ def mapped(arguments: argparse.Namespace) -> int:
         remedy = "run again with --resume to finish" if arguments.of is None else "run again"
         print(f"Interrupted; {remedy}", file=sys.stderr)
         code = INTERRUPTED
-    write(arguments.csv, _write, _table(grid, points), arguments.of, grid)
+    table = _table(grid, points)
+    write(arguments.csv, _write, table, arguments.of, grid)
+    write(arguments.html, _save_plot, table, grid, arguments.of)
     print(_described(points))
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
 
 
-def flats(asked: Sequence[Any], workers: int | str, file: str) -> int:
+def _save_plot(file, table, grid, of):
+    plots.save(lambda: plots.first_slips(table, grid.x.name, grid.y.name, of), file)
+
+
+def flats(arguments: argparse.Namespace) -> int:
     """Computes the points that `regimes.points` lists and writes them; 1 if one has no result."""
+    workers = arguments.scheduler or os.cpu_count() or 1
+    asked = regimes.points(scene_of(arguments.set, arguments.preset), arguments.points)
     rows = [dict.fromkeys(regimes.COLUMNS, "") | {"E": E, "phi_t": phi_t} for _, E, phi_t in asked]
     with progress(len(asked), " points") as bar:
         for k, result in outcomes(regimes.regime, asked, workers, regimes.LIMIT):
             rows[k] |= {"reason": result.reason} if isinstance(result, Lost) else result
             bar.update()
-    write(file, write_rows, regimes.COLUMNS, (row.values() for row in rows))
+    write(arguments.csv, write_rows, regimes.COLUMNS, (row.values() for row in rows))
     slip, without = (sum(bool(row[name]) for row in rows) for name in ("slips", "reason"))
     print(f"{len(rows)} points: {slip} stick and slip, {without} without a result")
     return NOT_CONVERGED if without else 0

@@ -8,11 +8,11 @@ from functools import cached_property
 from html import escape
 from itertools import product
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import plots
 from .continuation.state import NotConverged
 from .following.from_run import skeleton_of
 from .following.skeleton import Skeleton
@@ -28,10 +28,6 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
     import xarray as xr
 
 LIMIT = 600.0  # s for one scene of a sweep: the most expensive scenes of tests/bench/box.py take a hundredth of it
-SIZES = {  # three plots below each other: as wide as a text column, all on one screen
-    "bokeh": {"frame_width": 560, "frame_height": 180},
-    "matplotlib": {"aspect": 3},
-}
 SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
 
@@ -80,63 +76,17 @@ class Result:
 
     def plot(self) -> hv.Layout:
         """F and L, A, and the normal traction over place and displacement, as a HoloViews layout."""
-        import holoviews as hv
-
-        if not hv.Store.loaded_backends():
-            hv.extension("bokeh")
-        after, along = self._after, self._along
-        across, load = hv.Dimension(along, unit="nm"), hv.Dimension("F", label="force", unit="N/m")
-        at = [getattr(frame, along) for frame in after]
-        forces = hv.Overlay(
-            [hv.Curve((at, [getattr(f, name) for f in after]), across, load, label=name) for name in "FL"]
-        )
-        area = hv.Curve((at, [f.A_bar * f.scene.width for f in after]), across, hv.Dimension("A", unit="nm"))
-        layout = (forces + area + self._contact_map(after, across)).opts(shared_axes=False).cols(1)
-        for backend in hv.Store.loaded_backends():
-            size = SIZES.get(backend, {})
-            layout.opts(*(kind(**size, backend=backend) for kind in (hv.opts.Curve, hv.opts.QuadMesh) if size))
-            layout.opts(hv.opts.Overlay(legend_position="right", backend=backend))
-        if "matplotlib" in hv.Store.loaded_backends():
-            layout.opts(hv.opts.Layout(sublabel_format="", fig_inches=6, vspace=0.4, backend="matplotlib"))
-        return layout
-
-    def _contact_map(self, frames, across):
-        """T_z (GPa, repulsion positive) over x from the middle of the cell and U_x; increments where U_x turns back."""
-        import holoviews as hv
-
-        x, T_z = self._fields(frames)
-        at = [frame.U_x for frame in frames]
-        if np.any(np.diff(at) <= 0.0):
-            across, at = hv.Dimension("increment"), range(len(frames))
-        kdims, most = [across, hv.Dimension("x", unit="nm")], np.abs(T_z).max()
-        value = hv.Dimension("T_z", label="normal traction T_z", unit="GPa", range=(-most, most))
-        return hv.QuadMesh((at, x, T_z.T), kdims, value).opts(hv.opts.QuadMesh(cmap="RdBu_r", colorbar=True))
-
-    def _fields(self, frames):
-        """(x (m,) nm from the middle of the cell, T_z (frames, m) GPa) over all nodes that any frame has."""
-        first = min(frame.first for frame in frames)
-        last = max(frame.first + frame.T.shape[1] for frame in frames)
-        T_z = np.zeros((len(frames), last - first))
-        for row, frame in zip(T_z, frames, strict=True):
-            row[frame.first - first : frame.first - first + frame.T.shape[1]] = frame.T[1]
-        return np.arange(first, last) * self.scene.spacing - self.scene.width / 2, T_z
+        return plots.experiment(self.scene, self._after)
 
     def save(self, file: str | PathLike) -> None:
-        """Writes the plot as HTML, or as PNG (which needs matplotlib). Raises ValueError for another suffix."""
-        import holoviews as hv
-
-        backends = {".html": "bokeh", ".png": "matplotlib"}
-        suffix = Path(file).suffix
-        if suffix not in backends:
-            raise ValueError(f"file = {str(file)!r}; allowed: a name that ends in .html or .png; rename it")
-        hv.extension(backends[suffix])
-        hv.save(self.plot(), file, backend=backends[suffix], resources="inline")  # works without internet
+        """Writes the plot as HTML, or as PNG (needs matplotlib). Raises ValueError for another suffix."""
+        plots.save(self.plot, file)
 
     def to_xarray(self) -> xr.Dataset:
-        """The curves and the tractions T_x, T_z (GPa) over increment and x (nm). Needs xarray."""
+        """The curves and T_z (GPa) over increment and x (nm). Needs xarray."""
         import xarray as xr
 
-        x, T_z = self._fields(self.frames)
+        x, T_z = plots.fields(self.scene, self.frames)
         curves = {name.split(" (")[0]: ("increment", column.to_numpy()) for name, column in self.table.items()}
         return xr.Dataset(curves | {"T_z": (("increment", "x"), T_z)}, coords={"x": x}, attrs=self.scene.differences())
 

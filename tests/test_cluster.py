@@ -48,7 +48,7 @@ def test_stability_is_the_same_on_a_cluster(address, tmp_path):
 def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_itself(address, tmp_path):
     tables = []
     for place in ([], ["--scheduler", address]):
-        assert main(["map", "--points", "3", "--set", *SMALL, "--csv", str(tmp_path / "map.csv"), *place]) == 0
+        assert main(["flats", "--points", "3", "--set", *SMALL, "--csv", str(tmp_path / "map.csv"), *place]) == 0
         tables.append(list(csv.DictReader((tmp_path / "map.csv").open())))
     assert tables[0] == tables[1] and len(tables[0]) == 9
     for row in tables[0]:

@@ -1,0 +1,147 @@
+"""Plots of results with HoloViews, for notebooks and for files that open without internet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .run.frame import Frame
+from .scene import PARAMETERS, Scene
+
+if TYPE_CHECKING:
+    import holoviews as hv
+    import pandas as pd
+
+BACKENDS = {".html": "bokeh", ".png": "matplotlib"}
+# Below each other: as wide as a column of text, three on one screen
+SIZES = {"bokeh": {"width": 700, "height": 240}, "matplotlib": {"aspect": 3}}
+UNITS = {"U_s": "nm", "F_s": "wE", "A_s": "w", "A_0": "w", "L_min": "wE"}
+
+
+def experiment(scene: Scene, frames: Sequence[Frame]) -> hv.Layout:
+    """F and L, A, and T_z over x, along U_x (with path "unload": delta)."""
+    import holoviews as hv
+
+    _ready()
+    along = "delta" if scene.path == "unload" else "U_x"
+    across, force, area = (
+        hv.Dimension(along, unit="nm"),
+        hv.Dimension("force", unit="N/m"),
+        hv.Dimension("A", unit="nm"),
+    )
+    at = [getattr(frame, along) for frame in frames]
+    forces = hv.Overlay(
+        [hv.Curve((at, [getattr(f, name) for f in frames]), across, force, label=name) for name in "FL"]
+    )
+    areas = hv.Curve((at, [frame.A_bar * frame.scene.width for frame in frames]), across, area)
+    return _sized(forces + areas + _contact_map(scene, frames, across))
+
+
+def _contact_map(scene, frames, across):
+    """T_z (GPa, repulsion positive) over x from the middle of the cell and U_x; increments where U_x turns back."""
+    import holoviews as hv
+
+    x, T_z = fields(scene, frames)
+    at: Any = [frame.U_x for frame in frames]
+    if np.any(np.diff(at) <= 0.0):
+        across, at = hv.Dimension("increment"), range(len(frames))
+    most = np.abs(T_z).max()
+    value = hv.Dimension("T_z", label="normal traction T_z", unit="GPa", range=(-most, most))
+    kdims = [across, hv.Dimension("x", unit="nm")]
+    return hv.QuadMesh((at, x, T_z.T), kdims, value).opts(hv.opts.QuadMesh(cmap="RdBu_r", colorbar=True))
+
+
+def fields(scene: Scene, frames: Sequence[Frame]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(x (m,) nm from the middle of the cell, T_z (frames, m) GPa) over all nodes that any Frame has."""
+    first = min(frame.first for frame in frames)
+    last = max(frame.first + frame.T.shape[1] for frame in frames)
+    T_z = np.zeros((len(frames), last - first))
+    for row, frame in zip(T_z, frames, strict=True):
+        row[frame.first - first : frame.first - first + frame.T.shape[1]] = frame.T[1]
+    return np.arange(first, last) * scene.spacing - scene.width / 2, T_z
+
+
+def comparison(rows: Iterable[tuple[float, str, float, float]]) -> hv.Layout:
+    """Measured points, the fitted curve and their difference, from (U_x nm, quantity, measured, model)."""
+    import holoviews as hv
+
+    _ready()
+    by: dict[str, list[tuple[float, float, float]]] = {}
+    for U_x, quantity, measured, model in rows:
+        by.setdefault(quantity, []).append((U_x, measured, model))
+    plots, across = [], hv.Dimension("U_x", unit="nm")
+    for quantity, points in by.items():
+        U_x, measured, model = np.array(points).T
+        data = hv.Scatter((U_x, measured), across, quantity, label="measured").opts(color="gray")
+        plots += [data * hv.Curve((U_x, model), across, quantity, label="model")]
+        plots += [hv.Scatter((U_x, measured - model), across, f"{quantity}: measured - model")]
+    return _sized(hv.Layout(plots))
+
+
+def first_slips(table: pd.DataFrame, x: str, y: str, of: str | None) -> hv.Layout:
+    """A column of a map (default: U_s) over its two parameters, and the regimes; points without a value are blank."""
+    import holoviews as hv
+    import pandas as pd
+
+    _ready()
+    kdims = [hv.Dimension(name, unit=PARAMETERS[name].unit or None) for name in (x, y)]
+    column = of if of not in (None, "regime") else "U_s"
+    table = table.sort_values([y, x])
+    cells = pd.DataFrame(
+        {name: [f"{value:.4g}" for value in table[name]] for name in (x, y)}
+    )  # of one size on any axis
+    cells[column] = [float(value) if value not in ("", None) else np.nan for value in table[column]]
+    cells["regime"] = [regime or "no result" for regime in table["regime"]]
+    numbers = hv.HeatMap(cells, kdims, hv.Dimension(column, unit=UNITS.get(column)))
+    regimes = {name: hv.Points(part, kdims, []) for name, part in cells.groupby("regime", sort=False)}
+    return _sized(numbers.opts(hv.opts.HeatMap(colorbar=True)) + hv.NdOverlay(regimes, kdims="regime"))
+
+
+def _ready():
+    """Loads Bokeh unless the caller has chosen a backend."""
+    import holoviews as hv
+
+    if not hv.Store.loaded_backends():
+        hv.extension("bokeh")
+
+
+def _sized(layout):
+    """The plots below each other, in a size that fits a page."""
+    import holoviews as hv
+
+    layout = layout.opts(shared_axes=False).cols(1)
+    kinds = hv.opts.Curve, hv.opts.QuadMesh, hv.opts.Scatter, hv.opts.HeatMap, hv.opts.Points
+    for backend in set(hv.Store.loaded_backends()) & set(SIZES):
+        layout.opts(*(kind(**SIZES[backend], backend=backend) for kind in kinds))
+        overlays = hv.opts.Overlay, hv.opts.NdOverlay
+        layout.opts(*(kind(legend_position="right", backend=backend) for kind in overlays))
+    if "matplotlib" in hv.Store.loaded_backends():
+        layout.opts(hv.opts.Layout(sublabel_format="", fig_inches=6, vspace=0.4, backend="matplotlib"))
+    return layout
+
+
+def save(plot: Any, file: str | PathLike) -> None:
+    """Writes a plot as HTML that opens without internet, or as PNG (needs matplotlib).
+
+    plot: a HoloViews object, or a function of no arguments that makes it, called once the backend is chosen.
+    Raises ValueError for another suffix.
+    """
+    import holoviews as hv
+
+    suffix = Path(file).suffix
+    if suffix not in BACKENDS:
+        raise ValueError(f"file = {str(file)!r}; allowed: a name that ends in .html or .png; rename it")
+    hv.extension(BACKENDS[suffix])
+    plot = plot() if callable(plot) else plot
+    if suffix == ".png":
+        hv.save(plot, file, backend="matplotlib")
+        return
+    from bokeh.embed import file_html
+    from bokeh.resources import INLINE
+
+    Path(file).write_text(file_html(hv.render(plot, backend="bokeh"), INLINE, Path(file).stem), encoding="utf-8")
