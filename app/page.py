@@ -112,6 +112,7 @@ def _html(doc, files):
         "choices": CHOICES,
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
+        "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
         "pages": {"": "Experiment"} | {name: page.TITLE for name, page in pages.listed().items()},
         "schema": schema,
         "speeds": SPEEDS,

@@ -2,7 +2,8 @@
 
     python docs/pictures.py [--chromium PATH]
 
-Starts the app on a free port; writes app.png, fringes.png and slip.gif, the punch through two slips, beside this file.
+Draws the small pictures of the row of experiments (row.py). Then starts the app on a free port; writes app.png,
+fringes.png and slip.gif, the punch through two slips, beside this file.
 Then measures the default scene for a minute, and writes the first diagrams of that report: accuracy.png.
 """
 
@@ -18,6 +19,7 @@ from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
+from row import main as draw_row
 
 HERE = Path(__file__).parent
 READY = "() => window.punch?.status.state === 'finished' && punch.run.whole && !punch.fresh"
@@ -59,7 +61,6 @@ def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
     page.locator("[data-name=E] .mark").first.wait_for(timeout=120_000)  # the last to be computed
-    page.wait_for_function("!document.querySelector('#row .picture:not(:has(svg))')", timeout=120_000)
     page.screenshot(path=HERE / "app.png")
     for _ in range(2):
         page.evaluate("document.getElementById('lens-on').click()")
@@ -103,6 +104,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
     arguments = parser.parse_args()
+    draw_row()
     server, address = served()
     try:
         with sync_playwright() as playwright:

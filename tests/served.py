@@ -34,7 +34,7 @@ FAULTS = """() => {
     }
     const texts = [...document.querySelectorAll('.page *')].filter((e) => seen(e)
         && [...e.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()))
-    for (const e of new Set([...all('header *'), ...all('.about *'), ...all('.player *'), ...texts])) {
+    for (const e of new Set([...all('header *'), ...all('.player *'), ...texts])) {
         const box = e.getBoundingClientRect()
         if (box.width && (box.left < -1 || box.right > innerWidth + 1)) said.push(`${name(e)} leaves the screen`)
     }

@@ -1,7 +1,5 @@
 """Undo, redo, Back, and the address that brings a scene, an increment and a page back, in a real Chromium."""
 
-import re
-
 import pytest
 from served import PATIENCE, PLAYING, finished, values_are
 
@@ -101,32 +99,10 @@ def test_an_embedded_page_shows_the_views_alone_paused_with_their_parameters(vis
     page = visit("?embed=1&delta_bar=0.1&k=150")
     finished(page)
     page.wait_for_function("punch.drawn === 150 && !punch.playing")
-    for part in ("header", ".about", ".controls"):
+    for part in ("header", ".controls"):
         assert not page.locator(part).first.is_visible()
     assert page.locator(".player button:visible").count() == 1 and page.locator("#scrub").is_visible()
     assert page.locator("figure:visible").count() == 4
     assert "δ/δ₀ = 0.1" in page.inner_text("#caption")
     assert "embed" not in page.get_attribute("#whole-app", "href")
     assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
-
-
-def test_a_print_is_one_page_of_views_that_do_not_overlap(visit):
-    page = visit("?k=209")
-    finished(page)
-    page.wait_for_function("punch.drawn === 209")
-    pdf = page.pdf(prefer_css_page_size=True)
-    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) == 1
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    page.emulate_media(media="print")
-    page.set_viewport_size({"width": 718, "height": 1045})  # A4 without its margins, at 96 px per inch
-    assert not page.locator(".player").is_visible() and not page.locator(".controls").is_visible()
-    boxes = [view.bounding_box() for view in page.locator(".printed:visible").all()]
-    assert len(boxes) == 5 and all(box["width"] > 300 and box["height"] > 80 for box in boxes)
-    for i, a in enumerate(boxes):
-        for b in boxes[:i]:
-            apart = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
-            assert apart or a["y"] + a["height"] <= b["y"] or b["y"] + b["height"] <= a["y"]
-    assert page.locator("#caption").is_visible() and "δ/δ₀ = 0" in page.inner_text("#caption")
-    assert not page.locator(".view > :not(.printed)").filter(visible=True).count()
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert page.locator(".printed").count() == 0

@@ -14,10 +14,9 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from bokeh.models import Column, Range1d
+from bokeh.models import Column
 
 from app.service.requests import Requests
-from app.views.live import punch
 from app.views.plots import views
 
 log = logging.getLogger("app")
@@ -48,8 +47,8 @@ def variables():
 
 
 def places():
-    """{page_slot: where a figure of a page goes}, and "twin" for a second punch, all empty."""
-    names = [f"{name}_{slot}" for name, page in listed().items() for slot in page.FIGURES] + ["twin"]
+    """{page_slot: an empty Column for the figure}."""
+    names = [f"{name}_{slot}" for name, page in listed().items() for slot in page.FIGURES]
     return {name: Column(sizing_mode="stretch_both") for name in names}
 
 
@@ -126,11 +125,6 @@ class Pages:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name, self.published = "", {}
             self.session.wire.page = "{}"
-
-    def add_twin(self):
-        """A second punch, for a pinned run beside the one on screen; the browser fills it."""
-        if not self.slots["twin"].children:
-            self.slots["twin"].children = [punch(Range1d(), "twin")]
 
     def scene_changed(self):
         """The experiment shows another scene from now on."""

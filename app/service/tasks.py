@@ -22,13 +22,11 @@ from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 from solver.analysis.spread import SLIP, WIDE, collected, draw, spread_of
 from solver.cli import report_of
-from solver.continuation.state import OutOfTime
 from solver.files import write_json, write_npz
 from solver.following.branch import NotFollowed
 from solver.following.from_run import skeleton_of
 from solver.run.film import through
 from solver.run.frame import STAGES, Frame
-from solver.run.load_steps import lifts
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of a made-up measurement: how many, of the largest F, times a parameter
@@ -67,30 +65,6 @@ def flat_curve(scene, kept=None):
     if not checkpoint.done:
         return Part((rows, checkpoint))
     return NotConverged(checkpoint.failure) if checkpoint.failure else tuple(np.array(rows, dtype=np.float32).T)
-
-
-def thumbnail(scene, kept=None):
-    """{along, force, area}: curves of a run after its approach, F over U_x or L over delta, lists of rounded numbers.
-
-    With the values where slips begin. Or Part of it; what there is where the run does not get through; the error.
-    """
-    rows, checkpoint = kept or ([], None)
-    frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
-    for f in frames:
-        if f.stage != "approach":
-            load, force = ("delta", "L_bar") if lifts(scene) else ("U_x", "F_bar")
-            rows += [(slip.load, getattr(slip, force), slip.A_bar) for slip in f.slips]
-            rows.append((getattr(f, load), getattr(f, force), f.A_bar))
-    if not checkpoint.done:
-        return Part((rows, checkpoint))
-    if checkpoint.late:  # of a busy machine: it may get through next time
-        return OutOfTime(checkpoint.failure)
-    if len(rows) < 2:
-        return NotConverged(checkpoint.failure or "nothing follows the approach")
-    return {
-        name: [float(f"{v:.3g}") for v in curve]
-        for name, curve in zip(("along", "force", "area"), zip(*rows, strict=True), strict=True)
-    }
 
 
 def flat_friction(scene, kept=None):

@@ -1,17 +1,13 @@
 """What is computed for a visitor beside the run on screen; every method runs under the lock of the document.
 
-For oneself a film and the table of a layer; shared with all visitors pinned runs, marks and small pictures of presets.
+A film and the table of a layer belong to one visitor; all visitors share pinned runs and marks.
 """
-
-import json
-from functools import cache
 
 from app.service import marks, packing, tasks, worker
 from app.service.packing import Frames
 from app.service.pool import LATER
 from app.service.requests import Requests
 from app.session.controls import scene_from_address
-from solver.presets import presets
 
 PINNED, FILM = 1_000_000, 2_000_000  # numbers of such runs lie above, as BESIDE and FILM in run.js
 MOST_PINNED = 4
@@ -113,24 +109,3 @@ class Marks(Requests):
     def _made(self, call, found):
         self.told[self.calls[call]] = () if isinstance(found, Exception) else found
         self.session.publish()
-
-
-@cache
-def _thumbnails():
-    """{call: preset}"""
-    return {(tasks.thumbnail, one.scene): one.name for one in presets().values()}
-
-
-class Gallery(Requests):
-    """Small pictures of the presets."""
-
-    def __init__(self, session):
-        super().__init__(session, self._made)
-
-    def want(self):
-        """Send the picture of every preset, one by one as they are made."""
-        self.add(_thumbnails())
-
-    def _made(self, call, found):
-        drawn = None if isinstance(found, Exception) else found
-        self.session.wire.thumbnail = json.dumps({"preset": _thumbnails()[call], "drawn": drawn})

@@ -12,7 +12,7 @@ SMALL = 8000  # characters of an order, but for one that brings a file
 LARGEST = 2_000_000  # characters of a file
 LONGEST = 64  # characters of a value
 LONGER = {"profile": 2000, "link": 5000, "free": 200, "text": SMALL}  # of those that are longer
-PLAIN = ("hello", "pause", "go", "one", "skip", "rest", "reset", "twin", "gallery")
+PLAIN = ("hello", "pause", "go", "one", "skip", "rest", "reset")
 ASKED = {  # of a page
     **dict.fromkeys(("E", "phi_t", "series", "percent", "draws"), (int, float)),
     **dict.fromkeys(("what", "of", "x", "y", "free"), str),

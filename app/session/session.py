@@ -12,7 +12,7 @@ from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.requests import Requests
 from app.session import controls
-from app.session.aside import Film, Gallery, Layer, Marks, Pinned
+from app.session.aside import Film, Layer, Marks, Pinned
 from app.session.pursuit import Pursuit, Wish
 from app.session.share import Share
 from app.session.wire import Wire
@@ -40,7 +40,7 @@ class Session:
         self.bench = Bench(doc)
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
-        self.pinned, self.marks, self.gallery = Pinned(self), Marks(self), Gallery(self)
+        self.pinned, self.marks = Pinned(self), Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
         self.told_place = None
         self.reading = Requests(self)  # a profile
@@ -55,7 +55,7 @@ class Session:
             self.closed = True
             for part in (self.pursuit, self.bench, self.pages):
                 part.close()
-            for requests in (self.reading, self.share, self.film, self.layer, self.pinned, self.marks, self.gallery):
+            for requests in (self.reading, self.share, self.film, self.layer, self.pinned, self.marks):
                 requests.cancel()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -84,8 +84,6 @@ class Session:
             "restore": lambda: self.restore(values),
             "layer": lambda: self.layer.want(values),
             "ask": lambda: self.pages.order(values),
-            "twin": self.pages.add_twin,
-            "gallery": self.gallery.want,
             "hello": self.hello,
             "reset": self.reset,
             **{name: getattr(pursuit, name) for name in ("pause", "go", "one", "skip", "rest")},

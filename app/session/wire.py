@@ -17,7 +17,6 @@ class Wire(DataModel):
     page = String(default="{}")  # JSON, about the page beside the experiment that is open
     layer = Nullable(Bytes)  # JSON header and a table for the stress inside the layer, by `session.aside`
     hand = Nullable(Bytes)  # a picture that follows the hand on a slider: what `service.following` makes, and a number
-    thumbnail = String(default="")  # JSON, the small picture of a preset, when the gallery was opened
     taken = Nullable(Bytes)  # JSON header and a file, when something is taken away
     order = String(default="")
 

@@ -157,8 +157,7 @@ export function stretch(figure) {
   return box ? box.up / box.across : null
 }
 
-// A figure as it is drawn now, on a canvas of its own or as the text of an SVG (as bokeh.io.export does)
-export const pictureOf = (figure) => viewOf(figure).export("png").canvas
+// A figure as it is drawn now, as the text of an SVG (as bokeh.io.export does)
 export const svgOf = (figure) => viewOf(figure).export("svg").ctx.get_serialized_svg(true)
 
 // The element of the page that holds a figure: from shadow root to shadow root

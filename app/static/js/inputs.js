@@ -130,7 +130,7 @@ export function connect() {
       enter({ [entry.id.replace("-entry", "")]: entry.value })
     })
   }
-  for (const menu of ["preset", "row"]) on(menu, "change", (event) => choosePreset(event.target.value))
+  on("row", "change", ({ target }) => choosePreset(target.value))
   sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`))
   on("more", "click", async () => (await import("./drawer.js")).openDrawer())
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
@@ -144,7 +144,7 @@ export function connect() {
   for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", async ({ detail, target }) => {
-    if (detail > 0) target.closest?.("button:not(.hint, .term)")?.blur()
+    if (detail > 0) target.closest?.("button:not([popovertarget], .term)")?.blur()
     if (target.matches?.(".as-table")) (await import("./tables.js")).openTable(target)
   })
   on("play", "click", KEYS[" "])
@@ -152,7 +152,6 @@ export function connect() {
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
   on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
-  on("open-gallery", "click", async () => (await import("./later/gallery.js")).openGallery())
   on("take", "click", async () => (await import("./share.js")).open())
   on("slow", "click", slowMotion)
   on("compare", "click", async () => (await import("./later/numbers.js")).open())

@@ -13,14 +13,10 @@ import { connectLens } from "./lens.js"
 import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
-import * as print from "./print.js"
-import { declared, me } from "./state.js"
+import { declared, embedded, me } from "./state.js"
 import * as status from "./status.js"
 import * as glossary from "./terms.js"
-import { drawRow } from "./view.js"
 import * as units from "./words.js"
-
-const CALM = 1500 // ms after the first run
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages; told: JSON of
 // looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a word: term} and
@@ -39,7 +35,6 @@ export function start({ wire, figures, slots, told, index }) {
   connectFringes(player.show)
   connectInside(player.show)
   address.connect(player)
-  print.connect()
   channel.listen("chunk", player.receive, unpackLater)
   channel.listen("hand", player.follow)
   channel.listen("status", status.heard)
@@ -60,8 +55,7 @@ export function start({ wire, figures, slots, told, index }) {
   requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()
-  let calm = 0
-  channel.listen("status", () => { if (me.status.state === "finished") calm ||= setTimeout(drawRow, CALM) })
+  if (embedded) import("./later/embed.js")
   const stop = Number(new URLSearchParams(location.search).get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
 }

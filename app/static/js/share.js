@@ -8,7 +8,6 @@ import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { opened } from "./packed.js"
 import { sharpen } from "./pen.js"
-import { canvasesOver, drawOver } from "./print.js"
 import { me } from "./state.js"
 import { drawStory } from "./story.js"
 import { described } from "./words.js"
@@ -104,6 +103,16 @@ export async function png(name, scale = 1) {
 export const svg = (name) => framed(name, (holder, width, height) => canvasesOver(holder)
   .map((canvas) => `<image width="${width}" height="${height}" opacity="${getComputedStyle(canvas).opacity}" `
     + `href="${canvas.toDataURL()}"/>`).join("")).text
+
+// The canvases over a view
+const canvasesOver = (holder) => [...holder.querySelectorAll(":scope > canvas")].filter((over) => over.width)
+
+function drawOver(pen, holder, width, height) {
+  for (const over of canvasesOver(holder)) {
+    pen.globalAlpha = Number(getComputedStyle(over).opacity)
+    pen.drawImage(over, 0, 0, width, height)
+  }
+}
 
 const number = (value) => `${Number(value.toPrecision(8))}`
 

@@ -1,31 +1,50 @@
-// Terms of the field in the texts of the page: underlined, and explained on hover, focus or touch by later/glossary.js.
+// Terms of the field in the texts of the page: underlined; a click shows the explanation in a popover of the browser.
 
-import { make, makeButton } from "./dom.js"
+import { by, make, makeButton } from "./dom.js"
 import { declared } from "./state.js"
 
-let found = null // what finds forms of terms in a text
+let forms = null // what finds forms of terms in a text
+
+// The text of a file beside the scripts, asked for once, unless it does not come
+export function file(name) {
+  let asked = null
+  return () => (asked ??= fetch(new URL(`../${name}`, import.meta.url))
+    .then((answer) => (answer.ok ? answer.text() : Promise.reject(answer.status)))
+    .catch((error) => { asked = null; throw error }))
+}
+export const glossary = file("glossary.html")
 
 // The text of an element again, the first occurrence of each term in it as a button, in one line with the stop behind it
 export function explain(element, text = element.textContent) {
-  const seen = new Set(), parts = found ? text.split(found) : [text] // between, term, stop, between, ...
+  const seen = new Set(), parts = forms ? text.split(forms) : [text] // between, term, stop, between, ...
   element.replaceChildren(...parts.map((part, i) => {
     const term = i % 3 === 1 ? declared.terms[part.toLowerCase()] : undefined
     if (!term || seen.has(term)) return i % 3 === 2 && seen.has(i) ? "" : part
     seen.add(term).add(i + 1)
-    const button = makeButton({ className: "term", data: { term } }, part)
+    const button = makeButton({ className: "term", data: { term }, "aria-haspopup": "dialog" }, part)
     return parts[i + 1] ? make("span", { style: "white-space: nowrap" }, button, parts[i + 1]) : button
   }))
 }
 
-const ANSWERS = { mouseover: "show", focusin: "show", click: "keep" } // what later/glossary.js does at a term
+async function show(source) {
+  const box = by("term"), { term } = source.dataset
+  box.textContent = "…"
+  box.hidePopover()
+  box.showPopover({ source })
+  try {
+    const entry = new DOMParser().parseFromString(await glossary(), "text/html").getElementById(`term-${term}`)
+    box.replaceChildren(make("b", {}, entry.querySelector("dt").textContent), ` ${entry.querySelector("dd").textContent}`)
+  } catch {
+    box.textContent = "The explanation could not be loaded. Click the word again."
+  }
+  by("told").textContent = box.textContent
+}
 
 export function connect() {
-  found = new RegExp(`(?<![\\p{L}-])(${Object.keys(declared.terms).join("|")})(?![\\p{L}-])([,.:;?)]*)`, "iu")
+  forms = new RegExp(`(?<![\\p{L}-])(${Object.keys(declared.terms).join("|")})(?![\\p{L}-])([,.:;?)]*)`, "iu")
   for (const element of document.querySelectorAll("[data-terms]")) explain(element)
-  for (const event in ANSWERS) {
-    document.addEventListener(event, async ({ target }) => {
-      const at = target.closest?.(".term")
-      if (at) (await import("./later/glossary.js"))[ANSWERS[event]](at)
-    })
-  }
+  document.addEventListener("click", ({ target }) => {
+    const term = target.closest?.(".term")
+    if (term) show(term)
+  })
 }

@@ -6,9 +6,7 @@ import { openPage } from "./pages.js"
 import { show } from "./player.js"
 import { embedded } from "./state.js"
 
-const TOOLS = ["reset", "back", "step", "carry", "speed", "lens-on", "fringes-on", "bar"] // in the menu; in the laboratory where they act
 let before = "hero" // how one looked before
-const homes = [] // [tool, the mark that keeps its place]
 
 export const view = () => document.documentElement.dataset.view
 export const isLab = () => view() === "lab"
@@ -28,32 +26,18 @@ export function look(wanted) {
 
 function arrange() {
   for (const name of ["lab", "projector"]) by(name).setAttribute("aria-pressed", view() === name)
-  for (const [tool, mark] of homes) {
-    if (isLab()) mark.after(tool)
-    else by("options").append(tool)
-  }
 }
 
 export function connectViews() {
-  for (const id of TOOLS) {
-    const tool = by(id).closest("label") ?? by(id), mark = document.createComment(id)
-    tool.before(mark)
-    homes.push([tool, mark])
-  }
   arrange()
   for (const name of ["lab", "projector"]) on(name, "click", () => look(name))
   on("chosen", "change", (event) => choose(event.target.value))
-  for (const curve of CURVES) document.querySelector(`main .${curve} figcaption`).addEventListener("click", () => { if (!isLab()) choose(curve) })
+  for (const curve of CURVES) document.querySelector(`main .${curve} figcaption`).addEventListener("click", ({ target }) => { if (!isLab() && !target.closest("button")) choose(curve) })
   choose(CURVES[0])
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
     for (const one of document.querySelectorAll(".control")) one.toggleAttribute("data-shown", one.dataset.name === target.value)
   })
-}
-
-// The pictures of the row at the top, once the first run is there and the server has time
-export async function drawRow() {
-  if (!isLab() && !embedded) (await import("./later/gallery.js")).wantPictures()
 }
 
 // One of the curves is large

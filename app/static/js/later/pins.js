@@ -116,34 +116,10 @@ function chip(one) {
     chipOf(one)?.querySelector("button").focus()
   }, { "aria-pressed": one.shown })
   show.append(swatch(one.slot), ` ${titleOf(one)}${one.run ? "" : " …"}`)
-  const goTo = button("load", `Load ${one.name}`, () => load(one))
-  const twin = button("side by side", `Side by side with ${one.name}`, async () => {
-    (await import("./twin.js")).toggle(one)
-    tell()
-    chipOf(one).querySelector("[data-twin]").focus()
-  }, { "aria-pressed": Boolean(one.twin), data: { twin: "" } })
-  const rename = button("rename", `Rename ${one.name}`, () => edit(one, show))
-  return make("span", { className: "chip", data: { slot: one.slot } }, show, twin, goTo, rename, button("×", `Remove ${one.name}`, () => remove(one)))
+  return make("span", { className: "chip", data: { slot: one.slot } }, show, button("×", `Remove ${one.name}`, () => remove(one)))
 }
 
 const chipOf = (one) => document.querySelector(`.chip[data-slot="${one.slot}"]`)
-
-function edit(one, show) {
-  const entry = make("input", { type: "text", value: one.name, maxLength: 40, "aria-label": "Name of the pinned run" })
-  const end = (kept) => {
-    if (!entry.isConnected) return
-    if (kept && entry.value.trim()) one.name = entry.value.trim()
-    tell()
-    chipOf(one).querySelector("button").focus()
-  }
-  entry.addEventListener("keydown", (event) => {
-    if (event.key === "Enter" || event.key === "Escape") end(event.key === "Enter")
-    event.stopPropagation()
-  })
-  entry.addEventListener("blur", () => end(true))
-  show.replaceWith(entry)
-  entry.select()
-}
 
 function say(text) {
   by("pins").hidden = false

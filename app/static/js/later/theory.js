@@ -1,7 +1,7 @@
 // The theory page: fetched and shown when it is asked for, a figure to each idea drawn from its formula.
 
 import { by } from "../dom.js"
-import * as glossary from "./glossary.js"
+import { file, glossary } from "../terms.js"
 
 const WIDE = 220, HIGH = 96, LEFT = 26, BASE = 80, STEPS = 80
 
@@ -50,12 +50,12 @@ const IDEAS = {
   fold: () => axes("U_x", "u") + `<path d="M30 76Q150 70 170 44"/><path class="pale" d="M170 44Q150 34 104 32"/>` + line(170, 44, 170, 16, "F") + `<path d="M170 16Q190 12 214 11"/>` + text(84, 62, "at rest") + text(164, 24, "slip", "end") + text(100, 28, "unstable", "end"),
 }
 
-const page = glossary.file("theory.html")
+const theory = file("theory.html")
 
 export async function openTheory() {
   by("theory").showModal()
   try {
-    by("theory-text").innerHTML = (await page()) + (await glossary.text())
+    by("theory-text").innerHTML = (await theory()) + (await glossary())
   } catch {
     return by("theory-text").replaceChildren("The page could not be loaded; close it and try again.")
   }
