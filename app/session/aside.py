@@ -54,9 +54,9 @@ class Layer(Requests):
         modes = int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
         depth = min(max(values["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
         head = {"asked": values, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
-        self.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._take(made, head))
+        self.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._made(made, head))
 
-    def _take(self, made, head):
+    def _made(self, made, head):
         if made is not None:  # otherwise nothing is drawn
             counts, body = made
             self.session.wire.layer = packing.headed(head | {"counts": counts}, body)
