@@ -15,9 +15,10 @@ STATIC, PAGES = HERE / "static", HERE / "pages"
 
 
 def assets(page):
-    """{address: the same with its version} of every script and style, for the page at this address."""
+    """{address: the same with its version} of every script, style and stored run, for the page at this address."""
     folder = page.rstrip("/").rsplit("/", 1)[-1]
-    found = [path for path in STATIC.rglob("*") if path.suffix in (".js", ".css")] + [*PAGES.glob("*/page.js")]
+    kinds = (".js", ".css", ".bin")
+    found = [path for path in STATIC.rglob("*") if path.suffix in kinds] + [*PAGES.glob("*/page.js")]
     names = {path: f"./{folder}/{path.relative_to(HERE).as_posix()}" for path in sorted(found)}
     return {name: f"{name}?v={content(path, path.stat().st_mtime_ns)[2]}" for path, name in names.items()}
 

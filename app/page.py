@@ -33,6 +33,7 @@ HERE = Path(__file__).parent
 TITLE = "Why does it stick, peel and slip?"
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
 PLAIN_SPEED = 4
+PRELOAD = '<link rel="preload" id="stored" as="fetch" crossorigin="anonymous" href="{}">'
 MARK = "@{}@"  # in the page, where each visitor has something of one's own
 
 
@@ -42,11 +43,14 @@ class Shared:
 
     page: str
     document: str
+    stored: dict  # {preset: address of its stored run}
 
     def page_for(self, arguments, **own):
         """The page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
-        values = values_of(scene_from_address(arguments)[0])
-        page = self.page
+        scene, preset, _ = scene_from_address(arguments)
+        values, page = values_of(scene), self.page
+        shown = preset in self.stored and scene == presets()[preset].scene
+        own |= {"stored": PRELOAD.format(self.stored[preset]) if shown else ""}
         for name, text in (own | {control.name: f"{values[control.name]:g}" for control in CONTROLS}).items():
             page = page.replace(MARK.format(name), text)
         return page
@@ -94,7 +98,7 @@ def _composed(files):
     doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
     text = json.dumps(doc.to_json(deferred=False), separators=(",", ":"), allow_nan=False)
     page = re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', _html(doc, files))
-    return Shared(page, text)
+    return Shared(page, text, _stored(files))
 
 
 def _html(doc, files):
@@ -134,10 +138,16 @@ def _grouped():
     return groups
 
 
-def _told():
+def _stored(files):
+    """{preset: address of its stored run}."""
+    return {Path(name).stem: address for name, address in files.items() if name.endswith(".bin")}
+
+
+def _told(files):
     """What the browser is told of presets, nodes, terms and sliders, declared in Python alone."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
+        "stored": _stored(files),
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "terms": forms(),
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
@@ -153,7 +163,7 @@ def _player(wire, figures, slots, files):
             "wire": wire,
             "figures": figures,
             "slots": slots,
-            "told": json.dumps(_told()),
+            "told": json.dumps(_told(files)),
             "main": next(name for name in files if name.endswith("/main.js")),
         },
         code="""

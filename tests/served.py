@@ -1,5 +1,6 @@
 """`panel serve app` as its visitors have it: a server, and what tests wait for in a real browser."""
 
+import os
 import re
 import signal
 import socket
@@ -64,9 +65,9 @@ FAULTS = """() => {
 
 
 class Server:
-    """`panel serve app` on a free port, or a given one, with what it logs."""
+    """`panel serve app` on a free port, or a given one, with what it logs; environment: further variables."""
 
-    def __init__(self, prefix="", port=None):
+    def __init__(self, prefix="", port=None, **environment):
         self.port = port
         if port is None:
             with socket.socket() as probe:
@@ -82,6 +83,7 @@ class Server:
         self.process = subprocess.Popen(
             [*command, *quick, "--prefix", prefix],
             cwd=ROOT,
+            env=os.environ | environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

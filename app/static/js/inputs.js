@@ -8,7 +8,7 @@ import { by, closest, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
-import { declared, leaveBehind, me } from "./state.js"
+import { declared, exact, leaveBehind, me } from "./state.js"
 import { enter, letGo, nudge, steer } from "./steer.js"
 import { checkTruth } from "./status.js"
 import { chooseNext, connectViews, fillScreen, look } from "./view.js"
@@ -100,7 +100,7 @@ function onKey(event) {
 }
 
 async function slowMotion() {
-  if (!me.run?.followed) (await import("./later/film.js")).slowMotion()
+  if (!me.run || exact(me.run)) (await import("./later/film.js")).slowMotion()
 }
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there

@@ -16,6 +16,7 @@ import * as player from "./player.js"
 import { declared, embedded, me } from "./state.js"
 import * as status from "./status.js"
 import * as glossary from "./terms.js"
+import { connectStored } from "./stored.js"
 import * as units from "./words.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages; told: JSON of
@@ -39,6 +40,7 @@ export function start({ wire, figures, slots, told, index }) {
   channel.listen("hand", player.follow)
   channel.listen("status", status.heard)
   channel.listen("page", pages.told, pages.read)
+  connectStored(player.standIn)
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {
     tellStretch()

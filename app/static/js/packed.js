@@ -9,8 +9,10 @@ export function opened(buffer, at = 0) {
 // One chunk (ArrayBuffer) that is not compressed, as {run, head, columns: {name: Float32Array}, fields: {name: Int16Array
 // (frames, nodes)}}; nothing is copied
 export function unpack(buffer) {
-  const { head, start } = opened(buffer, 4)
-  return chunkOf(buffer, head, buffer, start)
+  const { head, start } = opened(buffer, 4), { frames, nodes, columns, scales } = head
+  const curves = new Float32Array(buffer, start, columns.length * frames)
+  const fields = new Int16Array(buffer, start + curves.byteLength, Object.keys(scales).length * frames * nodes)
+  return chunkOf(buffer, head, curves, fields)
 }
 
 // The same of a chunk that may be compressed, in a while
@@ -18,37 +20,71 @@ export async function unpackLater(buffer) {
   const { head, start } = opened(buffer, 4)
   if (!head.compressed) return unpack(buffer)
   const stream = new Blob([new Uint8Array(buffer, start)]).stream().pipeThrough(new DecompressionStream("deflate"))
-  return chunkOf(buffer, head, restored(head, new Uint8Array(await new Response(stream).arrayBuffer())), 0)
+  const planes = new Uint8Array(await new Response(stream).arrayBuffer()), { kept } = head
+  const curves = curvesOf(planes, head.columns.length, head.frames), behind = planes.subarray(curves.byteLength)
+  const [frames, nodes] = kept ? [kept.frames.length, kept.nodes.length] : [head.frames, head.nodes]
+  const fields = fieldsOf(behind, frames, nodes)
+  return chunkOf(buffer, head, curves, kept ? filledIn(fields, kept, head) : fields)
 }
 
-function chunkOf(buffer, head, body, start) {
-  const take = (kind, count) => {
-    start += kind.BYTES_PER_ELEMENT * count
-    return new kind(body, start - kind.BYTES_PER_ELEMENT * count, count)
+const named = (names, numbers, size) =>
+  Object.fromEntries(names.map((name, k) => [name, numbers.subarray(k * size, (k + 1) * size)]))
+
+function chunkOf(buffer, head, curves, fields) {
+  return {
+    run: new DataView(buffer).getUint32(0, true), head,
+    columns: named(head.columns, curves, head.frames),
+    fields: named(Object.keys(head.scales), fields, head.frames * head.nodes),
   }
-  const named = (names, kind, count) => Object.fromEntries(names.map((name) => [name, take(kind, count)]))
-  const columns = named(head.columns, Float32Array, head.frames)
-  const fields = named(Object.keys(head.scales), Int16Array, head.frames * head.nodes)
-  return { run: new DataView(buffer).getUint32(0, true), head, columns, fields }
 }
 
-// Columns and fields (ArrayBuffer) from their changes, whose first bytes come first (packing._compressed)
-function restored({ frames, nodes, columns }, planes) {
-  const start = 4 * columns.length * frames, body = new ArrayBuffer(planes.length)
-  const curves = new Int32Array(body, 0, start / 4), fields = new Int16Array(body, start)
-  for (let i = 0; i < curves.length; i++) {
-    let change = 0
-    for (let byte = 0; byte < 4; byte++) change |= planes[byte * curves.length + i] << (8 * byte)
+// Columns from their changes over frames, whose first bytes come first (packing.compressed)
+function curvesOf(planes, columns, frames) {
+  const curves = new Int32Array(columns * frames), { length } = curves
+  for (let i = 0; i < length; i++) {
+    const change = planes[i] | (planes[length + i] << 8) | (planes[2 * length + i] << 16) | (planes[3 * length + i] << 24)
     curves[i] = change + (i % frames ? curves[i - 1] : 0)
   }
-  const low = planes.subarray(start), high = low.subarray(fields.length)
+  return new Float32Array(curves.buffer)
+}
+
+// Fields, frame by frame, from their changes over frames and nodes, which come node by node
+function fieldsOf(planes, frames, nodes) {
+  const fields = new Int16Array(planes.length / 2), high = planes.subarray(fields.length)
   for (let i = 0, field = 0; field < fields.length; field += frames * nodes) {
-    for (let node = 0; node < nodes; node++) { // node by node; the fields are frame by frame
+    for (let node = 0; node < nodes; node++) {
       for (let frame = 0, step = 0, at = field + node; frame < frames; frame++, i++, at += nodes) {
-        step += low[i] | (high[i] << 8) // to the node from the one before
+        step += planes[i] | (high[i] << 8) // to this node from the one before
         fields[at] = step + (node ? fields[at - 1] : 0)
       }
     }
   }
-  return body
+  return fields
+}
+
+// All frames and nodes of fields of which a stored run has few (app/service/stored.py), along straight lines between these
+function filledIn(few, kept, { frames, nodes }) {
+  const over = between(kept.frames, frames), along = between(kept.nodes, nodes)
+  const wide = kept.nodes.length, size = wide * kept.frames.length, count = few.length / size
+  const fields = new Int16Array(count * frames * nodes)
+  for (let field = 0, at = 0; field < count; field++) {
+    for (const [k, row] of over) {
+      const start = field * size + k * wide
+      for (const [j, part] of along) {
+        const i = start + j, now = few[i] + part * (few[i + 1] - few[i])
+        const next = few[i + wide] + part * (few[i + wide + 1] - few[i + wide])
+        fields[at++] = Math.round(kept.step * (now + row * (next - now)))
+      }
+    }
+  }
+  return fields
+}
+
+// Of each place of so many: [number of the kept one before it, how far it is to the next, 0 .. 1]
+function between(kept, count) {
+  let k = 0
+  return Array.from({ length: count }, (_, i) => {
+    if (k < kept.length - 2 && kept[k + 1] <= i) k++
+    return [k, (i - kept[k]) / (kept[k + 1] - kept[k])]
+  })
 }

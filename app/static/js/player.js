@@ -34,7 +34,8 @@ function replaced(chunk) {
   const { coming, status } = me, known = status.run === chunk.run
   if (!coming.length && known && status.after && me.origin?.number === status.after[0]) coming.takeOver(me.origin, status.after[1])
   coming.add(chunk)
-  if (me.run && !exact(me.run) && !coming.whole && !(known && status.state === "running")) return false
+  const waits = me.run?.stored ? !me.stale : me.run && !exact(me.run) && !(known && status.state === "running")
+  if (waits && !coming.whole) return false
   me.coming = null
   begin(coming)
   return true
@@ -47,6 +48,15 @@ export function follow(buffer) {
   heard(picture.heard)
   begin(picture)
   Object.assign(me, { at: picture.shown, following: false, coming: null, fresh: true })
+  tellState()
+}
+
+// A stored run takes the screen until the computed one is whole
+export function standIn(run) {
+  begin(run)
+  if (me.following) Object.assign(me, { at: me.playing ? Math.max(0, run.sheared) : run.length - 1, following: false })
+  else if (me.place) toPlace()
+  me.fresh = true
   tellState()
 }
 
@@ -161,7 +171,7 @@ export function tick(time) {
   before = time
   if (me.fresh && (me.begun !== me.run.number || since(me.freshAt))) painted(() => drawFresh(time))
   else if (!me.mapped && me.begun === me.run.number && since(Math.max(me.mappedAt, me.bornAt))) painted(() => drawLate(time))
-  if (me.playing && !me.dragging && (!me.stale || me.lost) && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, time)
+  if (me.playing && !me.dragging && (!me.stale || me.lost || me.run.stored) && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, time)
   requestAnimationFrame(tick)
 }
 
@@ -169,7 +179,7 @@ function advance(passed, time) {
   const { step } = me.run.head, last = me.run.length - 1
   me.clock += passed
   me.at += (passed * me.speed) / step
-  if (me.at > last + me.speed / step && ["finished", "skipped"].includes(me.status.state)) me.at = me.run.sheared // after a second at the end
+  if (me.at > last + me.speed / step && (me.run.stored || ["finished", "skipped"].includes(me.status.state))) me.at = me.run.sheared // after a second at the end
   if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && performance.now() > next && time > me.quiet) showNext()
 }
 
@@ -188,7 +198,7 @@ export function play(on) {
     show()
     summarise("Paused")
   } else by("told").textContent = ""
-  if (["running", "paused", "warming"].includes(me.status.state)) order(on ? "go" : "pause")
+  if (!me.run?.stored && ["running", "paused", "warming"].includes(me.status.state)) order(on ? "go" : "pause")
   namePlay()
   tellState()
 }

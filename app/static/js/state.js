@@ -13,7 +13,7 @@ export const me = Object.seal({ // what is not declared here cannot be set
   lost: false, stale: false, place: null, // no server; the sliders say another scene; the place of the path to go to once it is there
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   rests: 400, // ms without a move, after which a hand rests although it holds on
-  fresh: false, mapped: true, begun: 0, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
+  fresh: false, mapped: true, begun: null, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
   filmed: null, // takes the frames of a motion through a slip
   beside: null, // takes the frames of runs that are not on screen
   freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
@@ -31,7 +31,7 @@ export const onFrame = (call) => followers.push(call)
 export const frameDrawn = (run, k) => { for (const call of followers) call(run, k) }
 
 // Whether a run was computed, and does not follow a held slider
-export const exact = (run) => Boolean(run) && !run.followed
+export const exact = (run) => Boolean(run) && !run.followed && !run.stored
 
 // A change begins: what is on screen stays behind it, pale, unless there is nothing to compare
 export function leaveBehind(compare = true) {

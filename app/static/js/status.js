@@ -131,12 +131,16 @@ function doing() {
   return `${waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""}${time}`
 }
 
+const gettingReady = () => "the solver gets ready"
+
 export function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
+  const { followed, stored } = me.run ?? {}
+  if (stored && state !== "failed") return tellStored(state)
   if (!state) return
-  const { followed } = me.run ?? {}, shown = followed ? "followed" : state === "finished" && !me.playing ? "paused" : state
+  const shown = followed ? "followed" : state === "finished" && !me.playing ? "paused" : state
   const text = followed ? state === "refining" ? "the exact run comes" : "exact once the slider rests" : {
-    warming: () => "the solver gets ready; the first time takes up to a minute",
+    warming: gettingReady,
     running: () => `${frames} of ${total} increments${doing()}`,
     refining: () => `${frames} of ${total} increments`,
     skipped: () => `the last ${total - frames} of ${total} increments; what was computed stays`,
@@ -148,10 +152,20 @@ export function tellState() {
     },
   }[state]()
   by("skip").hidden = !(state === "running" && seconds + waited() > LONG && me.run?.sheared >= 0)
-  by("status").dataset.state = shown
-  by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
-  by("status").querySelector("span").textContent = text
+  showState(shown, text)
   by("computed").textContent = `${frames} of ${total} increments, ${evaluations} force evaluations, `
     + `${known ? "computed before" : `${seconds} s`}; largest residual ${residual.toExponential(0)} nm`
     + (state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : ".")
+}
+
+function showState(shown, text) {
+  by("status").dataset.state = shown
+  by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
+  by("status").querySelector("span").textContent = text
+}
+
+// A run that was computed in advance stands in for the one to come
+function tellStored(state) {
+  showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
+  by("computed").textContent = "This run was computed in advance and is stored with about 2 % accuracy; its curves are exact."
 }

@@ -6,7 +6,7 @@ import { figures, overlays } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { changeSaid, nowSaid } from "./sentence.js"
-import { me } from "./state.js"
+import { exact, me } from "./state.js"
 import { explain } from "./terms.js"
 
 const LINES = 24 // of the mesh in the body, from the surface to the top
@@ -176,6 +176,6 @@ export function tellNow(run, k) {
 }
 
 function tellSlip({ run, k, slip, narrow }) {
-  by("slow").hidden = run.followed || run.slipBefore(k) === null
+  by("slow").hidden = !exact(run) || run.slipBefore(k) === null
   say("slip", slip !== null && slipSaid(run, slip, narrow))
 }

@@ -1,0 +1,31 @@
+// Stored runs of the row's experiments (app/service/stored.py): on screen until the computed run has come.
+
+import { listen } from "./channel.js"
+import { by } from "./dom.js"
+import { unpackLater } from "./packed.js"
+import { Run } from "./run.js"
+import { declared, me } from "./state.js"
+
+let asked = "" // address of the last one
+
+// show(run): puts a stored run on the screen. The page asks for one of the scene in its address; while workers get ready,
+// that of the preset is better than nothing
+export function connectStored(show) {
+  const load = async (address) => {
+    if (!address || address === asked || computed()) return
+    asked = address
+    const response = await fetch(address).catch(() => null)
+    const chunk = response?.ok && (await unpackLater(await response.arrayBuffer()))
+    if (!chunk || address !== asked || computed()) return
+    const run = Object.assign(new Run(chunk.run, chunk.head), { stored: true, scene: chunk.head.scene })
+    run.add(chunk)
+    show(run)
+  }
+  load(by("stored")?.getAttribute("href"))
+  listen("status", () => {
+    const { state, preset } = me.status
+    if (state === "warming") load(declared.stored[preset] ?? Object.values(declared.stored)[0])
+  })
+}
+
+const computed = () => Boolean(me.run) && !me.run.stored
