@@ -91,7 +91,7 @@ def test_the_document_names_what_a_visitor_has_on_the_server_by_the_same_ids():
     with set_curdoc(doc):
         page.open_page()
     known = page.shared("/app").document
-    assert isinstance(doc.get_model_by_id("wire"), Wire) and len(doc.models) == 1 + len(page.places())
+    assert isinstance(doc.get_model_by_id("wire"), Wire) and len(doc.models) == 1 + len(page.pages.places())
     assert all(known.count(f'"id":"{model.id}","attributes"') == 1 for model in doc.models)
     for visitor in list(session_module.visitors):
         visitor.close()
