@@ -2,6 +2,7 @@
 
 import io
 import json
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -10,11 +11,9 @@ from visitor import PATIENCE, Page, order, slices
 from app.service import packing, tasks
 from app.session.controls import values_of
 from app.session.share import python_lines
-from solver import Checkpoint, Scene, load_path
+from solver import Scene, carried_path, load_path
 from solver.analysis.energy_balance import work_of
 from solver.presets import presets
-from solver.run.carry import carry_on
-from solver.run.slices import next_frame
 
 SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
 
@@ -29,15 +28,7 @@ def page(pool):
 
 
 def carried_frames(scene, count, changed):
-    checkpoint = Checkpoint()
-    for _ in range(count):
-        _, checkpoint = next_frame(scene, checkpoint)
-    checkpoint = carry_on(checkpoint, scene, changed)
-    frames = []
-    while not checkpoint.done:
-        frame, checkpoint = next_frame(changed, checkpoint)
-        frames.append(frame)
-    return frames
+    return list(islice(carried_path([(scene, count), (changed, None)]), count, None))
 
 
 def change(page, after, **values):

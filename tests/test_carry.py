@@ -2,14 +2,13 @@
 
 import csv
 import pickle
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 import pytest
 from helpers import same, stage
 
 from solver import (
-    Checkpoint,
     Scene,
     SceneError,
     advance,
@@ -22,26 +21,23 @@ from solver import (
 from solver.files import write_csv, write_npz
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
+from solver.run import loadpath
 from solver.run.load_steps import load_steps_of
-from solver.run.slices import next_frame
+from solver.run.loadpath import Run
 from solver.validation.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2)
 
 
-def standing(scene):
-    """The Checkpoint of a run before its last increment."""
-    checkpoint = Checkpoint()
-    while not checkpoint.done:
-        before, (_, checkpoint) = checkpoint, next_frame(scene, checkpoint)
-    return before
+def late(scene):
+    """The Frame before the last one of a run."""
+    return list(load_path(scene))[-2]
 
 
 def test_a_jump_of_the_parameters_is_not_reported_as_a_slip():
     """Flat: with a stiffness ten times less the state leaps at rest, though no branch of the new scene ends there."""
     scene = Scene(surface="flat", phi_ratio=0.1, E=700.0, u_x_max=2.0)
-    checkpoint = standing(scene)
-    frame, after = next_frame(scene.changed(E=70.0), carry_on(checkpoint, scene, scene.changed(E=70.0)))
+    frame, after = next(Run(scene.changed(E=70.0)).frames(carry_on(late(scene), scene.changed(E=70.0))))
     assert not frame.slips and frame.residual <= scene.tolerance and not after.carried
 
 
@@ -49,14 +45,14 @@ def test_a_carried_run_is_for_the_fast_method():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     changed = scene.changed(E=90.0)
     with pytest.raises(ValueError, match="allowed where a run carries on: fast"):
-        next_frame(changed, carry_on(standing(scene), scene, changed), method="gfmd")
+        next(Run(changed, "gfmd").frames(carry_on(late(scene), changed)))
 
 
 def test_another_scale_of_the_law_leaves_a_held_load():
     """delta_bar counts in delta_n: the punch is not to be moved because its unit has changed."""
     scene = SMALL.changed(delta_bar=0.2, hold="load", u_x_max=2.0)
     changed = scene.changed(delta_n=1.1)
-    checkpoint = carry_on(standing(scene), scene, changed)
+    checkpoint = carry_on(late(scene), changed)
     assert checkpoint.stage == "shear"
 
 
@@ -132,12 +128,10 @@ def test_with_too_little_damping_the_message_says_so_or_every_frame_rests():
 
 
 def until(scene, increments, name="shear"):
-    """(frames, checkpoint) up to that many increments of a stage."""
-    frames, checkpoint = [], None
-    while sum(f.stage == name for f in frames) < increments:
-        more, checkpoint = advance(scene, checkpoint, budget=0.0)
-        frames += more
-    return frames, checkpoint
+    """The Frames up to that many increments of a stage."""
+    return [
+        frame for frame, _ in loadpath.until(scene, lambda frame: (frame.stage, frame.index + 1) == (name, increments))
+    ]
 
 
 def rest_of(scene, checkpoint):
@@ -152,9 +146,7 @@ def rest_of(scene, checkpoint):
 @pytest.mark.parametrize("values", [{}, {"hold": "load"}, {"surface": "flat", "phi_ratio": 0.1}])
 def test_carrying_on_unchanged_is_the_uninterrupted_run(values):
     scene = SMALL.changed(**values)
-    frames, checkpoint = until(scene, 12)
-    frames += rest_of(scene, carry_on(checkpoint, scene, scene))
-    for a, b in zip(frames, load_path(scene), strict=True):
+    for a, b in zip(carried_path([(scene, 60), (scene, None)]), load_path(scene), strict=True):
         assert np.array_equal(a.u, b.u) and a.slips == b.slips
 
 
@@ -162,9 +154,9 @@ def test_carrying_on_unchanged_is_the_uninterrupted_run(values):
 @pytest.mark.parametrize("values", [{"E": 100.0}, {"E": 40.0}, {"phi_n": 2.5}, {"phi_ratio": 0.5}, {"nu": 0.3}])
 def test_changed_parameters_take_effect_where_the_run_is(values, hold):
     scene = SMALL.changed(hold=hold)
-    frames, checkpoint = until(scene, 12)
+    frames = until(scene, 12)
     changed = scene.changed(**values)
-    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    ahead = rest_of(changed, carry_on(frames[-1], changed))
     U_x = [f.U_x for f in ahead]
     assert U_x == pytest.approx(np.arange(frames[-1].U_x, scene.u_x_max + 0.1, 0.2))
     assert max(f.residual for f in ahead) <= changed.tolerance
@@ -176,18 +168,18 @@ def test_changed_parameters_take_effect_where_the_run_is(values, hold):
 def test_changed_stiffness_leads_to_the_branch_of_a_run_with_it_from_the_start():
     """While stuck, equilibria do not depend on the way there."""
     scene = SMALL.changed(u_x_max=2.0)
-    _, checkpoint = until(scene, 6)
+    frames = until(scene, 6)
     changed = scene.changed(E=100.0)
-    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    ahead = rest_of(changed, carry_on(frames[-1], changed))
     assert same(ahead[-1], list(load_path(changed))[-1], 1e-6)
 
 
 @pytest.mark.parametrize("delta_bar", [0.13, -0.07])
 def test_a_changed_indentation_is_walked_at_the_same_place(delta_bar):
     scene = SMALL.changed(u_x_max=2.0)
-    frames, checkpoint = until(scene, 6)
+    frames = until(scene, 6)
     changed = scene.changed(delta_bar=delta_bar)
-    ahead = rest_of(changed, carry_on(checkpoint, scene, changed))
+    ahead = rest_of(changed, carry_on(frames[-1], changed))
     press, shear = stage(ahead, "press"), stage(ahead, "shear")
     assert {f.U_x for f in press} == {frames[-1].U_x} and shear[0].U_x == frames[-1].U_x
     assert np.abs(np.diff([f.delta for f in press])).max() <= scene.du_z * scene.delta_n + 1e-12
@@ -197,15 +189,14 @@ def test_a_changed_indentation_is_walked_at_the_same_place(delta_bar):
 
 def test_a_run_goes_on_from_held_indentation_to_held_load_and_back():
     scene = SMALL.changed(u_x_max=3.0)
-    frames, checkpoint = until(scene, 6)
+    frames = until(scene, 6)
     soft = scene.changed(hold="load")
-    begun = carry_on(checkpoint, scene, soft)
-    ahead, checkpoint = advance(soft, begun, budget=0.0)
+    ahead, checkpoint = advance(soft, carry_on(frames[-1], soft), budget=0.0)
     assert ahead[0].L_bar == pytest.approx(frames[-1].L_bar, rel=1e-7) and ahead[0].delta == pytest.approx(
         0.0, abs=1e-7
     )
-    _, checkpoint = advance(soft, checkpoint, budget=0.0)
-    back = rest_of(scene, carry_on(checkpoint, soft, scene))
+    (last,), _ = advance(soft, checkpoint, budget=0.0)
+    back = rest_of(scene, carry_on(last, scene))
     assert stage(back, "shear")[0].delta == scene.delta
     assert same(back[-1], list(load_path(scene))[-1], 1e-6)
 
@@ -214,26 +205,25 @@ def test_a_run_goes_on_from_held_indentation_to_held_load_and_back():
     ("values", "name"), [({"nodes": 64}, "nodes"), ({"radius": 2.0}, "radius"), ({"surface": "flat"}, "surface")]
 )
 def test_another_surface_needs_a_run_of_its_own(values, name):
-    _, checkpoint = until(SMALL, 2)
+    frames = until(SMALL, 2)
     with pytest.raises(SceneError, match=f"{name} = .*start the run anew"):
-        carry_on(checkpoint, SMALL, SMALL.changed(**values))
+        carry_on(frames[-1], SMALL.changed(**values))
 
 
 def test_a_run_is_carried_on_in_shear_only_and_not_beyond_its_end():
-    _, checkpoint = until(SMALL, 2, "approach")
+    frames = until(SMALL, 2, "approach")
     with pytest.raises(ValueError, match="stage = 'approach'"):
-        carry_on(checkpoint, SMALL, SMALL.changed(E=80.0))
-    _, checkpoint = until(SMALL, 12)
+        carry_on(frames[-1], SMALL.changed(E=80.0))
+    frames = until(SMALL, 12)
     with pytest.raises(SceneError, match=r"u_x_max = 1\.0: allowed: 2\.2 nm or more"):
-        carry_on(checkpoint, SMALL, SMALL.changed(u_x_max=1.0))
+        carry_on(frames[-1], SMALL.changed(u_x_max=1.0))
 
 
-def test_carrying_on_leaves_the_given_checkpoint_as_it_is():
-    _, checkpoint = until(SMALL, 6)
-    before = pickle.dumps(checkpoint)
-    rest_of(SMALL.changed(E=90.0), carry_on(checkpoint, SMALL, SMALL.changed(E=90.0)))
-    rest_of(SMALL, carry_on(checkpoint, SMALL, SMALL))
-    assert pickle.dumps(checkpoint) == before
+def test_a_frame_determines_how_a_run_goes_on_from_it():
+    """Nothing but the frame is needed, and it stays as it is: the run can go on from it again."""
+    frame, changed = pickle.loads(pickle.dumps(until(SMALL, 6)[-1])), SMALL.changed(E=90.0)
+    first, second = (rest_of(changed, carry_on(frame, changed)) for _ in range(2))
+    assert all(np.array_equal(a.u, b.u) for a, b in zip(first, second, strict=True))
 
 
 # What is said of a run that was carried on
@@ -256,11 +246,8 @@ def pulled(frame):
 
 def test_a_path_that_is_carried_on_is_the_one_made_step_by_step(stiffened):
     scene, changed, count, frames = stiffened
-    checkpoint, own = Checkpoint(), []
-    for _ in range(count):
-        frame, checkpoint = next_frame(scene, checkpoint)
-        own.append(frame)
-    own += rest_of(changed, carry_on(checkpoint, scene, changed))
+    own = list(islice(load_path(scene), count))
+    own += rest_of(changed, carry_on(own[-1], changed))
     assert len(own) == len(frames) and all(np.array_equal(a.u, b.u) for a, b in zip(own, frames, strict=True))
     with pytest.raises(ValueError, match=r"legs: 999 increments; allowed: 1 \.\. "):
         list(carried_path([(SMALL.changed(u_x_max=0.4), 999), (SMALL.changed(u_x_max=0.4, E=80.0), None)]))

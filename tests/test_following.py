@@ -16,7 +16,7 @@ from solver.following.solver import Solver
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
 from solver.run.loading import sideways
-from solver.run.loadpath import walk
+from solver.run.loadpath import until
 
 SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, delta_bar=0.1)  # the default, a quarter as wide
 WIDE = Scene(delta_bar=-0.3, u_x_max=8.0)
@@ -60,7 +60,7 @@ def skeleton():
 
 def checkpoints(scene):
     """After each increment of a run."""
-    return [checkpoint for _, checkpoint in walk(scene)]
+    return [checkpoint for _, checkpoint in until(scene)]
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 
 from solver import METHODS, Scene, SceneError, advance, load_path, summarize, whole_surface
 from solver.mechanics.layer import Modes
-from solver.run.loadpath import Run, walk
+from solver.run.loadpath import Run, until
 from solver.run.slices import in_time
 
 SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, tolerance=1e-8)
@@ -115,7 +115,7 @@ def test_an_increment_out_of_time_says_where_and_the_run_goes_on_from_there_when
 @pytest.mark.parametrize("index", [10, -10])  # one that is solved, and one that is repeated by lattice periods
 def test_an_increment_leaves_its_checkpoint_as_it_was_so_that_it_can_be_repeated(index):
     """Solves push secant pairs: those of the given checkpoint must not change, or the second run would differ."""
-    checkpoint = [checkpoint for _, checkpoint in walk(SMALL)][index]
+    checkpoint = [checkpoint for _, checkpoint in until(SMALL)][index]
     pairs = checkpoint.state.secants.copy()
     runs = [Run(SMALL).next_frame(checkpoint)[0] for _ in range(2)]
     assert np.array_equal(runs[0].u, runs[1].u) and runs[0].evaluations == runs[1].evaluations

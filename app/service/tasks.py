@@ -13,7 +13,7 @@ from app.service import packing, worker
 from app.service.packing import Frames
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.fit import fit
-from solver.analysis.friction_laws import Search, friction_force, reach, search_on
+from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import points_of
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
@@ -86,7 +86,7 @@ def flat_friction(scene, kept=None):
 def onset_of(scene, kept=None):
     """The Onset of a scene, its curves float32 with about DRAWN points; Part of it; or why there is none."""
     try:
-        search = search_on(scene, kept or Search(reach(scene)), SLICE, worker.SLOW)
+        search = search_on(scene, kept or Search(), SLICE, worker.SLOW)
     except NotConverged as error:
         return str(error)
     found = search.found

@@ -18,7 +18,8 @@ from solver.continuation.state import OutOfTime
 from solver.run.carry import carry_on
 from solver.run.frame import largest_safe_damping
 from solver.run.load_steps import load_steps_of
-from solver.run.slices import in_time, next_frame
+from solver.run.loadpath import Run, deadline
+from solver.run.slices import in_time
 
 NICENESS = 10  # the event loop must win against the physics
 QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
@@ -145,19 +146,19 @@ def carried(history, way=None, until=inf, limit=inf):
     Or the Carrying that it has come to by `until`, of perf_counter.
     """
     way = way or Carrying()
-    checkpoint, moved = way.checkpoint, False
+    checkpoint, frame = way.checkpoint, None
     for k, ((scene, count), (changed, _)) in enumerate(pairwise(history)):
         if k < way.legs:
             continue
+        run = Run(scene)
         for frames in range(way.frames if k == way.legs else 0, count):
-            if moved and perf_counter() > until:
+            if frame and perf_counter() > until:
                 return Carrying(k, frames, checkpoint)
             if checkpoint.done:
                 raise NotInShear("the run ended before the increment from which this one should go on")
-            _, checkpoint = next_frame(scene, checkpoint, limit=limit)
-            moved = True
+            frame, checkpoint = run.next_frame(checkpoint, deadline(limit))
         try:
-            checkpoint = carry_on(checkpoint, scene, changed)
+            checkpoint = carry_on(frame, changed) if changed != scene else checkpoint
         except SceneError:
             raise
         except ValueError as error:

@@ -1,13 +1,14 @@
 """Where sliding sets in, and the paper's friction (Eq. 5, 7), from runs and, on the flat, in closed form."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, e, inf, pi, sqrt
 
 import numpy as np
 
 from ..continuation.state import NotConverged
-from ..run.loadpath import Checkpoint
+from ..run.frame import slips_in
+from ..run.loadpath import Checkpoint, extended
 from ..run.slices import advance
 from ..scene import LARGEST_RUN, Scene, SceneError
 
@@ -19,7 +20,6 @@ INTERFACES = {
     "fig8-blue": {"phi_n": 2.0, "phi_ratio": 0.1},
 }
 INDENTATIONS = (-0.3, -0.2, -0.15, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6)
-RUNS = 4  # of one onset, each longer than the one before
 FINE = 8192  # points per lattice period of the flat interface's branches
 
 
@@ -39,12 +39,12 @@ class Onset:
 
 
 def onset(scene) -> Onset:
-    """The Onset of a scene, u_x_max extended as needed up to `reach`; raises NotConverged as load_path does.
+    """The Onset of a scene, u_x_max extended as needed; raises NotConverged as load_path does.
 
-    Without a slip by then, the run is repeated up to the reach at the strength that pressure gave its springs, as far
-    as the scene allows; at most RUNS in all.
+    Without a slip up to `reach`, the run goes on to the reach at the strength that pressure gave its springs, as far as
+    the scene allows.
     """
-    search = Search(reach(scene))
+    search = Search()
     while search.found is None:
         search = search_on(scene, search)
     return search.found
@@ -54,48 +54,40 @@ def onset(scene) -> Onset:
 class Search:
     """How far the search for an onset has come, picklable; found: the Onset, once it is known."""
 
-    end: float  # nm, of the run in hand, the number `run`
-    run: int = 1
     checkpoint: Checkpoint | None = None
     rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar) in shear
     nodes: int = 0  # under repulsion, in the last row
     strength: float = 0.0  # GPa, the largest that the surface had on the way
+    end: float = 0.0  # nm, of the run in hand
     found: Onset | None = None
 
 
 def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     """The Search some `budget` seconds later; raises NotConverged. limit: as of `advance`."""
-    longer = _extended(scene, search.end)
+    longer = _extended(scene, max(search.end, reach(scene)))
     frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
-    rows, nodes, strength, slipped = list(search.rows), search.nodes, search.strength, False
-    for frame in frames:
-        if frame.stage != "shear":
-            continue
-        slipped = frame.slip
-        if slipped:
-            first = frame.slips[0]
-            rows.append((first.load, first.F_bar, first.A_bar, first.L_bar))
-            break
+    rows, nodes, strength = list(search.rows), search.nodes, search.strength
+    for frame in (frame for frame in frames if frame.stage == "shear"):
+        if slips := slips_in(frame):
+            rows.append((slips[0].load, slips[0].F_bar, slips[0].A_bar, slips[0].L_bar))
+            return Search(found=_found(scene, rows, nodes, True))
         rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
         nodes = int(np.count_nonzero(frame.T[1] > 0.0))
         strength = max(strength, _strength(scene, frame))
-    search = replace(search, checkpoint=checkpoint, rows=tuple(rows), nodes=nodes, strength=strength)
-    if slipped:
-        return replace(search, found=_found(scene, search, True))
     if checkpoint.failure:
         raise NotConverged(checkpoint.failure)
     if not checkpoint.done:
-        return search
+        return Search(checkpoint, tuple(rows), nodes, strength, search.end)
     farther = reach(scene, strength)
-    if search.run == RUNS or farther <= max(search.end, scene.u_x_max):
-        return replace(search, found=_found(scene, search, False))
-    return Search(farther, search.run + 1)
+    if _extended(scene, farther).u_x_max <= longer.u_x_max:
+        return Search(found=_found(scene, rows, nodes, False))
+    return Search(extended(checkpoint), tuple(rows), nodes, strength, farther)
 
 
-def _found(scene, search, slipped):
-    U, F, A, L = np.array(search.rows).T.copy()
+def _found(scene, rows, nodes, slipped):
+    U, F, A, L = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
-    return Onset(*end, float(A[0]), U, F, A, L, float(search.nodes / scene.nodes))
+    return Onset(*end, float(A[0]), U, F, A, L, nodes / scene.nodes)
 
 
 def _strength(scene, frame):

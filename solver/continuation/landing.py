@@ -47,15 +47,14 @@ class Landing(NamedTuple):
     sensitive: bool = False
 
 
-def motion_to_rest(problem, judge, damping, end, closed, film=None) -> Landing:
+def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landing:
     """The Landing of the motion from a LimitPoint; raises NotConverged, and Crowded where it needs more unknowns.
 
     The load is that of the LimitPoint or, if the motion does not rest there, the next at which it does. damping: over
-    critical; closed: as of `motion.Motion`. film: a list that takes (problem, v, active, load) of states on the way,
-    from the end of the branch to the rest.
+    critical; closed: as of `motion.Motion`. filmed: keep the State's `film`.
     """
-    motion = partial(_moved, judge=judge, damping=damping, closed=closed)
-    landing = _repeated(motion, problem, end, motion(problem, end, USUAL, film), film)
+    motion = partial(_moved, judge=judge, damping=damping, closed=closed, filmed=filmed)
+    landing = _repeated(motion, problem, end, motion(problem, end, USUAL))
     # where all nodes are alike, a wave grows on the way only from a disturbance
     if landing.sensitive or not problem.alike(end.v):
         return landing
@@ -66,7 +65,7 @@ def motion_to_rest(problem, judge, damping, end, closed, film=None) -> Landing:
     return landing._replace(sensitive=not _same(problem, state, _tried(motion, *wide, FINE[0])))
 
 
-def _repeated(motion, problem, end, state, film):
+def _repeated(motion, problem, end, state):
     """The Landing, given the State in which the usual motion came to rest."""
     sites = problem.sites(end.v, state.v)
     if state.load > end.load + OPTIONS.raised * problem.unit:
@@ -83,15 +82,12 @@ def _repeated(motion, problem, end, state, film):
         return Landing(state)
     agreeing = 0
     for trial in trials:
-        again = None if film is None else []
-        other = _tried(motion, problem, end, trial, again)
+        other = _tried(motion, problem, end, trial)
         agreeing = agreeing + 1 if _same(problem, state, other) else 0
         if agreeing == needed:
             return Landing(state)
         if other is not None and not agreeing and trial.finer > 1.0:
             state = other
-            if film is not None:
-                film[:] = again
     return Landing(state, True)
 
 
@@ -118,15 +114,12 @@ def widened(problem, end) -> tuple[Problem, LimitPoint]:
     return wide, replace(end, v=v, active=active, away=begun - v)
 
 
-def _moved(problem, end, trial, film=None, **how):
+def _moved(problem, end, trial, **how):
     """The State in which a motion comes to rest, with the longest steps that lead there."""
-    begun = len(film) if film is not None else 0
     # with other steps a trial would be another one
     for finer in SLIP.finer if trial is USUAL else SLIP.finer[:1]:
         try:
-            return Transient(problem, end, trial._replace(finer=finer * trial.finer), film, **how).to_rest()
+            return Transient(problem, end, trial._replace(finer=finer * trial.finer), **how).to_rest()
         except TooLong as failure:
             last = failure
-            if film is not None:
-                del film[begun:]
     raise last

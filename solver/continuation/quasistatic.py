@@ -26,13 +26,13 @@ class Ended(NamedTuple):
 class QuasiStatic:
     """Advances States of one problem along its load; keeps only scratch between calls.
 
-    Attributes: problem, replaced by one of more unknowns where the states need it; film: of `landing.motion_to_rest`.
+    Attributes: problem, replaced by one of more unknowns where the states need it.
     """
 
-    def __init__(self, problem, damping, closed):
-        """damping: over critical; closed: as of `motion.Motion`."""
-        self.problem, self.damping, self.closed = problem, damping, closed
-        self.judge, self.corrector, self.film = Judge(damping), Corrector(problem), None
+    def __init__(self, problem, damping, closed, filmed=False):
+        """damping: over critical; closed: as of `motion.Motion`; filmed: keep `State.film` of slips."""
+        self.problem, self.damping, self.closed, self.filmed = problem, damping, closed, filmed
+        self.judge, self.corrector = Judge(damping), Corrector(problem)
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""
@@ -100,7 +100,8 @@ class QuasiStatic:
             end = replace(end, away=away)
         while True:
             try:
-                state, sensitive = motion_to_rest(self.problem, self.judge, self.damping, end, self.closed, self.film)
+                how = self.judge, self.damping, self.closed, self.filmed
+                state, sensitive = motion_to_rest(self.problem, end, *how)
                 return replace(state, unsure=state.mode.hidden), sensitive
             except Crowded:
                 end = self._on_more(end)

@@ -4,7 +4,7 @@ A `Transient` starts just beyond the end of the branch. Once it has nearly died 
 equilibrium; `landing` decides whether that depends on the time step or the start.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import NamedTuple
 
@@ -88,12 +88,12 @@ class Transient:
     """One motion to rest, with the steps and the start of a Trial; raises TooLong if shorter steps may help.
 
     Attributes: motion, load, v, active: the present state; ahead: the way since the last check; starting: whether it is
-    still near the end of the branch.
+    still near the end of the branch; film: as of `State`, None where it is not filmed.
     """
 
-    def __init__(self, problem, end, trial, film, judge, damping, closed, options: SlipOptions = OPTIONS):
+    def __init__(self, problem, end, trial, judge, damping, closed, filmed, options: SlipOptions = OPTIONS):
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
-        self.unit, self.film, self.mode, self.options = problem.unit, film, None, options
+        self.unit, self.film, self.mode, self.options = problem.unit, [] if filmed else None, None, options
         self.pace = Pace(trial.finer, not isfinite(damping), options)
         self.load, self.v = end.load, end.v + end.away / trial.nearer
         if trial.kick:
@@ -117,7 +117,7 @@ class Transient:
             state = self.land()
             if state is not None:
                 self._filmed(state.v, state.active, state.load)
-                return state
+                return replace(state, film=tuple(self.film)) if self.film else state
             self.raise_load()
             self.check()
 

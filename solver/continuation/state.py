@@ -49,6 +49,7 @@ class State:
     unsure: bool = False
     trace: "Trace | None" = None  # of this load step; kept by `replay.Replay`
     residual: float = np.inf  # nm
+    film: tuple = ()  # ((problem, v, active, load), ...) of the motion that led here, end of the branch included
 
     @staticmethod
     def at_rest(load, v, active, **more) -> "State":

@@ -10,7 +10,7 @@ from ..continuation.trace import Passed, Trace, TracedBranch
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import vertical
-from ..run.loadpath import Checkpoint, walk
+from ..run.loadpath import Checkpoint, until
 from ..scene import Scene
 from ..threads import one_thread
 from .branch import Branch, NotFollowed, place
@@ -34,10 +34,8 @@ def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
     Raises NotFollowed where it has none, NotConverged as the run does, OutOfTime where the run takes over `limit` s.
     """
     spent, checkpoint = 0, Checkpoint()
-    for frame, checkpoint in walk(scene, limit=limit):  # noqa: B007  the last one counts
+    for frame, checkpoint in until(scene, lambda frame: frame.repeated, limit):  # noqa: B007  the last one counts
         spent += frame.evaluations
-        if frame.repeated:
-            break
     skeleton = skeleton_from(scene, checkpoint)
     return replace(skeleton, evaluations=skeleton.evaluations + spent)
 

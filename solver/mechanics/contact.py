@@ -15,7 +15,7 @@ class Contact:
     """The patch of `size` neighbouring nodes from node `first` on; counts its force evaluations.
 
     Nodes outside carry no traction; the tractions of the patch displace them (`whole`). A flat's patch of one node is
-    `uniform`: this node represents all, and the cell has `count` = 1 node, else as many as the scene. `watch()` is
+    `uniform`: this node represents all, and the cell has `count` = 1 node, else as many as the scene. `observe()` is
     called at every evaluation and may raise to end the increment. Owns its buffers: two threads need two objects.
 
     Attributes: part, the slice of the patch in the cell; modes of the layer; cell: those that `count` nodes can show.
@@ -32,13 +32,13 @@ class Contact:
         self.covers_cell = size == self.count
         self.modes, self.cell = Modes.of(scene), Modes.of(scene, self.count)
         self._layer = Convolution(self.cell, size)
-        self.evaluations, self.watch = 0, None
+        self.evaluations, self.observe = 0, None
 
     def evaluated(self) -> None:
-        """Count a force evaluation; raises what `watch` raises."""
+        """Count a force evaluation; raises what `observe` raises."""
         self.evaluations += 1
-        if self.watch:
-            self.watch()
+        if self.observe:
+            self.observe()
 
     def response(self, u, active) -> np.ndarray:
         """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""
@@ -132,7 +132,7 @@ class Contact:
         low, high = self.first - more, self.first + self.size + more
         whole = self.uniform or low < 0 or high > self.nodes
         wide = Contact(self.scene, 0, self.nodes) if whole else Contact(self.scene, low, high - low)
-        wide.evaluations, wide.watch = self.evaluations, self.watch
+        wide.evaluations, wide.observe = self.evaluations, self.observe
         return wide
 
 

@@ -2,14 +2,16 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import islice
 from math import ceil
+from typing import Any
 
 import numpy as np
 
 from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..scene import SURFACES, Scene, SceneError
-from .frame import Frame
+from .frame import STAGES, Frame, load_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
@@ -17,8 +19,18 @@ from .loadpath import Checkpoint, Run
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
 
 
-def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint:
-    """The Checkpoint from which a run of `scene`, now at `checkpoint`, continues as a run of the Scene `changed`.
+def standing(frame: Frame, ahead: tuple[LoadStep, ...], **more: Any) -> Checkpoint:
+    """The Checkpoint of a run in the state of a Frame, before the load steps `ahead`; more: of its State."""
+    m = 1 if frame.u.strides[1] == 0 else frame.u.shape[1]  # one node may stand for all: see `frame.on_nodes`
+    patch, u = (frame.first if m > 1 else 0, m), np.ascontiguousarray(frame.u[:, :m])
+    v = np.append(u.ravel(), -frame.delta if ahead[0].held else ())
+    state = State.at_rest(ahead[0].at(0), v, Contact(frame.scene, *patch).within_window(u), **more)
+    pressure = frame.L_bar * frame.scene.E
+    return Checkpoint(ahead[0].stage, 0, patch, state, load_steps=ahead, pressure=pressure)
+
+
+def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
+    """The Checkpoint from which a run, now at a Frame, continues as a run of the Scene `changed`.
 
     The top reaches a new indentation in steps of du_z at the same U_x (stage "press"). Other changes take effect at
     once, in an increment 0 at the same U_x. If the state is no equilibrium there, the transient leads to the next one,
@@ -27,26 +39,13 @@ def carry_on(checkpoint: Checkpoint, scene: Scene, changed: Scene) -> Checkpoint
     Raises SceneError where `changed` has another surface or a path that ends before this load; ValueError where the run
     is not in shear.
     """
-    if changed == scene:
-        return checkpoint
-    load_steps = checkpoint.load_steps or load_steps_of(scene)
-    step = next(step for step in load_steps if step.stage == checkpoint.stage)
-    if not step.loading.direction[0] or checkpoint.state is None or checkpoint.patch is None:
-        raise ValueError(f"stage = {step.stage!r}: a run goes on with changed parameters in shear only; start it anew")
-    _refuse(scene, changed)
-    problem = step.problem(Contact(scene, *checkpoint.patch), checkpoint.pressure)
-    state = checkpoint.state
-    top = problem.top(state.v, state.load)
-    rest = _rest(step.stage, changed, state.load)
-    press = _press(scene, changed, top, step.held)
-    pressure = checkpoint.pressure
-    if not step.held:
-        pressure = problem.contact.pressure(problem.traction(state.v, state.active)[1])
+    if STAGES[frame.stage][0] != "U_x":
+        raise ValueError(f"stage = {frame.stage!r}: a run goes on with changed parameters in shear only; start it anew")
+    _refuse(frame.scene, changed)
+    rest = _rest(frame.stage, changed, load_of(frame, frame.stage))
+    press = _press(frame, changed)
     ahead = rest if press is None else (press, *rest)
-    u, load = problem.surface(state.v), ahead[0].at(0)
-    v = np.append(u.ravel(), top[1] if ahead[0].held else ())
-    begun = State(load, v, state.active, [(load, v)], unsure=True)
-    return Checkpoint(ahead[0].stage, 0, checkpoint.patch, begun, load_steps=ahead, pressure=pressure, carried=True)
+    return replace(standing(frame, ahead, unsure=True), carried=True)
 
 
 def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
@@ -54,14 +53,13 @@ def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
 
     Raises NotConverged as `load_path` does, the errors of `carry_on`, and ValueError where a leg ends too early.
     """
-    checkpoint, before = Checkpoint(), None
+    frame, checkpoint = None, Checkpoint()
     for scene, count in legs:
-        if before is not None:
-            checkpoint = carry_on(checkpoint, before, scene)
-        run, given, before = Run(scene), 0, scene
-        while given != count and not checkpoint.done:
-            frame, checkpoint = run.next_frame(checkpoint)
-            given += 1
+        if frame is not None and scene != frame.scene:
+            checkpoint = carry_on(frame, scene)
+        given = 0
+        for frame, after in islice(Run(scene).frames(checkpoint), count):
+            given, checkpoint = given + 1, after
             yield frame
         if count is not None and given < count:
             raise ValueError(f"legs: {count} increments; allowed: 1 .. {given}, where the run ends; give fewer")
@@ -92,12 +90,15 @@ def _rest(stage, changed, load):
     return replace(step, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *load_steps[position + 1 :]
 
 
-def _press(scene, changed, top, held):
-    """The LoadStep from the present indentation to that of `changed` at fixed U_x, or None where they are the same."""
-    now = -top[1]
-    wanted = changed.delta if not held or changed.hold == "delta" or changed.delta_bar != scene.delta_bar else now
-    if abs(wanted - now) <= 1e-12 * changed.delta_0:
+def _press(frame, changed):
+    """The LoadStep from the indentation of a Frame to that of `changed` at fixed U_x; None where these are the same."""
+    now, scene = frame.delta, frame.scene
+    if scene.hold == "load" == changed.hold and changed.delta_bar == scene.delta_bar:
         return None
-    du_z, sign = changed.du_z * changed.delta_n, 1.0 if wanted > now else -1.0
-    increments = ceil(abs(wanted - now) / du_z - 1e-9)
-    return LoadStep("press", vertical(sign, top[0]), sign * now, du_z, increments, sign * wanted)
+    way = changed.delta - now
+    if abs(way) <= 1e-12 * changed.delta_0:
+        return None
+    du_z, sign = changed.du_z * changed.delta_n, 1.0 if way > 0.0 else -1.0
+    return LoadStep(
+        "press", vertical(sign, frame.U_x), sign * now, du_z, ceil(abs(way) / du_z - 1e-9), sign * changed.delta
+    )

@@ -2,47 +2,54 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 
-from ..continuation.state import State
+from ..continuation.quasistatic import QuasiStatic
+from ..continuation.state import NotConverged, State
 from ..mechanics.contact import Contact
+from ..mechanics.surface import closed_stiffness
+from ..scene import Scene
+from ..threads import one_thread
+from .carry import standing
 from .frame import Frame, frame_of, load_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
-from .loadpath import Checkpoint, Run
-from .shortcuts import ALL
+from .loadpath import deadline, with_remedy
 
 
-def through(scene, before, stage, load, most=60, limit=float("inf")) -> tuple[list[Frame], Frame]:
+@one_thread()
+def through(
+    scene: Scene, before: Frame, stage: str, load: float, most: int = 60, limit: float = inf
+) -> tuple[list[Frame], Frame]:
     """(Frames of the motion, the Frame in which the increment ends) of the increment of `stage` to `load`, nm.
 
     before: the Frame before it, with u right to 1e-2 nm. Frames of a motion are no equilibria, and `residual`
     shows by how much. They lead from the end of the branch to the next equilibrium, at even distances of the node that
-    moves most. There are none if the branch does not end. limit: processor time of an increment, s.
+    moves most. There are none if the branch does not end. limit: s of processor time.
     Raises NotConverged, and ValueError where a flat's nodes are not alike.
     """
-    step, start = _step(scene, before, stage), load_of(before, stage)
-    step = replace(step, start=start, increment=load - start, increments=1, end=load, until_free=False)
-    pressure = before.L_bar * before.scene.E if step.held else None
-    u, first = before.u, before.first
     if scene.surface == "flat":
-        if np.ptp(u, axis=1).max() > 1e-3 * scene.delta_t:
+        if np.ptp(before.u, axis=1).max() > 1e-3 * scene.delta_t:
             raise ValueError("not all nodes of this flat are alike, and only some of them are at hand")
-        u, first = u[:, :1], 0
-    run = Run(scene, leave_out=ALL - {"translation"})
-    run.film = []
-    v = np.append(u.ravel(), -before.delta if step.held else ())
-    contact = Contact(scene, first, u.shape[1])
-    state = State.at_rest(start, v, contact.within_window(np.ascontiguousarray(u)))
-    checkpoint = Checkpoint(stage, 0, (first, u.shape[1]), state, load_steps=(step,), pressure=pressure)
-    while not checkpoint.done:
-        frame, checkpoint = run.next_frame(checkpoint, limit)
+        before = replace(before, u=before.u[:, :1])
+    step, start = _step(scene, before, stage), load_of(before, stage)
+    step = replace(step, start=start, increment=load - start, increments=1, end=load)
+    begin = standing(before, (step,))
+    problem = step.problem(Contact(scene, *begin.patch), begin.pressure)
+    problem.contact.observe = deadline(limit)
+    stepper = QuasiStatic(problem, scene.damping, closed_stiffness(scene), filmed=True)
+    try:
+        first = stepper.increment(begin.state, start)
+        done = stepper.increment(first.state, load)
+    except NotConverged as failure:
+        raise with_remedy(failure, scene, step, load) from None
     moving = []
-    for problem, v, active, load in _evenly(run.film, most):
+    for problem, v, active, load in _evenly([s for slip in (*first.slips, *done.slips) for s in slip.after.film], most):
         residual = problem.residual(v, active, load, np.empty(v.size))
-        moving.append(frame_of(scene, problem, State.at_rest(load, v, active), stage, frame.index, residual))
-    return moving, frame
+        moving.append(frame_of(scene, problem, State.at_rest(load, v, active), stage, 1, residual))
+    return moving, frame_of(scene, stepper.problem, done.state, stage, 1, done.residual)
 
 
 def _step(scene, before, stage):

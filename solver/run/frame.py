@@ -133,6 +133,11 @@ def largest_safe_damping(frames: Sequence[Frame]) -> float:
     return max((frame.safe_damping for frame in [*computed[::-SAMPLE], *before]), default=0.0)
 
 
+def slips_in(run) -> list[SlipEvent]:
+    """The SlipEvents of a Frame or Skeleton without the jump where a held load takes over ("control")."""
+    return [event for event in run.slips if event.kind != "control"]
+
+
 def load_of(frame, stage) -> float:
     """The load of a Frame along a stage, nm."""
     name, sign = STAGES[stage]

@@ -60,31 +60,38 @@ def load_path(
 
     leave_out: the rules of `shortcuts` that the fast method may use. Raises ValueError for a name not in METHODS.
     """
-    yield from (frame for frame, _ in walk(scene, method, leave_out))
+    yield from (frame for frame, _ in Run(scene, method, leave_out).frames())
 
 
-def walk(
-    scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL, limit: float = inf
+def until(
+    scene: Scene, stop: Callable[[Frame], bool] | None = None, limit: float = inf
 ) -> Iterator[tuple[Frame, Checkpoint]]:
-    """Yield each Frame of `load_path` and the Checkpoint after it; raises OutOfTime after `limit` s on the clock."""
-    checkpoint, run, end = Checkpoint(), Run(scene, method, leave_out), perf_counter() + limit
-    while not checkpoint.done:
-        left = end - perf_counter()
-        if left <= 0.0:
-            raise OutOfTime(f"the run takes more than {limit:.3g} s")
-        frame, checkpoint = run.next_frame(checkpoint, left)
+    """Yield each Frame of `load_path` with the Checkpoint after it, up to the first for which `stop` holds.
+
+    Raises OutOfTime after `limit` s on the clock.
+    """
+    for frame, checkpoint in Run(scene).frames(observe=deadline(limit, 0.0)):
         yield frame, checkpoint
+        if stop is not None and stop(frame):
+            return
 
 
-def _deadline(limit):
-    """A function that raises OutOfTime once so many seconds of processor time, or BUSY more on the clock, are over."""
-    end, latest = thread_time() + limit, perf_counter() + limit + BUSY
+def extended(checkpoint: Checkpoint) -> Checkpoint:
+    """The Checkpoint of a run at its end as one of a Scene with a larger u_x_max, but else the same."""
+    return replace(checkpoint, done=False, index=checkpoint.index + 1, load_steps=None)
 
-    def watch():
+
+def deadline(limit: float, busy: float = BUSY) -> Callable[[], None] | None:
+    """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock."""
+    if limit == inf:
+        return None
+    end, latest = thread_time() + limit, perf_counter() + limit + busy
+
+    def observe():
         if thread_time() > end or perf_counter() > latest:
-            raise OutOfTime(f"no equilibrium within {limit:g} s of processor time, or {limit + BUSY:g} s")
+            raise OutOfTime(f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s")
 
-    return watch
+    return observe
 
 
 class Run:
@@ -94,23 +101,32 @@ class Run:
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
-        self.film = None  # a list that takes the states of motions (see `film.through`)
         self._fast = method == "fast"
         self._stepper = self._place = None  # the stepper in use, and the load step, patch and pressure it is for
 
+    def frames(self, checkpoint=None, limit=inf, observe=None) -> Iterator[tuple[Frame, Checkpoint]]:
+        """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
+
+        limit: s of processor time for an increment. observe: a function called at every force evaluation, which may
+        raise to end the run. Raises as `next_frame`.
+        """
+        checkpoint = checkpoint or Checkpoint()
+        while not checkpoint.done:
+            frame, checkpoint = self.next_frame(checkpoint, observe or deadline(limit))
+            yield frame, checkpoint
+
     @one_thread()
-    def next_frame(self, checkpoint, limit=inf) -> tuple[Frame, Checkpoint]:
+    def next_frame(self, checkpoint, observe=None) -> tuple[Frame, Checkpoint]:
         """(frame, checkpoint) of the increment that `checkpoint` stands before.
 
-        Raises NotConverged; OutOfTime where that takes more than `limit` seconds of processor time, or BUSY more on the
-        clock; ValueError where another method than fast is to carry a run on.
+        Raises NotConverged; what `observe` raises; ValueError where another method than fast is to carry a run on.
         """
         load_steps = checkpoint.load_steps or load_steps_of(self.scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         if checkpoint.carried and not self._fast:  # the motion would start from a rest under other parameters
             raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
-        stepper.problem.contact.watch = _deadline(limit) if limit < inf else None
+        stepper.problem.contact.observe = observe
         before = stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.index))
         index, done = self._increment(step, checkpoint.index, state)
@@ -141,22 +157,8 @@ class Run:
                 done = replace(done, slips=()) if done.state.load > load else self._stepper.increment(done.state, load)
         except NotConverged as failure:
             self._place = None  # the problem may have grown beyond the checkpoint's patch
-            raise self._with_remedy(failure, step, load) from None
+            raise with_remedy(failure, self.scene, step, load, self._fast) from None
         return index, replace(done, slips=slips + done.slips)
-
-    def _with_remedy(self, failure, step, load):
-        """The same failure, with the load and a remedy in its message."""
-        if isinstance(failure, PulledOff):
-            return failure
-        remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
-        if isinstance(failure, Restless):
-            remedy = "try another indentation or a larger E" + " or a smaller phi_ratio" * (self.scene.phi_ratio > 0.0)
-        if self.scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
-            remedy = f"try a damping larger than {self.scene.damping:g}: with so little it may never come to rest"
-        elif not self._fast and not isinstance(failure, Restless):
-            remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
-        kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
-        return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
 
     def _stepper_of(self, step, checkpoint):
         """The stepper of a step, on the patch of the checkpoint."""
@@ -166,8 +168,6 @@ class Run:
         scene = self.scene
         problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene))
-        if self.film is not None:
-            stepper.film = self.film
         if self._fast and "translation" in self.leave_out and step.loading.direction[0]:
             stepper = Replay(stepper, scene.spacing)
         self._stepper, self._place = stepper, place
@@ -209,6 +209,21 @@ class Run:
         scene, T = self.scene, self._stepper.problem.traction(slip.v, slip.active)
         numbers = step.loading.coordinate(slip.load), *forces(scene, T), contact_area(scene, T)
         return SlipEvent(*map(float, numbers), step.stage, slip.kind, slip.located, slip.sensitive)
+
+
+def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
+    """The same failure of a LoadStep, with the load and a remedy in its message."""
+    if isinstance(failure, PulledOff):
+        return failure
+    remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
+    if isinstance(failure, Restless):
+        remedy = "try another indentation or a larger E" + " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
+    if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
+        remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
+    elif not fast and not isinstance(failure, Restless):
+        remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
+    kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
+    return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
 
 
 def _turned(problem, state, was_held, following):

@@ -31,25 +31,20 @@ def advance(
     checkpoint = checkpoint or Checkpoint()
     frames: list[Frame] = []
     end = perf_counter() + budget
-    run = _run_of(scene, method, leave_out)
-    while not checkpoint.done and (not frames or perf_counter() <= end):
-        try:
-            frame, checkpoint = run.next_frame(checkpoint, limit)
+    try:
+        for frame, after in _run_of(scene, method, leave_out).frames(checkpoint, limit):
             frames.append(frame)
-        except NotConverged as failure:
-            late = isinstance(failure, OutOfTime)
-            checkpoint = replace(checkpoint, done=True, failure=str(failure), late=late)
+            checkpoint = after
+            if perf_counter() > end:
+                break
+    except NotConverged as failure:
+        checkpoint = replace(checkpoint, done=True, failure=str(failure), late=isinstance(failure, OutOfTime))
     return frames, checkpoint
 
 
 def in_time(checkpoint) -> Checkpoint:
     """The Checkpoint before the increment that ran out of time, from one with `late` set."""
     return replace(checkpoint, done=False, failure=None, late=False)
-
-
-def next_frame(scene, checkpoint, method="fast", leave_out=ALL, limit=inf) -> tuple[Frame, Checkpoint]:
-    """As `loadpath.Run.next_frame`, whose errors it raises; method, leave_out: as in `advance`."""
-    return _run_of(scene, method, leave_out).next_frame(checkpoint, limit)
 
 
 _kept = local()  # of each thread: its last Run, whose buffers are expensive to make, and the arguments of that Run

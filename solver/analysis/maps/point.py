@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...following.skeleton import Skeleton
-from ...run.frame import Frame, SlipEvent
+from ...run.frame import Frame, SlipEvent, slips_in
 from ..peeling import peel_asymmetry
 
 # A contact touches where a node has passed the peak of adhesion, at the gap delta_n. All regimes are up to u_x_max
@@ -120,18 +120,8 @@ def of_skeleton(skeleton: Skeleton) -> dict[str, Any]:
     if not touches(start):
         return {"regime": NEVER_TOUCHES, "A_0": start.A_bar}
     counted = {"branches": len(skeleton.branches)}
-    event = first_slip(skeleton)
+    event = next(iter(slips_in(skeleton)), None)
     if event is None:
         return counted | {"regime": SMOOTH if skeleton.branches[0].periodic else STICKS, "A_0": start.A_bar}
     before, after = skeleton.frames([event.load, np.nextafter(event.load, np.inf)])
     return counted | at_slip(start, before, after, event)
-
-
-def first_slip(skeleton: Skeleton) -> SlipEvent | None:
-    """The first SlipEvent of a Skeleton, or None."""
-    return next(iter(slips_in(skeleton)), None)
-
-
-def slips_in(run: Frame | Skeleton) -> list[SlipEvent]:
-    """SlipEvents of a Frame or Skeleton, without the jump where a held load takes over; see `summarize`."""
-    return [event for event in run.slips if event.kind != "control"]

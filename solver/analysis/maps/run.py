@@ -8,10 +8,11 @@ from ...continuation.state import NotConverged, PulledOff
 from ...following.branch import NotFollowed
 from ...following.from_run import skeleton_from
 from ...following.skeleton import Skeleton
-from ...run.loadpath import walk
+from ...run.frame import slips_in
+from ...run.loadpath import until
 from ...run.summary import summarize
 from ...scene import Scene
-from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, first_slip, of_skeleton, slips_in, touches
+from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton, touches
 
 LATER = 2  # slips after the first, while the run does not repeat itself: of sliding runs, 3 in 4 repeat after one, and
 # nearly all others after two or three
@@ -24,7 +25,7 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
     frames, skeleton, slips, spent, reason, off = [], None, 0, 0, "", False
     smooth = False  # whether the run had no slip over one lattice period
     try:
-        for frame, checkpoint in walk(scene):
+        for frame, checkpoint in until(scene):
             frames.append(frame)
             spent += frame.evaluations
             if spent > MOST:
@@ -77,7 +78,7 @@ def _of_shear(sheared, skeleton, reason, off):
 def _at_slip(sheared, k, skeleton):
     """The same for a run whose first slip lies in Frame `k`; the numbers are the run's own."""
     event, before, after = slips_in(sheared[k])[0], sheared[max(0, k - 1)], sheared[k]
-    end = first_slip(skeleton) if skeleton else None
+    end = next(iter(slips_in(skeleton)), None) if skeleton else None
     if end and abs(end.load - event.load) < ALIKE:  # states just before and after it, rather than some du_x away
         before, after = skeleton.frames([end.load, np.nextafter(end.load, np.inf)])
     branches = len(skeleton.branches) if skeleton else 0
