@@ -20,27 +20,26 @@ from panel.io.server import DocHandler  # puts Panel's handlers into the pattern
 from tornado.web import RequestHandler, authenticated
 
 from app.assets import PAGES, STATIC, content
-from app.door import door, turned_away
+from app.hosts import NamedHost
 from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
 from app.session.controls import BESIDE, READ
-from app.session.gate import Gate
+from app.session.gate import TOKEN, Gate, is_full
+from app.session.session import VISITORS
 
 log = logging.getLogger("app")
 STRANGE = 3  # names of an address that mean nothing, at most, that are told
 AGAIN = 10  # s after which somebody is to try again for whom there is no room
 YEAR = 31_536_000  # s
 FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # who may show ?embed=1 in a frame, as CSP names them
-NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+HTML = "text/html; charset=utf-8"
+NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors "
 HOST = re.compile(r"[\w.:\[\]-]+")
-FULL = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>The class is full</title>
-<meta http-equiv="refresh" content="{again}"><meta name="viewport" content="width=device-width"></head>
-<body style="font: 18px system-ui; margin: 2em"><h1>The class is full</h1><p role="status">{most} visitors are here.
-This page tries again every {again} s, and opens the experiment as soon as one has left.</p></body></html>"""
-WRONG = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Not opened</title></head>
-<body style="font: 18px system-ui; margin: 2em"><p role="alert">The experiment could not be opened; the server's log
-says why. <a href="./{page}">Open it without parameters</a>.</p></body></html>"""
+REFUSAL = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>{more}
+<meta name="viewport" content="width=device-width"><style>:root {{ color-scheme: light dark }}
+body {{ font: 18px/1.5 system-ui; margin: 2em auto; padding: 0 1em; max-width: 36em; overflow-wrap: anywhere }}</style>
+</head><body><h1>{title}</h1><p role="alert">{text}</p></body></html>"""
 
 
 def policy(host, nonce, frames):
@@ -59,7 +58,7 @@ class Plain(RequestHandler):
     def set_default_headers(self):
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("Content-Security-Policy", NOTHING)
+        self.set_header("Content-Security-Policy", NOTHING + "'none'")
         self.clear_header("Server")
 
     def body(self, text, kind):
@@ -73,8 +72,8 @@ class Plain(RequestHandler):
         self.finish(body)
 
 
-class Page(Plain, DocHandler):
-    """The page, with a token for a session that begins when the browser has it; or word that the class is full."""
+class Page(NamedHost, Plain, DocHandler):
+    """The page, with a token for a session that begins when the browser connects; or why there is none."""
 
     initialize = DocHandler.initialize
 
@@ -84,32 +83,61 @@ class Page(Plain, DocHandler):
         if self.request.path.endswith("/"):
             page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have taken a prefix away
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
-        nonce, embedded = secrets.token_urlsafe(16), self.get_argument("embed", "") == "1"
-        host, frames = self.request.host, FRAMES if embedded else "'self'"
-        self.set_header("Content-Security-Policy", policy(host, nonce, frames))
-        given = self.request.arguments
-        arguments = {name: given[name] for name in given if name in READ}
-        arguments |= {name[:40]: [] for name in [n for n in given if n not in READ | {*BESIDE}][:STRANGE]}
-        keys = {"secret_key": self.application.secret_key, "signed": self.application.sign_sessions}
-        name = generate_session_id(**keys)
-        if not door.invites(name):
-            turned_away()
-            self.set_status(503)
+        if is_full():
             self.set_header("Retry-After", str(AGAIN))
-            return self.body(FULL.format(most=door.most, again=AGAIN), "text/html; charset=utf-8")
+            said = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one has left."
+            return self.refuse(503, "The class is full", said, AGAIN)
+        arguments = self.known_arguments()
+        token = self.token_for(arguments)
+        if len(token) > TOKEN:
+            said = f"It has {len(self.request.uri)} characters, allowed: some {TOKEN // 2}. {self.without}"
+            return self.refuse(414, "The address is too long", said)
+        nonce = secrets.token_urlsafe(16)
+        try:
+            page = shared(self.application_context.url).page_for(arguments, token=token, nonce=nonce)
+        except Exception:
+            log.exception("the page could not be built")
+            return self.refuse(500, "The experiment could not be opened", f"The server's log says why. {self.without}")
+        self.set_header("Content-Security-Policy", policy(self.request.host, nonce, self.frames))
+        metrics.count("pages")
+        self.body(page, HTML)
+
+    def known_arguments(self):
+        """{name: [bytes]} of the address: what the server reads, and names alone of a few others, to be mentioned."""
+        given = self.request.arguments
+        others = [name for name in given if name not in READ | {*BESIDE}][:STRANGE]
+        return {name: given[name] for name in given if name in READ} | {name[:40]: [] for name in others}
+
+    def token_for(self, arguments):
+        """What the browser shows when it connects: the id of a session, and the arguments of the address."""
+        keys = {"secret_key": self.application.secret_key, "signed": self.application.sign_sessions}
         payload = {"headers": {}, "cookies": {}, "arguments": arguments}
         payload |= self.application_context.application.process_request(self.request)
         expires = self.application.session_token_expiration
-        token = generate_jwt_token(name, expiration=expires, extra_payload=payload, **keys)
-        address = self.application_context.url
-        try:
-            page = shared(address).page_for(arguments, token=token, nonce=nonce)
-        except Exception:
-            log.exception("the page could not be built")
-            self.set_status(500)
-            page = WRONG.format(page=html.escape(address.strip("/")))
-        metrics.count("pages")
-        self.body(page, "text/html; charset=utf-8")
+        return generate_jwt_token(generate_session_id(**keys), expiration=expires, extra_payload=payload, **keys)
+
+    @property
+    def frames(self):
+        """Who may show this in a frame."""
+        return FRAMES if self.get_argument("embed", "") == "1" else "'self'"
+
+    @property
+    def without(self):
+        """The way out of an address that is of no use."""
+        page = html.escape(self.application_context.url.rsplit("/", 1)[1])
+        return f'<a href="./{page}">Open the experiment without parameters</a>.'
+
+    def refuse(self, status, title, text, again=0):
+        """Answer with a page that says why there is no experiment; again: s until a browser tries once more."""
+        self.set_status(status)
+        self.set_header("Content-Security-Policy", NOTHING + self.frames)
+        more = f'<meta http-equiv="refresh" content="{again}">' if again else ""
+        self.body(REFUSAL.format(title=title, text=text, more=more), HTML)
+
+    def refuse_host(self, host):
+        host = html.escape(host)
+        said = f"The server does not answer under the name {host}. Use another name of it, or start it with"
+        self.refuse(403, "Not under this name", f"{said} <code>--allow-websocket-origin={host}</code>.")
 
 
 class Files(Plain):

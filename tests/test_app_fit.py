@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from visitor import order
+from visitor import order, send_file
 
 from app.pages.fit.page import FREE, in_words
 from app.service import tasks
@@ -54,10 +54,10 @@ def test_what_is_free_at_first_is_told_by_a_made_up_measurement_of_the_usual_sce
 
 
 def test_a_file_is_read_and_a_bad_one_told_while_the_last_stays(session, page):
-    order(session, "measurement", text=CURVE)
+    send_file(session, "measurement", CURVE)
     answer(session)
     assert "19 points" in told(session)["texts"]["fit-said"]
-    order(session, "measurement", text="U_x,F\n1,2\n1,x\n")
+    send_file(session, "measurement", "U_x,F\n1,2\n1,x\n")
     answer(session)
     assert re.search(r"line 3: F = 'x'.*stays", told(session)["texts"]["fit-said"])
     assert page.measured.U_x.size == 19
@@ -67,14 +67,14 @@ def test_without_a_choice_or_a_measurement_nothing_is_fitted(session, page):
     asked = len(session.pool.tasks)
     order(session, "ask", what="fit", free="phi_n")
     assert len(session.pool.tasks) == asked
-    order(session, "measurement", text=CURVE)
+    send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="nodes,")
     assert told(session)["texts"]["fit-said"].startswith("Choose")
 
 
 def test_cancel_forgets_the_fit(session, page):
-    order(session, "measurement", text=CURVE)
+    send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="phi_n")
     task = session.pool.tasks[-1]

@@ -165,7 +165,7 @@ def test_the_newest_position_is_next_and_none_in_between(page):
 def test_a_picture_that_comes_after_another_scene_was_chosen_is_dropped(page):
     move(page, 0.01)
     (task,) = page.pool.waiting(following.followed)
-    page.order("preset", preset="fig7-case1")
+    page.order("restore", preset="fig7-case1")
     assert task.cancelled() and page.pool.waiting(worker.compute)
     while not page.calls.empty():
         page.calls.get()()

@@ -7,17 +7,20 @@ import inspect
 import json
 import logging
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields
 from types import SimpleNamespace
 
 import pytest
+from bokeh.protocol import Protocol
+from bokeh.protocol.receiver import Receiver
 from bokeh.util.token import generate_jwt_token
 from tornado import locks
 from visitor import NoPool, say
 
 from app.pages import Pages
+from app.service import packing
 from app.service.finished import Shelf
-from app.session import allowance, gate, orders
-from app.session.allowance import Allowance
+from app.session import gate, orders
 from app.session.session import Session
 
 HELLO = '{"do":"hello","n":0}'
@@ -30,39 +33,41 @@ def waited(coroutine):
 
 
 class Visit:
-    """A Gate as Tornado would make one, for a session; `passed` is what it obeys, and what Bokeh would get to see."""
+    """A Gate as Tornado would make one, for a session; `obeyed` are the orders that reach it, `closed` why it ended."""
 
     def __init__(self, session, monkeypatch):
-        self.session, self.passed = session, []
+        self.session, self.obeyed, self.closed = session, [], []
         self.gate = gate.Gate.__new__(gate.Gate)
-        self.gate.parts, self.gate.refused, self.gate.allowance = [], 0, Allowance()
-        self.gate.name = None
+        self.gate.parts, self.gate.name, self.gate.receiver = 0, None, Receiver(Protocol())
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
         self.gate.connection = SimpleNamespace(session=server)
+        session.wire._id = "wire"
         session.doc.add_root(session.wire)
-
-        async def take(gate, fragment):
-            self.passed.append(fragment)
-
-        monkeypatch.setattr(gate.WSHandler, "on_message", take)
-        monkeypatch.setattr(session, "obey", self.passed.append)
+        monkeypatch.setattr(gate, "here", set())
+        monkeypatch.setattr(self.gate, "close", self.closed.append)
+        monkeypatch.setattr(session, "obey", self.obeyed.append)
 
     async def _locked(self, call, *arguments):
         result = call(*arguments)
         return await result if inspect.isawaitable(result) else result
 
-    def say(self, content, kind="PATCH-DOC", header=None):
-        """Send a message; what passed of it."""
-        self.passed.clear()
-        head = header or json.dumps({"msgid": "1", "msgtype": kind})
-        text = content if isinstance(content, str) else json.dumps(content, separators=(",", ":"))
-        for fragment in (head, '{"mine": 1}', text):
-            waited(self.gate.on_message(fragment))
-        return self.passed
+    def parts(self, *fragments):
+        """Send the parts of a message; the orders that came of it."""
+
+        async def send():
+            for fragment in fragments:
+                await self.gate.on_message(fragment)
+
+        self.obeyed.clear()
+        waited(send())
+        return self.obeyed
+
+    def say(self, content, kind="PATCH-DOC"):
+        """Send a message; the orders that came of it."""
+        return self.parts(json.dumps({"msgid": "1", "msgtype": kind}), '{"mine": 1}', json.dumps(content))
 
     def patch(self, new, attr="order", **more):
-        event = {"kind": "ModelChanged", "model": {"id": self.session.wire.id}, "attr": attr, "new": new}
-        return {"events": [event | more]}
+        return {"events": [{"kind": "ModelChanged", "model": {"id": "wire"}, "attr": attr, "new": new} | more]}
 
     @property
     def notes(self):
@@ -75,34 +80,38 @@ def visit(session, monkeypatch):
     return Visit(session, monkeypatch)
 
 
-def test_an_order_is_read_once_and_obeyed_and_bokeh_sees_nothing_of_it(visit):
-    assert visit.say(visit.patch(HELLO, more="x" * 100) | {"references": [1]}) == [orders.Order("hello", n=0)]
+def test_an_order_reaches_the_session_once_whatever_else_a_message_holds(visit):
+    assert visit.say(visit.patch(HELLO, more="x" * 100) | {"references": [1]}) == [HELLO]
 
 
-def test_a_page_may_ask_for_its_document(visit):
-    assert json.loads(visit.say({"x": 1}, "PULL-DOC-REQ")[0])["msgtype"] == "PULL-DOC-REQ"
+def test_a_file_arrives_as_bytes_behind_its_order(visit):
+    sent = packing.headed({"do": "file", "values": {"entry": "profile"}, "n": 5}, b"x,z\n" * 100_000)
+    head = json.dumps({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 1})
+    content = json.dumps(visit.patch({"type": "bytes", "data": {"id": "b"}}))
+    assert visit.parts(head, "{}", content, '{"id": "b"}', sent) == [sent]
+    number, order = orders.read(sent)
+    assert (number, order.entry, len(order.text)) == (5, "profile", 400_000)
+    assert visit.parts(head, "{}", content, '{"id": "b"}', sent * 6) == [b""]  # too large: read as empty, and refused
 
 
-def test_what_bokeh_says_about_its_figures_is_dropped_without_a_word(visit):
-    before = visit.notes
+def test_what_bokeh_says_about_its_figures_is_dropped(visit):
     ready = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": {"event_name": "document_ready"}}
     assert visit.say({"events": [ready, visit.patch(400, "inner_width")["events"][0]]}) == []
-    assert visit.notes == before and visit.gate.refused == 0
+    large = visit.patch("x" * 50_000, "text")
+    assert visit.say(large) == [] and not visit.closed
+    assert visit.say(visit.patch(HELLO)) == [HELLO]  # the next message is understood
 
 
 @pytest.mark.parametrize("token", [None, "", "x" * 9000, "e30", "W10", "eyJzZXNzaW9uX2lkIjogM30", "é"])
-def test_who_shows_no_token_of_a_page_is_turned_away_without_a_traceback(visit, monkeypatch, caplog, token):
+def test_a_browser_without_a_token_of_a_page_is_turned_away_without_a_traceback(visit, caplog, token):
     caplog.set_level(logging.INFO, "app")
-    closed = []
-    monkeypatch.setattr(visit.gate, "close", closed.append)
     visit.gate._token = token
     visit.gate.open()
-    assert closed == [gate.TRY_LATER] and "turned away" in caplog.text and "Traceback" not in caplog.text
+    assert visit.closed == [gate.TRY_LATER] and "turned away" in caplog.text and "Traceback" not in caplog.text
 
 
 @pytest.mark.slow
 def test_a_browser_is_given_the_document_that_all_have(visit, monkeypatch):
-    visit.session.wire._id = "wire"
     visit.session.doc.models.recompute()
     visit.gate.application_context = SimpleNamespace(url="/app")
     visit.gate.write_lock, sent = locks.Lock(), []
@@ -117,23 +126,36 @@ def test_a_browser_is_given_the_document_that_all_have(visit, monkeypatch):
     assert visit.session.wire in visit.session.doc.models.synced_references  # a later patch refers to it
 
 
-def test_a_page_has_one_browser(visit, monkeypatch, caplog):
-    caplog.set_level(logging.INFO, "app")
-    opened, closed = [], []
+@pytest.fixture
+def connected(visit, monkeypatch):
+    """A gate that has a token, without the session behind it; what was opened."""
+    opened = []
     monkeypatch.setattr(gate.WSHandler, "open", lambda gate: opened.append(gate))
-    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: closed.append(gate))
-    monkeypatch.setattr(visit.gate, "close", closed.append)
+    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: None)
     visit.gate._token = generate_jwt_token("a page of mine")
-    visit.gate.open()
-    assert len(opened) == 1 and not closed
-    visit.gate.open()
-    assert len(opened) == 1 and closed == [gate.TRY_LATER]
-    closed.clear()
-    visit.gate.on_close()
-    assert len(closed) == 1
-    visit.gate.open()
+    return visit.gate, opened
+
+
+def test_a_page_has_one_browser(visit, connected):
+    own, opened = connected
+    own.open()
+    assert len(opened) == 1 and not visit.closed
+    own.open()
+    assert len(opened) == 1 and visit.closed == [gate.TRY_LATER]
+    own.on_close()
+    own.open()
     assert len(opened) == 2
-    visit.gate.on_close()
+
+
+def test_a_browser_is_turned_away_when_as_many_as_may_are_connected(visit, connected, monkeypatch):
+    own, opened = connected
+    monkeypatch.setattr(gate, "VISITORS", 2)
+    gate.here.update({"one", "other"})
+    own.open()
+    assert opened == [] and visit.closed == [gate.TRY_LATER]
+    gate.here.discard("one")
+    own.open()
+    assert opened == [own]
 
 
 def test_a_browser_that_has_gone_is_not_heard_any_more_and_leaves_no_traceback(visit, monkeypatch):
@@ -150,23 +172,25 @@ def test_a_browser_that_has_gone_is_not_heard_any_more_and_leaves_no_traceback(v
     visit.gate.on_close()
 
 
-def test_who_costs_much_waits_and_the_more_visitors_are_active_the_longer(monkeypatch):
-    now = [1000.0]
-    monkeypatch.setattr(allowance, "monotonic", lambda: now[0])
-    monkeypatch.setattr(allowance, "active", {})
-    waits = []
-    for others in (0, 9):
-        mine, *all_others = [Allowance() for _ in range(1 + others)]
-        for each in all_others:
-            each.spend(0.0)
-        assert mine.spend(allowance.PURSE) == 0.0
-        waits.append(mine.spend(0.03))
-        now[0] += waits[-1]
-        assert mine.spend(0.0) == pytest.approx(0.0, abs=1e-12)  # it has waited for it
-        now[0] += 2.0 * allowance.LATELY  # those who say nothing do not count
-    assert waits == pytest.approx([0.03 / allowance.MOST, 0.03 / (allowance.ALL / 10)])
-    mine.spend(0.0)
-    assert list(allowance.active) == [mine]
+def test_others_have_their_turn_after_every_part_of_a_flood(visit):
+    """Tornado awaits on_message for all that its buffer holds: without a pause nobody else would be served."""
+    turns = []
+
+    async def flood():
+        other = asyncio.create_task(count())
+        for k in range(50):
+            await visit.gate.on_message(json.dumps({"msgid": f"{k}", "msgtype": "PATCH-DOC"}))
+            await visit.gate.on_message("{}")
+            await visit.gate.on_message(json.dumps(visit.patch(HELLO)))
+        other.cancel()
+
+    async def count():
+        while True:
+            turns.append(len(visit.obeyed))
+            await asyncio.sleep(0)
+
+    waited(flood())
+    assert len(turns) >= 150 and {*turns} >= {*range(1, 50)}
 
 
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
@@ -177,62 +201,43 @@ def test_no_patch_of_anything_but_the_order_passes(visit):
         assert visit.say(visit.patch(BOMB, attr)) == []
     for kind in ("RootAdded", "RootRemoved", "TitleChanged", "ColumnDataChanged", "ColumnsStreamed"):
         assert visit.say(visit.patch("x", kind=kind)) == []
+    figure = next(iter(visit.session.pages.slots.values()))
+    for model in (figure.id, "p1", None, {"id": 1}):
+        assert visit.say(visit.patch(HELLO, model={"id": model})) == []
 
 
 @pytest.mark.parametrize("new", [BOMB, None, 3, {"do": "hello"}, ["x"]])
-def test_an_order_is_text(visit, new):
-    assert visit.say(visit.patch(new)) == [] and visit.gate.refused == 1
-    assert "stays" in visit.notes[0]
+def test_an_order_is_text_or_bytes(visit, new):
+    assert visit.say(visit.patch(new)) == [] and visit.closed == [gate.TRY_LATER]
 
 
-def test_another_model_than_the_own_wire_is_refused(visit):
-    figure = next(iter(visit.session.pages.slots.values()))
-    for model in (figure.id, "p1", None, {"id": 1}):
-        event = {"kind": "ModelChanged", "model": {"id": model}, "attr": "order", "new": HELLO}
-        assert visit.say({"events": [event]}) == []
-    assert visit.gate.refused == 4
+PATCH = '{"msgid":"1","msgtype":"PATCH-DOC"}'
 
 
 @pytest.mark.parametrize(
-    ("content", "kind", "header"),
+    "parts",
     [
-        ("{}", "PUSH-DOC", None),
-        ("{}", "SERVER-INFO-REQ", None),
-        ("{", "PATCH-DOC", None),
-        ("[" * 7000, "PATCH-DOC", None),
-        ('{"events": [1e999, NaN]}', "PATCH-DOC", None),
-        ("x" * 10_000, "PATCH-DOC", None),
-        ('{"events":' + json.dumps([{}] * 200) + "}", "PATCH-DOC", None),
-        ("{}", None, "[]"),
-        ("{}", None, '{"msgid":"1","msgtype":"PATCH-DOC","num_buffers":1}'),
-        ("{}", None, '{"msgid":1,"msgtype":"PATCH-DOC"}'),
-        ("{}", None, "x" * 1000),
+        ('{"msgid":"1","msgtype":"PUSH-DOC"}', "{}", "{}"),
+        ('{"msgid":"1","msgtype":"SERVER-INFO-REQ"}', "{}", "{}"),
+        ('{"msgid":"1","msgtype":"NONE"}', "{}", "{}"),
+        ('{"msgid":1,"msgtype":"PATCH-DOC"}', "{}", "{}"),
+        ('{"msgtype":"PATCH-DOC"}', "{}", "{}"),
+        ("[]", "{}", "{}"),
+        ("x" * 100_000, "{}", "{}"),
+        (PATCH, "{}", "{"),
+        (PATCH, "{}", "[" * 7000),
+        (PATCH, "{}", "[]"),
+        (PATCH, "{}", '{"events": [3]}'),
+        (b"\x00" * 100,),
+        ('{"msgid":"1","msgtype":"PATCH-DOC","num_buffers":9}', "{}", "{}", '{"id":"1"}', b"1", '{"id":"2"}'),
     ],
 )
-def test_what_is_no_message_of_ours_is_one_line_and_one_sentence(visit, caplog, content, kind, header):
+def test_malformed_messages_close_their_connection_and_leave_one_line(visit, caplog, parts):
     caplog.set_level(logging.INFO, "app")
-    assert visit.say(content, kind, header) == []
-    lines = [record.message for record in caplog.records if "refused" in record.message]
-    assert len(lines) >= 1 and all(len(line) < 120 for line in lines)
-    (note,) = visit.notes
-    assert note.endswith("The run on screen stays.") and "Error" not in note
-    visit.gate.parts.clear()
-    assert visit.say(visit.patch(HELLO))  # the next one is understood
-
-
-def test_binary_messages_and_large_ones_are_refused_unread(visit):
-    for fragment in (b"\x00" * 100, "x" * 5_000_000):
-        waited(visit.gate.on_message(fragment))
-    assert visit.gate.refused == 2 and visit.gate.parts == []
-
-
-def test_a_large_order_is_a_profile_and_nothing_else(visit):
-    profile = json.dumps({"do": "profile", "values": {"text": "x,z\n" * 100_000}, "n": 5}, separators=(",", ":"))
-    (order,) = visit.say(visit.patch(profile))
-    assert order.do == "profile" and len(order.values["text"]) == 400_000
-    assert visit.say(visit.patch(profile.replace("profile", "scene"))) == []
-    assert visit.say(visit.patch(profile.replace("x,z", "x,z" + 30 * ","))) == []
-    assert "2 MB" in json.loads(visit.session.wire.status)["errors"]["profile"]
+    assert visit.parts(*parts) == []
+    assert visit.closed == [gate.TRY_LATER]
+    (line,) = [record.message for record in caplog.records if record.name == "app"]
+    assert "turned away" in line and len(line) < 120
 
 
 @pytest.mark.parametrize(
@@ -241,26 +246,58 @@ def test_a_large_order_is_a_profile_and_nothing_else(visit):
         '{"do": "scene", "values": {"__class__": "1"}}',
         '{"do": "scene", "values": {"E": [1]}}',
         '{"do": "scene", "values": {"E": {"a": 1}}}',
-        '{"do": "scene", "values": {"E": "' + "1" * 100 + '"}}',
-        '{"do": "scene", "values": {"E": 80}, "from": [1, -5]}',
-        '{"do": "scene", "values": {"E": 80}, "from": "11"}',
-        '{"do": "scene", "values": {"E": 80}, "from": [1, 1e99]}',
+        '{"do": "scene", "values": {"E": 80}, "after": [1, -5]}',
+        '{"do": "scene", "values": {"E": 80}, "after": "11"}',
+        '{"do": "scene", "values": {"E": 80}, "after": [1, 1e99]}',
+        '{"do": "scene", "values": {"E": 80}, "held": 1}',
         '{"do": "scene", "values": {"E": ' + "9" * 5000 + "}}",
-        '{"do": "scene", "values": []}',
-        '{"do": "preset", "values": {"preset": "fig99"}}',
+        '{"do": "scene", "values": {"E": "' + "9" * 8000 + '"}}',
+        '{"do": "scene", "values": [1]}',
+        '{"do": "film", "values": {"run": 1}}',
+        '{"do": "film", "values": {"run": 1, "frame": 2, "other": 3}}',
         '{"do": "page", "values": {"page": ["law"]}}',
-        '{"do": "ask", "values": {"half": "wide"}}',
-        '{"do": "ask", "values": {"half": NaN}}',
+        '{"do": "ask", "values": {"draws": "many"}}',
+        '{"do": "ask", "values": {"draws": NaN}}',
         '{"do": "close"}',
         '{"do": ["hello"]}',
         '{"do": {}}',
         "[1]",
         "[" * 5000,
+        b"",
+        b"\xff\xff\xff\xff{}",
     ],
 )
-def test_orders_hold_known_names_short_texts_and_finite_numbers(text):
+def test_an_order_has_the_fields_that_are_declared_and_values_of_their_types(text):
     with pytest.raises(orders.Refused):
         orders.read(text)
+
+
+@pytest.mark.parametrize("kind", orders.Order.known.values(), ids=orders.Order.known)
+def test_every_order_says_what_it_does(kind):
+    assert kind.__doc__ and kind.obey is not orders.Order.obey
+    assert all(hasattr(field.type, "__metadata__") for field in fields(kind))
+
+
+@pytest.mark.parametrize("text", ['{"do":"close","n":7}', '{"do":"film","values":{"run":-1},"n":7}'])
+def test_a_refused_order_is_acknowledged_and_the_visitor_reads_what_to_do(session, text):
+    say(session, HELLO)
+    say(session, text)
+    status = json.loads(session.wire.status)
+    assert status["heard"] == 7 and "Reload the page" in status["notes"][0]
+
+
+@pytest.mark.parametrize("text", ["1" * 65, "x" * 7000, "1," * 3000, "-" * 7000, "1e" * 3000])
+def test_a_long_text_in_an_entry_is_refused_there_and_acknowledged(session, text):
+    say(session, HELLO)
+    say(session, {"do": "scene", "values": {"E": text}, "n": 3})
+    status = json.loads(session.wire.status)
+    assert status["heard"] == 3 and "Stiffness" in status["errors"]["E"] and len(status["errors"]["E"]) < 300
+
+
+def test_every_order_is_acknowledged(session):
+    for number, order in enumerate([HELLO, '{"do":"rest"}', '{"do":"layer","values":{"rows":1,"modes":1,"depth":1}}']):
+        say(session, json.loads(order) | {"n": number})
+        assert json.loads(session.wire.status)["heard"] == number
 
 
 def test_a_mistake_of_the_program_is_logged_and_not_shown(session, caplog, monkeypatch):
@@ -282,6 +319,6 @@ def test_a_run_goes_on_only_from_where_one_has_been():
     visit = Session(Doc(), Pages, {}, NoPool(), Shelf())
     visit.hello()
     for after in ([1, 10**8], [7, 0], [1, 0]):
-        say(visit, {"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "from": after})
+        say(visit, {"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "after": after})
         assert visit.run.history == ()
     visit.close()

@@ -104,7 +104,7 @@ def told(session):
 
 @pytest.mark.slow
 def test_the_friction_of_the_runs_lies_on_the_exact_curve_and_vanishes_beyond_the_boundary(session):
-    session.choose("fig4a-blue")
+    session.restore({"preset": "fig4a-blue"})
     order(session, "page", page="stickslip")
     done(session, of_kind(tasks.flat_friction))
     parts = session.pages.page.views["mean"].parts

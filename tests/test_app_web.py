@@ -5,6 +5,7 @@ import gzip
 import http.client
 import json
 import logging
+import random
 import re
 import threading
 import urllib.error
@@ -18,13 +19,16 @@ from bokeh.server import urls
 from bokeh.server.tornado import BokehTornado
 from bokeh.util.token import get_token_payload
 from panel.io.state import set_curdoc
+from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
+from tornado.websocket import websocket_connect
 
-from app import door, page, telling, web
+from app import page, telling, web
 from app.service import metrics
 from app.service.pool import Pool
+from app.session import gate
 from app.session import session as session_module
 from app.session.wire import Wire
 
@@ -113,25 +117,61 @@ def test_a_page_that_cannot_be_made_says_so_without_the_reason(address, monkeypa
 
 
 def test_a_full_class_is_told_to_try_again_and_does(address, monkeypatch):
-    monkeypatch.setattr(web.door, "most", 0)
+    monkeypatch.setattr(gate, "here", {"one", "two"})
+    monkeypatch.setattr(gate, "VISITORS", 2)
     status, headers, body = get(f"{address}/app")
     assert status == 503 and headers["Retry-After"] == "10"
     assert b"class is full" in body and b'http-equiv="refresh" content="10"' in body
 
 
-def test_places_are_kept_for_those_on_their_way_for_a_while(monkeypatch):
-    now = [0.0]
-    monkeypatch.setattr(door, "monotonic", lambda: now[0])
-    monkeypatch.setattr(door, "visitors", set())
-    two = door.Door(2)
-    assert two.invites("a") and two.invites("b") and not two.invites("c")
-    assert not two.lets_in("c") and two.lets_in("a") and two.lets_in("c")  # the place of "a" is free until it is taken
-    now[0] = door.COMING + 1.0
-    assert two.invites("d")
+def test_plain_requests_take_no_place_of_a_visitor(address, monkeypatch):
+    monkeypatch.setattr(gate, "VISITORS", 1)
+    assert [get(f"{address}/app")[0] for _ in range(5)] == [200] * 5
+
+
+def test_an_address_too_long_for_a_connection_is_refused_with_the_page(address):
+    status, _, body = get(f"{address}/app?E=80&profile={random.Random(0).randbytes(3500).hex()}")  # not compressible
+    assert status == 414 and b"address is too long" in body and b'href="./app"' in body
+
+
+FOREIGN = "rebound.example:5006"
+
+
+def test_a_page_under_a_name_that_was_not_allowed_says_how_to_allow_it(address, monkeypatch, caplog):
+    status, _, body = get(f"{address}/app", Host=FOREIGN)
+    assert status == 403 and b"token" not in body
+    assert all(f"--allow-websocket-origin={FOREIGN}" in text for text in (body.decode(), caplog.text))
+    for allowed in (FOREIGN, "rebound.example"):
+        monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", allowed)
+        assert get(f"{address}/app", Host=FOREIGN)[0] == 200
+
+
+@pytest.mark.parametrize("site", [{}, {"Sec-Fetch-Site": "same-origin"}])
+def test_a_websocket_under_a_name_that_was_not_allowed_is_refused_even_from_its_own_page(address, monkeypatch, site):
+    token = tokens(get(f"{address}/app")[2])
+
+    def status(host, origin):
+        headers = {"Host": host, "Origin": f"http://{origin}", "Sec-WebSocket-Protocol": f"bokeh, {token}"} | site
+        return asyncio.run(connected(f"{address.replace('http', 'ws')}/app/ws", headers))
+
+    assert status(FOREIGN, FOREIGN) == status("localhost:5006", FOREIGN) == 403
+    monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", FOREIGN)
+    assert status(FOREIGN, FOREIGN) == 101
+
+
+async def connected(address, headers):
+    """The status with which a server answers who asks for a websocket."""
+    try:
+        socket = await websocket_connect(HTTPRequest(address, headers=headers), subprotocols=["bokeh", "x"])
+    except HTTPClientError as error:
+        return error.code
+    socket.close()
+    return 101
 
 
 def test_the_page_may_load_from_its_server_only_and_be_framed_where_allowed(address, monkeypatch):
     monkeypatch.setattr(web, "FRAMES", "https://school.example")
+    monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example:5006")
     for query, frames in (("", "'self'"), ("?embed=1", "https://school.example")):
         _, headers, body = get(f"{address}/app{query}", Host="contact.example:5006")
         rules = dict(rule.strip().split(" ", 1) for rule in headers["Content-Security-Policy"].split(";"))

@@ -11,7 +11,6 @@ from app.pages import Pages
 from app.service import packing, worker
 from app.service.finished import Shelf
 from app.service.pool import Task
-from app.session import orders
 from app.session.session import Session
 from solver import Scene
 
@@ -36,6 +35,9 @@ class Page:
 
     def order(self, what, **values):
         say(self.session, {"do": what, "values": values, "n": time.monotonic()})
+
+    def file(self, entry, text):
+        send_file(self.session, entry, text)
 
     def status(self):
         return json.loads(self.session.wire.status)
@@ -88,10 +90,12 @@ class NoPool:
 
 def say(session, order):
     """Give an order, a text or what is one in JSON, as the gate does."""
-    try:
-        session.obey(orders.read(order if isinstance(order, str) else json.dumps(order)))
-    except orders.Refused as refused:
-        session.refuse(refused)
+    session.obey(order if isinstance(order, str | bytes) else json.dumps(order))
+
+
+def send_file(session, entry, text):
+    """Give an order that brings a file."""
+    session.obey(packing.headed({"do": "file", "values": {"entry": entry}, "n": 1}, text.encode()))
 
 
 def order(session, what, /, **values):

@@ -1,46 +1,51 @@
-"""What of a browser's messages reaches the server: orders on the wire of its own document, and nothing else.
+"""The websocket of a visitor: of a browser's messages, changes of `wire.order` reach the Session, and nothing else.
 
-Bokeh would apply any patch of any model, unpack compressed bytes, add roots, and answer what fails with a traceback.
-Here a message is looked at before Bokeh sees it: orders are read and obeyed, all else is refused; the document, the
-same for all, is sent from here. Undocumented in Bokeh 3.9: that the handler of "/ws" has the `connection` of a session,
-that a message is header, metadata and content, each a fragment, and that a document has to be told what a browser knows
-of it.
+Bokeh reads the messages. It would also apply any patch of any model, add roots, and answer errors with a traceback: a
+stranger's messages never get there. The document, the same for all, is sent from here. Undocumented in Bokeh 3.9: that
+the handler of "/ws" has the `receiver`, `handler` and `connection` of a session, and that a document needs to know
+which models a browser has.
 """
 
 import asyncio
 import json
 import logging
-import re
-from time import perf_counter
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
 
-from app.door import door, turned_away
+from app.hosts import NamedHost
 from app.page import shared
 from app.service import metrics
 from app.session import orders
-from app.session.allowance import Allowance
-from app.session.session import visitors
+from app.session.session import VISITORS, visitors
 from app.session.wire import Wire
 
 log = logging.getLogger("app")
-HEAD = 500  # characters of a header
-MANY = 100  # events in a message
+LONGEST = 2 * orders.SMALL  # characters of a text in a message: an order within JSON
+PARTS = 5  # of a message: header, metadata, content; and of a file its header and bytes
 TRY_LATER = 1013  # of RFC 6455
-TOKEN = 8000  # characters of what a browser shows when it comes
-SAID = 10  # refusals of one connection that are logged; then every hundredth
-LARGE = re.compile(r'\{"events":\[\{"kind":"ModelChanged","model":\{"id":"([\w-]{1,64})"\},"attr":"order","new":(?=")')
+TOKEN = 8000  # characters of what a browser shows when it connects
+CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event that brings an order
 
 here = set()  # ids of the sessions whose browsers are connected
+metrics.gauge("visitors", "browsers that are connected", lambda: len(here))
 
 
-class Gate(WSHandler):
+def is_full():
+    """Whether as many browsers are connected as may be; counts a refusal."""
+    if len(here) < VISITORS:
+        return False
+    metrics.count("turned_away")
+    log.info("class full: a visitor was turned away")
+    return True
+
+
+class Gate(NamedHost, WSHandler):
     """The websocket of one visitor."""
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.refused, self.allowance, self.name = [], 0, Allowance(), None
+        self.parts, self.name = 0, None
 
     def open(self, *where, **named):
         """Let a browser in that shows the token of its page, if there is room."""
@@ -50,20 +55,31 @@ class Gate(WSHandler):
             name = get_session_id(self._token)
             if name in here:
                 raise ValueError("a page has one browser")
-            if door.lets_in(name):
+            if not is_full():
                 self.name = name
                 here.add(name)
                 return super().open(*where, **named)
-            turned_away()
-        except Exception as error:  # whatever a stranger has forged; a traceback for each would fill the log
-            log.info("a browser was turned away: %s", type(error).__name__)
-        self.close(TRY_LATER)
+            self.close(TRY_LATER)
+        except Exception as error:  # whatever a stranger has forged
+            self._turn_away(error)
 
     def on_close(self):
         """The browser has gone; Bokeh may have found that out before, by a ping, while its messages still waited."""
         here.discard(self.name)
         if self._session is not None:
             super().on_close()
+
+    async def _async_open(self, token):
+        try:
+            await super()._async_open(token)
+        except Exception as error:
+            self._turn_away(error)
+
+    def _turn_away(self, error):
+        """Close the connection, with one line in the log: a stranger's traceback helps nobody."""
+        metrics.count("refused_messages")
+        log.info("a browser was turned away: %s", type(error).__name__)
+        self.close(TRY_LATER)
 
     @property
     def _session(self):
@@ -73,48 +89,32 @@ class Gate(WSHandler):
         except AssertionError:
             return None
 
-    async def _async_open(self, token):
-        try:
-            await super()._async_open(token)
-        except Exception as error:  # as above
-            log.info("a browser was turned away: %s", type(error).__name__)
-            self.close(TRY_LATER)
-
     async def on_message(self, fragment):
-        """Take in a fragment; a message that is none of ours changes nothing, and costs its sender a little time."""
-        begun = perf_counter()
+        """Let Bokeh read a part of a message, and obey the message once it is whole."""
+        self.parts += 1
         try:
-            number, kind, given = self._message(fragment)
-            if kind == "PULL-DOC-REQ" and self._wire("wire"):
-                await self._session.with_document_locked(self._give_document, number)
-            elif kind == "PULL-DOC-REQ":
-                for part in ({"msgid": number, "msgtype": kind}, {}, {}):
-                    await super().on_message(json.dumps(part))
-            for order in given:
-                if self._visitor:
-                    await self._session.with_document_locked(self._visitor.obey, order)
-        except orders.Refused as refused:
-            self.parts = []
-            await self._refuse(refused)
-            await asyncio.sleep(0.001)
-        await asyncio.sleep(self.allowance.spend(perf_counter() - begun))
+            if self.parts > PARTS:
+                raise ValueError("a message of too many parts")
+            message = await self.receiver.consume(_bounded(fragment))
+            if message is not None:
+                self.parts = 0
+                found = _orders(message)
+        except Exception as error:
+            return self._turn_away(error)
+        if message is not None and self._session is not None:
+            await self._answer(message, found)
+        await asyncio.sleep(0)  # Tornado reads on while there is anything: now it is the turn of other visitors
 
-    def _message(self, fragment):
-        """(number, kind, [Order]) of a message once it is whole, until then (None, None, []); raises Refused."""
-        if not isinstance(fragment, str) or self._session is None:
-            raise orders.Refused("A message came in a form that is not used here.")
-        if len(fragment) > (HEAD, HEAD, 2.3 * orders.LARGEST)[len(self.parts)]:
-            raise orders.Refused("A message was too long.")
-        self.parts.append(fragment)
-        if len(self.parts) < 3:
-            return None, None, []
-        (header, _, content), self.parts = self.parts, []
-        head = orders.plain_json(header)
-        kind = head.get("msgtype") if isinstance(head, dict) else None
-        number = head.get("msgid") if isinstance(head, dict) else None
-        if kind not in ("PULL-DOC-REQ", "PATCH-DOC") or not isinstance(number, str) or head.get("num_buffers"):
-            raise orders.Refused("A message was of a kind that is not used here.")
-        return number, kind, self._orders(content) if kind == "PATCH-DOC" else []
+    async def _answer(self, message, found):
+        session = self._session
+        visitor = next((each for each in visitors if each.doc is session.document), None)
+        if message.msgtype != "PULL-DOC-REQ":
+            for order in found if visitor else ():
+                await session.with_document_locked(visitor.obey, order)
+        elif isinstance(session.document.get_model_by_id("wire"), Wire):
+            await session.with_document_locked(self._give_document, message.header["msgid"])
+        else:  # the document says why there is no experiment
+            await self.send_message(await self.handler.handle(message, self.connection))
 
     async def _give_document(self, number):
         """Answer a browser that asks for its document, with the text that is the same for all."""
@@ -125,47 +125,18 @@ class Gate(WSHandler):
                 await self.write_message(part, locked=False)
         self._session.document.models.flush_synced()
 
-    def _orders(self, content):
-        """Of all that a browser says about its models, the Orders; raises Refused."""
-        if len(content) > orders.SMALL:
-            return self._upload(content)
-        patch = orders.plain_json(content)
-        events = patch.get("events") if isinstance(patch, dict) else None
-        if not isinstance(events, list) or len(events) > MANY:
-            raise orders.Refused("A message could not be read.")
-        found = []
-        for event in events:
-            if isinstance(event, dict) and event.get("kind") == "ModelChanged" and event.get("attr") == "order":
-                model = event.get("model")
-                found.append(self._checked(model.get("id") if isinstance(model, dict) else None, event.get("new")))
-        return found
 
-    def _upload(self, content):
-        """The one long message there is: an order that brings a profile."""
-        wire, text, rest = orders.one_text(content, LARGE)
-        if rest != "}]}":
-            raise orders.Refused("A message was too long.")
-        return [self._checked(wire, text)]
+def _bounded(fragment):
+    """A part of a message; in place of one that is too long, an empty one."""
+    if isinstance(fragment, str):
+        return fragment if len(fragment) <= LONGEST else "{}"
+    return fragment if len(fragment) <= orders.SMALL + orders.LARGEST else b""
 
-    def _checked(self, wire, text):
-        if not self._wire(wire) or not isinstance(text, str):
-            raise orders.Refused("A message was not an order.")
-        return orders.read(text)
 
-    @property
-    def _visitor(self):
-        session = self._session
-        return session and next((each for each in visitors if each.doc is session.document), None)
-
-    def _wire(self, name):
-        """Whether that is the id of the visitor's wire."""
-        return isinstance(name, str) and isinstance(self._session.document.get_model_by_id(name), Wire)
-
-    async def _refuse(self, refused):
-        """One line for the log, one sentence for the visitor."""
-        self.refused += 1
-        metrics.count("refused_messages")
-        if self.refused <= SAID or self.refused % 100 == 0:
-            log.info("refused message %d of a browser: %s", self.refused, refused)
-        if self._visitor:
-            await self._session.with_document_locked(self._visitor.refuse, refused)
+def _orders(message):
+    """What a message gives as values of `wire.order`, texts or bytes; raises ValueError if no page sends such."""
+    if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
+        raise ValueError("a message that no page sends")
+    events = message.content.get("events", ()) if message.msgtype == "PATCH-DOC" else ()
+    new = [event["new"] for event in events if event.items() >= CHANGE.items()]
+    return [value if isinstance(value, str) else bytes(message.buffers[0].data) for value in new]

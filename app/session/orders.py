@@ -1,143 +1,279 @@
-"""What a browser may ask for: small JSON of known names, text and numbers, checked before anything is done with it."""
+"""Orders of a browser: each is declared once, with its fields, their types, and what a visitor's Session does.
+
+A message is JSON {"do": name, "n": number, "values": {field: value}}. One that brings a file is bytes: a uint32 length
+of that JSON, the JSON, the file.
+"""
 
 import json
-import re
-from dataclasses import dataclass, field
-from math import isfinite
+import struct
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, get_type_hints
 
 from app.session.controls import PARAMETERS
-from solver.presets import presets
 
-SMALL = 8000  # characters of an order, but for one that brings a file
-LARGEST = 2_000_000  # characters of a file
-LONGEST = 64  # characters of a value
-LONGER = {"profile": 2000, "link": 5000, "free": 200, "text": SMALL}  # of those that are longer
-PLAIN = ("hello", "pause", "go", "one", "skip", "rest", "reset")
-ASKED = {  # of a page
-    **dict.fromkeys(("E", "phi_t", "series", "percent", "draws"), (int, float)),
-    **dict.fromkeys(("what", "of", "x", "y", "free"), str),
-}
-UPLOAD = re.compile(r'\{\s*"do"\s*:\s*"(profile|measurement)"\s*,\s*"values"\s*:\s*\{\s*"text"\s*:\s*(?=")')
+SMALL = 8000  # characters of an order without its file
+LARGEST = 2_000_000  # bytes of a file, which a browser checks too
+FILES, FORMATS = ("profile", "measurement"), ("npz", "json")
 
 
 class Refused(ValueError):
-    """Something that no page of ours says; the message is a sentence for whoever said it, `where` an entry."""
+    """An order that is not obeyed; `n` is its number."""
 
-    def __init__(self, message, where=None):
-        super().__init__(message)
-        self.where = where
+    n = None
+
+    def __init__(self):
+        super().__init__("The page sent an order that this server does not know. Reload the page.")
 
 
-@dataclass(frozen=True)
+def _is_number(value):
+    return type(value) in (int, float) and abs(value) < 1e15  # false of nan
+
+
+def _is_whole(value):
+    return type(value) is int and 0 <= value < 1e9
+
+
+def _is_increment(value):
+    return isinstance(value, list) and len(value) == 2 and all(map(_is_whole, value))
+
+
+def _is_text(value, most=64):
+    return isinstance(value, str) and len(value) <= most
+
+
+def _is_link(value):
+    return _is_text(value, 5000)
+
+
+def _is_any_text(value):
+    return isinstance(value, str)
+
+
+def _is_flag(value):
+    return isinstance(value, bool)
+
+
+def _are_entries(values):
+    known = values.keys() <= PARAMETERS.keys()
+    return known and all(isinstance(value, str) or _is_number(value) for value in values.values())
+
+
+def _is_address(values):
+    return values.keys() <= {"preset", "profile", *PARAMETERS} and all(isinstance(v, str) for v in values.values())
+
+
+# A field's type, and the test that its value has to pass
+Text, Link, Content = Annotated[str, _is_text], Annotated[str, _is_link], Annotated[str, _is_any_text]
+Number, Whole, Flag = Annotated[float, _is_number], Annotated[int, _is_whole], Annotated[bool, _is_flag]
+Increment = Annotated[list[int], _is_increment]  # [number of a run, frame]
+Entries = Annotated[dict[str, str | float], _are_entries]  # {parameter: as it was entered}
+Address = Annotated[dict[str, str], _is_address]
+FileEntry, Format = Annotated[str, FILES.__contains__], Annotated[str, FORMATS.__contains__]
+
+
 class Order:
-    """do: what, with values {name: str, number or bool}; n: its number; after: (run, frame) to go on from.
+    """What a browser may ask for: the fields of a subclass; `obey` does it."""
 
-    held: whether a hand is on the slider; at: U_x (nm) of what is on screen then.
-    """
+    known: ClassVar = {}  # {name: subclass}
 
-    do: str
-    values: dict = field(default_factory=dict)
-    n: float | None = None
-    after: tuple | None = None
-    held: bool = False
-    at: float = 0.0
+    def __init_subclass__(cls):
+        Order.known[cls.__name__.lower()] = dataclass(frozen=True)(cls)
 
-
-def read(text):
-    """The Order in a text; raises Refused."""
-    if len(text) > SMALL:
-        return _brought(text)
-    order = plain_json(text)
-    if not isinstance(order, dict):
-        raise Refused("An order could not be read.")
-    do, values = str(order.get("do")), order.get("values") or {}
-    if not isinstance(values, dict) or not all(map(_is_value, values, values.values())):
-        raise Refused("An order may hold short texts and numbers only.")
-    if do not in KNOWN or not KNOWN[do](values):
-        raise Refused("An order was not understood.")
-    held, at = order.get("held") is True, _number(order.get("at")) or 0.0
-    return Order(do, values, _number(order.get("n")), _place(order.get("from")), held, at)
+    def obey(self, session):
+        """Do it for a Session, under the lock of its document."""
+        raise NotImplementedError
 
 
-def _brought(text):
-    """The Order that brings a file."""
-    do, content, rest = one_text(text, UPLOAD)
-    if len(text) > 1.1 * LARGEST:
-        raise Refused(f"{do}: more than {LARGEST / 1e6:g} MB; thin it out.", do)
-    order = plain_json('{"values": {"text": ""' + rest[:SMALL])
-    return Order(do, {"text": content}, _number(isinstance(order, dict) and order.get("n")))
+class Hello(Order):
+    """Begin: the page is drawn and listens."""
+
+    def obey(self, session):
+        session.hello()
 
 
-def one_text(message, start):
-    """(what `start` finds at the beginning, the text behind it, the rest); raises Refused. Else nothing is read."""
-    begun = start.match(message)
-    if begun is None:
-        raise Refused("A message was too long.")
+class Scene(Order):
+    """Change parameters. held: a slider is moving; at: U_x (nm) on screen; after: the increment to continue from."""
+
+    values: Entries
+    held: Flag = False
+    at: Number = 0.0
+    after: Increment = None
+
+    def obey(self, session):
+        session.change(self.values, self.after and tuple(self.after), self.held, self.at)
+
+
+class Rest(Order):
+    """Compute the exact run: the slider no longer moves."""
+
+    def obey(self, session):
+        session.pursuit.rest()
+
+
+class Skip(Order):
+    """End a slow run with what was computed."""
+
+    def obey(self, session):
+        session.pursuit.skip()
+
+
+class Pause(Order):
+    """Compute no further slice."""
+
+    def obey(self, session):
+        session.pursuit.pause()
+
+
+class Go(Order):
+    """Continue a paused run."""
+
+    def obey(self, session):
+        session.pursuit.go()
+
+
+class One(Order):
+    """Compute one increment of a paused run."""
+
+    def obey(self, session):
+        session.pursuit.one()
+
+
+class Restore(Order):
+    """Show the scene of an address; an empty one is that of the default preset."""
+
+    values: Address
+
+    def obey(self, session):
+        session.restore(self.values)
+
+
+class Beside(Order):
+    """Send the run of an address under a number of its own."""
+
+    beside: Whole
+    values: Address
+
+    def obey(self, session):
+        session.pinned.want(self.values | {"beside": self.beside})
+
+
+class File(Order):
+    """Read a file: a measured profile, or a measured curve to fit."""
+
+    entry: FileEntry
+    text: Content
+
+    def obey(self, session):
+        if self.entry == "profile":
+            session.read_profile(self.text)
+        else:
+            session.pages.order({"what": "file", "text": self.text})
+
+
+class Film(Order):
+    """Send the transient that led to a frame of a run."""
+
+    run: Whole
+    frame: Whole
+
+    def obey(self, session):
+        session.film.want(vars(self))
+
+
+class Layer(Order):
+    """Send the table of the stress inside the layer, down to a depth (nm)."""
+
+    rows: Number
+    modes: Number
+    depth: Number
+
+    def obey(self, session):
+        session.layer.want(vars(self))
+
+
+class Share(Order):
+    """Send what belongs to a link and the run on screen: QR code and Python lines."""
+
+    link: Link
+
+    def obey(self, session):
+        session.share.sheet(self.link)
+
+
+class Take(Order):
+    """Send the run on screen as a file."""
+
+    kind: Format
+
+    def obey(self, session):
+        session.share.take(self.kind)
+
+
+class Page(Order):
+    """Open a page beside the experiment; no name closes it."""
+
+    page: Text
+
+    def obey(self, session):
+        session.pages.open(self.page)
+
+
+class Ask(Order):
+    """Pass on what the controls of the open page say."""
+
+    what: Text = None
+    of: Text = None
+    x: Text = None
+    y: Text = None
+    free: Link = None
+    E: Number = None
+    phi_t: Number = None
+    series: Number = None
+    percent: Number = None
+    draws: Number = None
+
+    def obey(self, session):
+        session.pages.order({name: value for name, value in vars(self).items() if value is not None})
+
+
+def read(message):
+    """(number, Order) of a message, text or bytes; raises Refused."""
+    given, file = _parts(message)
+    number = given.get("n") if _is_number(given.get("n")) else None
     try:
-        text, end = json.JSONDecoder().raw_decode(message, begun.end())
-    except ValueError:
-        raise Refused("A message could not be read.") from None
-    return begun[1], text, message[end:]
+        return number, _order(given, file)
+    except Refused as refused:
+        refused.n = number
+        raise
 
 
-def plain_json(text):
-    """JSON of finite numbers, not too deep; raises Refused."""
+def _parts(message):
+    """({field: value} of the JSON in a message, the text of the file behind it or None); raises Refused."""
     try:
-        return json.loads(text, parse_constant=_no_number)
-    except (ValueError, RecursionError):
-        raise Refused("A message could not be read.") from None
+        file = None
+        if isinstance(message, bytes):
+            end = 4 + struct.unpack_from("<I", message)[0]
+            message, file = message[4:end].decode(), message[end:].decode("utf-8", "replace")
+        given = json.loads(message if len(message) <= SMALL else "")
+        if isinstance(given, dict):
+            return given, file
+    except (ValueError, RecursionError, struct.error):
+        pass
+    raise Refused
 
 
-def _no_number(text):
-    raise ValueError(text)
-
-
-def _is_scene(values, other=None):
-    """Whether these are texts of an address, but for the value called `other`."""
-    known = {"preset", "profile", *PARAMETERS}
-    return all(name == other or (name in known and isinstance(value, str)) for name, value in values.items())
-
-
-def _is_film(values):
-    return values.keys() == {"run", "frame"} and all(type(v) is int and 0 < v < 1e6 for v in values.values())
-
-
-def _is_layer(values):
-    return values.keys() == {"rows", "modes", "depth"} and None not in map(_number, values.values())
-
-
-KNOWN = {  # what may be ordered: whether it may be with these values
-    **dict.fromkeys(PLAIN, lambda values: True),
-    **dict.fromkeys(("profile", "measurement"), lambda values: isinstance(values.get("text"), str)),
-    "scene": lambda values: values and values.keys() <= PARAMETERS.keys(),
-    "ask": lambda values: all(isinstance(value, ASKED.get(name, ())) for name, value in values.items()),
-    "restore": _is_scene,
-    "beside": lambda values: type(values.get("beside")) is int and _is_scene(values, "beside"),
-    "film": _is_film,
-    "layer": _is_layer,
-    "share": lambda values: isinstance(values.get("link"), str),
-    "take": lambda values: values.get("kind") in ("npz", "json"),
-    "preset": lambda values: values.get("preset") in presets(),
-    "page": lambda values: isinstance(values.get("page"), str),
-}
-
-
-def _is_value(name, value):
-    if isinstance(value, str):
-        return len(value) <= LONGER.get(name, LONGEST)
-    return isinstance(value, int | float) and abs(value) < 1e15
-
-
-def _number(value):
-    """A number that is told back, or None."""
-    known = isinstance(value, int | float) and not isinstance(value, bool)
-    return value if known and isfinite(value) and abs(value) < 1e15 else None
-
-
-def _place(value):
-    """(run, frame) as whole numbers, or None."""
-    if not value:
-        return None
-    if isinstance(value, list) and len(value) == 2 and all(type(part) is int and 0 <= part < 1e9 for part in value):
-        return tuple(value)
-    raise Refused("An order names no increment of a run.")
+def _order(given, file):
+    kind, values = Order.known.get(str(given.get("do"))), given.get("values") or {}
+    hints = get_type_hints(kind, include_extras=True) if kind else {}
+    if kind is None or not isinstance(values, dict):
+        raise Refused
+    if "values" in hints:  # of a scene: other fields stand beside them
+        values = {name: given[name] for name in hints if given.get(name) is not None} | {"values": values}
+    if file is not None:
+        values = values | {"text": file}
+    if not all(name in hints and hints[name].__metadata__[0](value) for name, value in values.items()):
+        raise Refused
+    try:
+        return kind(**values)
+    except TypeError:  # a field is missing
+        raise Refused from None

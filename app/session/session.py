@@ -4,27 +4,25 @@ import json
 import logging
 import os
 
-from app.limits import DEFAULT, INCREMENTS
+from app.limits import INCREMENTS
 from app.service import metrics, tasks
 from app.service.bench import Bench
 from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.requests import Requests
-from app.session import controls
+from app.session import controls, orders
 from app.session.aside import Film, Layer, Marks, Pinned
 from app.session.pursuit import Pursuit, Wish
 from app.session.share import Share
 from app.session.wire import Wire
 from solver import SceneError
-from solver.presets import presets
 from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
 LEGS = 40  # runs that go on from one another
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
-metrics.gauge("visitors", "visitors who are here", lambda: len(visitors))
 
 
 class Session:
@@ -42,7 +40,7 @@ class Session:
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.pinned, self.marks = Pinned(self), Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
-        self.told_place = None
+        self.told_place = self.told_order = None
         self.reading = Requests(self)  # a profile
         self.closed = False
         visitors.add(self)
@@ -55,7 +53,8 @@ class Session:
             self.closed = True
             for part in (self.pursuit, self.bench, self.pages):
                 part.close()
-            for requests in (self.reading, self.share, self.film, self.layer, self.pinned, self.marks):
+            parts = (self.reading, self.share, self.share.code, self.film, self.layer)
+            for requests in (*parts, self.pinned, self.marks):
                 requests.cancel()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
@@ -66,46 +65,24 @@ class Session:
 
     # orders from the browser
 
-    def obey(self, order):
-        """Do what an Order says."""
-        self.acknowledged = order.n if order.n is not None else self.acknowledged
+    def obey(self, message):
+        """Do what a message of the browser orders; every order is acknowledged, whether it is obeyed or refused."""
         try:
-            self._obey(order)
+            number, order = orders.read(message)
+        except orders.Refused as refused:
+            return self._refuse(refused)
+        self.acknowledged = self.acknowledged if number is None else number
+        try:
+            order.obey(self)
         except Exception:
             self.pursuit.fail_unexpectedly()
-
-    def _obey(self, order):
-        values, pursuit = order.values, self.pursuit
-        quiet = {  # what tells the browser of it in its own way, or nothing
-            "scene": lambda: self.change(values, order.after, order.held, order.at),
-            "profile": lambda: self.read_profile(values["text"]),
-            "measurement": lambda: self.pages.order({"what": "file", "text": values["text"]}),
-            "preset": lambda: self.choose(values["preset"]),
-            "restore": lambda: self.restore(values),
-            "layer": lambda: self.layer.want(values),
-            "ask": lambda: self.pages.order(values),
-            "hello": self.hello,
-            "reset": self.reset,
-            **{name: getattr(pursuit, name) for name in ("pause", "go", "one", "skip", "rest")},
-        }
-        told = {
-            "beside": lambda: self.pinned.want(values),
-            "film": lambda: self.film.want(values),
-            "share": lambda: self.share.sheet(values),
-            "take": lambda: self.share.take(values),
-            "page": lambda: self.pages.open(values["page"]),
-        }
-        (quiet | told)[order.do]()
-        if order.do in told:
+        if self.told_order != self.acknowledged:
             self.publish()
 
-    def refuse(self, refused):
-        """Tell the visitor that something was not understood; what is on screen stays."""
-        said = f"{refused}{controls.STAYS}"
-        if refused.where:
-            self.errors = {refused.where: said}
-        else:
-            self.notes = [said]
+    def _refuse(self, refused):
+        metrics.count("refused_messages")
+        self.acknowledged = self.acknowledged if refused.n is None else refused.n
+        self.notes = [f"{refused}{controls.STAYS}"]
         self.publish()
 
     def hello(self):
@@ -160,25 +137,16 @@ class Session:
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
         self.pursuit.want(Wish(scene))
 
-    def choose(self, preset):
-        """Everything as in a preset."""
-        self.show(presets()[preset].scene, preset)
-
     def restore(self, entries):
         """Show the scene of an address {name: text}."""
         scene, preset, notes = controls.scene_from_address({name: [text.encode()] for name, text in entries.items()})
-        self.show(scene, preset)
-        self.notes += notes
+        self.show(scene, preset, notes)
 
-    def show(self, scene, preset):
-        """A scene that a page has made from `preset`."""
+    def show(self, scene, preset, notes=()):
+        """Show another scene, made from `preset`, with notes on how it was read."""
         self.reading.cancel()
-        self.scene, self.preset, self.errors, self.notes = scene, preset, {}, []
+        self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
         self.pursuit.want(Wish(scene))
-
-    def reset(self):
-        """Everything as in the paper's Fig. 6."""
-        self.choose(DEFAULT)
 
     @property
     def run(self):
@@ -200,5 +168,6 @@ class Session:
         own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
         own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: whose run it is
+        self.told_order = self.acknowledged
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
         self.wire.status = json.dumps(run.status() | own)

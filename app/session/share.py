@@ -2,8 +2,6 @@
 
 from math import inf
 
-import segno
-
 from app.service import packing, tasks
 from app.service.pool import LATER
 from app.service.requests import Requests
@@ -21,17 +19,17 @@ class Share(Requests):
 
     def __init__(self, session):
         super().__init__(session)
-        self.sent = 0
+        self.sent, self.code = 0, Requests(session)
 
-    def sheet(self, values):
-        """Tell the browser what belongs to a link, values["link"], and to the run on screen."""
-        link, python = values["link"], python_lines(self.session.pursuit.legs)
-        code = segno.make(link, error="l").svg_data_uri(scale=4, border=2) if len(link) <= SCANNED else ""
-        self._send({"what": "sheet", "link": link, "qr": code, "python": python})
+    def sheet(self, link):
+        """Send what belongs to a link and to the run on screen: Python lines, and a QR code that a worker draws."""
+        head = {"what": "sheet", "link": link, "qr": "", "python": python_lines(self.session.pursuit.legs)}
+        self._send(head)
+        if len(link) <= SCANNED:
+            self.code.ask((tasks.qr_code, link), lambda drawn: self._send(head | {"qr": drawn or ""}))
 
-    def take(self, values):
-        """Have a worker make the file of the run: values["kind"] is npz or json."""
-        kind = values["kind"]
+    def take(self, kind):
+        """Have a worker make the file of the run: `kind` is npz or json."""
         call = (tasks.file_of_run, self.session.pursuit.legs, kind)
         self.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
 

@@ -3,7 +3,7 @@
 import struct
 from math import nan
 
-from bokeh.core.properties import Bytes, Nullable, String
+from bokeh.core.properties import Bytes, Either, Nullable, String
 from bokeh.model import DataModel
 
 from app.service import packing
@@ -18,7 +18,7 @@ class Wire(DataModel):
     layer = Nullable(Bytes)  # JSON header and a table for the stress inside the layer, by `session.aside`
     hand = Nullable(Bytes)  # a picture that follows the hand on a slider: what `service.following` makes, and a number
     taken = Nullable(Bytes)  # JSON header and a file, when something is taken away
-    order = String(default="")
+    order = Either(String, Bytes, default="")  # what `session.orders` reads
 
     def send(self, run, blocks):
         """Packed blocks, as those of the visitor's run of that number."""

@@ -38,7 +38,7 @@ async def visit(port, number, options, found):
         while time.monotonic() < end:
             await asyncio.sleep(tab.random.uniform(*THINK))
             if tab.random.random() < 0.5:
-                record(found, await tab.order("preset", preset=tab.random.choice(PRESETS)))
+                record(found, await tab.order("restore", preset=tab.random.choice(PRESETS)))
             elif options.drag:
                 await drag(tab, found)
             else:

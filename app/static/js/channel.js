@@ -4,7 +4,7 @@ import { onChange } from "./bokeh.js"
 import { by, on } from "./dom.js"
 import { me } from "./state.js"
 
-const ANSWERED = ["scene", "preset", "restore", "reset"] // orders that change the scene: the server always says that it has heard
+const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LARGEST = 2e6 // bytes of a file, as the server
 let wire = null
 let orders = 0, asks = 0
@@ -45,6 +45,17 @@ export function order(what, values, more) {
   if (!me.lost) wire.order = JSON.stringify({ do: what, values, n, ...more })
 }
 
+// An order with a file: bytes, as app/session/orders.py reads them
+async function orderFile(entry, file) {
+  const body = new Uint8Array(await file.arrayBuffer())
+  const head = new TextEncoder().encode(JSON.stringify({ do: "file", values: { entry }, n: orders++ }))
+  const message = new Uint8Array(4 + head.length + body.length)
+  new DataView(message.buffer).setUint32(0, head.length, true)
+  message.set(head, 4)
+  message.set(body, 4 + head.length)
+  if (!me.lost) wire.order = message.buffer
+}
+
 export function heard(n) {
   unheard = unheard.filter((sent) => !(sent.n <= n))
   hears()
@@ -64,6 +75,6 @@ export function sendFile(id, refuse) {
     if (!file) return
     const size = (file.size / 1e6).toFixed(1)
     if (file.size > LARGEST) refuse(`${id}: ${file.name} has ${size} MB, allowed: 2 MB; thin it out.`)
-    else order(id, { text: await file.text() })
+    else await orderFile(id, file)
   })
 }

@@ -115,7 +115,7 @@ const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
 function choosePreset(preset) {
   leaveBehind(false)
-  order("preset", { preset })
+  order("restore", { preset })
   checkTruth()
 }
 

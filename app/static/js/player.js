@@ -236,6 +236,6 @@ export function reset() {
   const plain = by("speed").querySelector("[selected]")
   by("speed").value = plain.value
   me.speed = Number(plain.value)
-  order("reset")
+  order("restore", {})
   namePlay()
 }

@@ -50,7 +50,7 @@ function send(held) {
   if (!me.entered) return
   last = performance.now()
   const at = sheared() ? me.run.curves.U_x[now()] : 0
-  order("scene", me.entered, { ...(me.from && { from: me.from }), ...(held && { held, at }) })
+  order("scene", me.entered, { ...(me.from && { after: me.from }), ...(held && { held, at }) })
   me.entered = null
 }
 

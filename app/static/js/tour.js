@@ -63,7 +63,7 @@ function begin() {
   unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : {}
   readdress((asked) => asked.set("tour", at + 1))
   choose(stop.curve)
-  order("preset", { preset: stop.preset })
+  order("restore", { preset: stop.preset })
   const values = { ...stop.values, ...unseen }
   if (Object.keys(values).length) order("scene", values)
   write()

@@ -152,7 +152,7 @@ export function fromLink(texts) {
     for (let i = 0; i + 1 < pairs.length; i += 2) asked.set(pairs[i], pairs[i + 1])
     const scene = sceneOf(asked)
     add(null, scene, name.slice(0, 40) || "pinned run")
-    order("beside", { ...scene, beside: BESIDE + pins.at(-1).slot })
+    order("beside", scene, { beside: BESIDE + pins.at(-1).slot })
   }
   tell()
 }
