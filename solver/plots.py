@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .run.frame import Frame
-from .scene import PARAMETERS, Scene
+from .scene import LIMITS, Scene
 
 if TYPE_CHECKING:
     import holoviews as hv
@@ -89,7 +89,7 @@ def first_slips(table: pd.DataFrame, x: str, y: str, of: str | None) -> hv.Layou
     import pandas as pd
 
     _ready()
-    kdims = [hv.Dimension(name, unit=PARAMETERS[name].unit or None) for name in (x, y)]
+    kdims = [hv.Dimension(name, unit=LIMITS[name].unit or None) for name in (x, y)]
     column = of if of not in (None, "regime") else "U_s"
     table = table.sort_values([y, x])
     cells = pd.DataFrame(

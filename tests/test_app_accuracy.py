@@ -34,14 +34,14 @@ def test_the_default_scene_needs_no_caution():
         (Scene(height=0.1), 0.3, "strained by up to 16 %"),
     ],
 )
-def test_each_choice_that_shows_gives_one_sentence(scene, widest, said):
+def test_each_choice_that_affects_the_result_gives_one_sentence(scene, widest, said):
     (sentence,) = cautions(scene, widest)
     assert said in sentence
 
 
-def test_damping_too_weak_for_the_waves_of_a_run_is_told_with_what_would_be_safe():
+def test_damping_too_weak_for_the_waves_of_a_run_gives_a_caution_with_a_safe_value():
     (sentence,) = cautions(Scene(damping=0.3), 0.3, safe_damping=0.42)
-    assert "may flutter" in sentence and "From 0.42 on" in sentence
+    assert "may flutter" in sentence and "Use 0.42 or more" in sentence
     assert cautions(Scene(damping=0.42), 0.3, safe_damping=0.42) == []
 
 

@@ -182,7 +182,7 @@ def test_rates_of_the_quadratic():
 def test_the_accuracy_report_says_where_waves_may_flutter():
     scene = Scene(damping=0.3)
     (sentence,) = flutter(scene, 0.4)
-    assert "From 0.4 on none can" in sentence and flutter(scene, 0.3) == []
+    assert "Use 0.4 or more" in sentence and flutter(scene, 0.3) == []
     report = SimpleNamespace(scene=scene, reference=scene, safe_damping=0.4, seconds=1.0, slips=1, quick=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(accuracy_report, "_landed", lambda report: [])

@@ -1,4 +1,4 @@
-"""Solves with the tangent of an equilibrium, by iterations that use earlier ones; spaces for Rayleigh-Ritz."""
+"""Linear solves with the tangent of an equilibrium, which use products of earlier solves; spaces for Rayleigh-Ritz."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from scipy.linalg import lu_factor, lu_solve
 from .anderson import dot
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
-MOST = 240  # products with the tangent in all solves at one equilibrium
+MOST = 240  # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
 FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16,384 nodes would take 126 MB
 
 
@@ -28,7 +28,7 @@ class Inverse:
         return self
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
-        """w (size,) with A w = b, to |A w - b| <= accuracy |b| or as near as the products lead."""
+        """w (size,) with |A w - b| <= accuracy |b|, or as close to that as `most` products lead."""
         return self.reduced(b, accuracy)[0]
 
     def reduced(self, b: np.ndarray, accuracy: float = ACCURACY) -> tuple[np.ndarray, np.ndarray]:
@@ -63,7 +63,7 @@ class Solves:
         self.accuracy, self._most, self._by_iterations = accuracy, most, {}
 
     def __call__(self, f, transposed=False, guess=None, accuracy=None) -> np.ndarray:
-        """x for f; guess: where iterations begin; accuracy: another one. Raises NotSolved."""
+        """x for f; guess: where iterations start; accuracy: in place of the usual one. Raises NotSolved."""
         return self.reduced(f, transposed, guess, accuracy)[0]
 
     def reduced(self, f, transposed=False, guess=None, accuracy=None) -> tuple[np.ndarray, np.ndarray]:
@@ -75,7 +75,7 @@ class Solves:
             if (size := np.linalg.norm(r)) > wanted:
                 more, r = self._inverse(transposed, f.size).reduced(r, wanted / size)
                 x = x + more
-            if np.linalg.norm(r) <= 10.0 * wanted:
+            if np.linalg.norm(r) <= 10.0 * wanted:  # a digit less is still cheaper than to factorise
                 return x, r
             self._lu = self._factors()
         x = lu_solve(self._lu, f, trans=int(transposed), check_finite=False)
@@ -111,13 +111,13 @@ class Space:
     """Orthonormal disturbances V, up to `room`, their images K V and M V under M = J - K, and V^T M V."""
 
     def __init__(self, size, room):
-        self.rows, self._here = 0, None
+        self.rows, self._linearised = 0, None
         self._v, self._k, self._w = np.empty((3, room, size))
         self._matrix = np.empty((room, room))
 
-    def emptied(self, here) -> "Space":
-        """Empty, for another equilibrium, a Linearised; the same memory."""
-        self.rows, self._here = 0, here
+    def emptied(self, linearised) -> "Space":
+        """The same Space without vectors, for another equilibrium; it keeps its memory."""
+        self.rows, self._linearised = 0, linearised
         return self
 
     @property
@@ -136,17 +136,17 @@ class Space:
         return self._matrix[: self.rows, : self.rows]
 
     def add(self, x, layered) -> None:
-        """Add the part of x (size,) that is independent of V, if there is room; layered: K x."""
+        """Add the part of x (size,) that is orthogonal to V, if there is room; layered: K x."""
         k = self.rows
         if not orthonormalise(self._v, k, x.copy(), self._k, layered.copy()):
             return
-        self._w[k] = self._here.product(self._v[k], self._k[k])
+        self._w[k] = self._linearised.product(self._v[k], self._k[k])
         self.rows += 1
         self._matrix[: k + 1, k] = self.vectors @ self._w[k]
         self._matrix[k, :k] = self._w[:k] @ self._v[k]
 
     def residuals(self, vectors, values) -> np.ndarray:
-        """M x - mu x of the Ritz vectors x with coefficients `vectors` (rows, k), values mu (k,); (k, size)."""
+        """M x - mu x, (k, size), of k Ritz vectors x with coefficients `vectors` (rows, k) and values mu (k,)."""
         real = vectors.T.real @ self._w[: self.rows] - (vectors * values).T.real @ self.vectors
         if not values.imag.any():
             return real
@@ -154,28 +154,29 @@ class Space:
 
 
 @njit(cache=True, nogil=True)
-def orthonormalise(rows, known, q, others, z) -> bool:
-    """Append q to `rows`, made orthonormal to the first `known`, and z, transformed alike, to `others`; False if q
-    depends on them, or there is no room. Overwrites q and z.
+def orthonormalise(rows, count, q, others, z) -> bool:
+    """Append q to `rows`, made orthonormal to the first `count`, and z, transformed alike, to `others`.
+
+    False if q depends on them, or there is no room. Overwrites q and z.
     """
     before = rest = np.sqrt(dot(q, q))
     for _ in range(2):
         last = rest
-        for k in range(known):
+        for k in range(count):
             share = dot(rows[k], q)
             for i in range(q.size):
                 q[i] -= share * rows[k, i]
             for i in range(z.size):
                 z[i] -= share * others[k, i]
         rest = np.sqrt(dot(q, q))
-        if rest > 0.5 * last:  # little was taken off, so that round-off of it means nothing
+        if rest > 0.5 * last:  # little was subtracted, so that its round-off is negligible; else once more is enough
             break
-    if not rest > 1e-10 * before or known == rows.shape[0]:
+    if not rest > 1e-10 * before or count == rows.shape[0]:
         return False
     for i in range(q.size):
-        rows[known, i] = q[i] / rest
+        rows[count, i] = q[i] / rest
     for i in range(z.size):
-        others[known, i] = z[i] / rest
+        others[count, i] = z[i] / rest
     return True
 
 

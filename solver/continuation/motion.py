@@ -1,18 +1,18 @@
-"""The damped motion of the surface from the end of a branch to rest: it decides which equilibrium a slip reaches.
+"""The damped motion of the surface from the end of a branch to rest, which decides what equilibrium a slip reaches.
 
     u'' = K (U - u) + T(u) - gamma u',  gamma = damping times that critical for the slowest mode  (paper section 2.1)
 
-Explicit steps would have to follow the fastest mode. Instead steps of central differences give each mode the mass
+Explicit steps would have to resolve the fastest mode. Here steps of central differences give each mode the mass
 
-    M = 1 + dt^2/4 (K + sigma),  friction gamma M^1/2,
+    M = 1 + dt^2/4 (K + sigma),  friction gamma M^1/2.
 
-which is Newmark's average acceleration for the layer and an interface of stiffness sigma: modes slow against dt, which
-decide where a slip ends, move as with unit mass, and fast ones follow. Diagonal in Fourier space, it costs nothing.
-Stable while the interface is softer than sigma + 4/dt^2. Newmark 1959; mass as in Zhou, Moseler & Mueser 2019,
-doi:10.1103/PhysRevB.99.144103. Where the layer is soft against dt: M = 1 + dt^2/12 K, which gives the frequencies of
-the layer's modes to the fourth order in dt.
+This is Newmark's average acceleration for the layer and an interface of stiffness sigma. Modes slow against dt decide
+where a slip ends: they move as with unit mass. Fast modes follow them. The mass is diagonal in Fourier space, so it
+costs nothing. Steps are stable while the interface is softer than sigma + 4/dt^2. Where the layer is soft against dt,
+M = 1 + dt^2/12 K gives the frequencies of its modes to the fourth order in dt.
 
-Infinite damping: the overdamped limit of uniform mobility, gamma u' = K (U - u) + T(u), by linearly implicit steps.
+Infinite damping is the overdamped limit of uniform mobility, gamma u' = K (U - u) + T(u), by linearly implicit steps.
+Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRevB.99.144103.
 """
 
 from dataclasses import dataclass
@@ -25,26 +25,33 @@ from numba import njit
 
 @dataclass(frozen=True)
 class MotionOptions:
-    """Time steps of the motion; a "closed" node touches springs in registry, where they are stiffest."""
+    """Time steps of the motion; a "closed" node touches springs in registry, where they are stiffest.
+
+    Measured by tests/bench/constants.py: with half and twice of each, slips land alike.
+    """
 
     step: float = 0.4  # over period/(2 pi) of a closed node; from 0.5 on, weakly damped slips stop too early
-    safe: float = 0.6  # largest stiffness of the interface, over that where steps become unstable
-    idle: int = 2  # powers of two by which the interface may soften before steps are adapted to it
-    explicit: float = 0.5  # of the longest stable explicit step
-    creep: float = 0.25  # step in the overdamped limit, over the time in which a closed node relaxes
+    # largest stiffness of the interface, over that where steps become unstable: until the next check it may stiffen by
+    # two thirds. 0.3 takes 3 % more evaluations
+    safe: float = 0.6
+    # powers of two by which the interface may soften before steps adapt to it, as adapting changes the energy. 1 to 4
+    # take the same number of evaluations, to 1 %
+    idle: int = 2
+    explicit: float = 0.5  # of the longest stable explicit step: until the next check the interface may stiffen
+    creep: float = 0.25  # overdamped step, over the time in which a closed node relaxes; 0.125 takes 3 % more steps
 
 
 OPTIONS = MotionOptions()
 
 
 class Motion:
-    """y, complex (2, modes), and its change per step, from rest, under `load`, nm, which may be changed."""
+    """Coordinates y, complex (2, modes), and their change per step, from rest, under a `load`, nm, that may change."""
 
     def __init__(self, dynamics, y, load, damping, closed):
         """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
-        # below critical damping shorter: errors of energy decide over how many sites it slips
+        # shorter below critical damping, where errors of energy decide by how many sites the surface slips
         self._step = OPTIONS.step / sqrt(closed) * min(1.0, damping)
         self.load = load
         self._power, self._mass, self._starts = None, None, True
@@ -57,7 +64,7 @@ class Motion:
         """
         power = ceil(log2(max(stiffness, self.closed) / OPTIONS.safe)), pace
         if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= OPTIONS.idle:
-            return  # changing to and fro would add energy
+            return  # frequent changes would add energy
         mass, self._keep, self._push, self.step = self._tables(*power)
         if self._power is not None:
             root_energy = _applied(of_blocks(self._mass, np.sqrt), self.change)
@@ -90,7 +97,7 @@ class Motion:
         return of_blocks(k, lambda x: mass(x) / step**2), keep, push, step
 
     def advance(self, active, steps) -> None:
-        """Make so many steps with these nodes active, bool; a force evaluation each."""
+        """Make `steps` steps with these nodes active, bool; a force evaluation each."""
         for _ in range(steps):
             force = self.dynamics.force(self.y, active, self.load)
             _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push)
@@ -100,14 +107,14 @@ class Motion:
                 self._starts = False
 
     def swing(self) -> np.ndarray:
-        """Amplitudes in y to which the velocities would carry the modes against the layer alone: K^-1/2 u'."""
-        least = 0.25 * self.dynamics.critical**2  # k_min; also for the mode that a held load leaves without stiffness
+        """Amplitudes in y that the modes would reach by their velocities against the layer alone: K^-1/2 u'."""
+        least = 0.25 * self.dynamics.critical**2  # k_min, also for the uniform mode, which a held load leaves free
         root = of_blocks(self.dynamics.stiffness, lambda k: np.maximum(k, least) ** -0.5)
         return _applied(root, self.change / self.step)
 
 
 class ExplicitMotion(Motion):
-    """Verlet steps of unit masses, as the paper has them."""
+    """Verlet steps of unit masses, as in the paper."""
 
     def _of_stiffness(self, power, pace):
         step = pace * OPTIONS.explicit * 2.0 / sqrt(self._stiffest() + 2.0**power * OPTIONS.safe)
@@ -115,7 +122,7 @@ class ExplicitMotion(Motion):
 
 
 class Creep(Motion):
-    """The overdamped limit, in units of time in which gamma is one: no masses; linearly implicit steps."""
+    """The overdamped limit, without masses, by linearly implicit steps; the unit of time makes gamma one."""
 
     def _of_stiffness(self, power, pace):
         k, sigma = self.dynamics.stiffness, 2.0**power
@@ -124,7 +131,7 @@ class Creep(Motion):
         return mass, np.zeros_like(k), of_blocks(k, lambda x: step / (1.0 + step * (x + sigma))), step
 
     def swing(self) -> np.ndarray:
-        """None: nothing goes on by inertia."""
+        """Zero: without inertia, nothing goes on."""
         return np.zeros_like(self.y)
 
 
@@ -134,7 +141,7 @@ def motion_of(dynamics, y, load, damping, closed) -> Motion:
 
 
 def of_blocks(k, function) -> np.ndarray:
-    """A matrix function of the Hermitian 2 x 2 blocks k (3, modes), rows xx, zz, c, by its values at eigenvalues."""
+    """A matrix function of the Hermitian 2 x 2 blocks k (3, modes), rows xx, zz, c, from its values at eigenvalues."""
     mean, half = 0.5 * (k[0] + k[1]), 0.5 * (k[0] - k[1])
     radius = np.hypot(half, k[2])
     above, below = function(mean + radius), function(mean - radius)
@@ -152,7 +159,7 @@ def _applied(blocks, y):
 
 @njit(cache=True, nogil=True)
 def _step(y, change, force, k, keep, push):
-    """One step of all modes in place, under the `force` (2, modes) that the layer does not exert."""
+    """One step of all modes in place, under the `force` (2, modes) of all but the layer."""
     for q in range(y.shape[1]):
         x, z = y[0, q], y[1, q]
         f_x = force[0, q] - k[0, q] * x + 1j * k[2, q] * z

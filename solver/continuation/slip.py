@@ -93,7 +93,8 @@ class Transient:
 
     def __init__(self, problem, end, trial, judge, damping, closed, filmed, options: SlipOptions = OPTIONS):
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
-        self.unit, self.film, self.mode, self.options = problem.unit, [] if filmed else None, None, options
+        self.unit, self.mode, self.options = problem.unit, None, options
+        self.film: list | None = [] if filmed else None
         self.pace = Pace(trial.finer, not isfinite(damping), options)
         self.load, self.v = end.load, end.v + end.away / trial.nearer
         if trial.kick:
