@@ -102,7 +102,7 @@ def test_the_sentence_says_the_numbers_of_the_run_on_screen_also_where_it_slides
     """Both slide without slips, so that the sentence is the same but for its numbers."""
     page = paused(visit, "?phi_ratio=0.004")
     page.keyboard.press("End")
-    page.wait_for_function("document.getElementById('sentence').textContent.includes('slides smoothly')")
+    page.wait_for_function("document.getElementById('sentence').textContent.includes('slides without slips')")
     before = page.locator("#sentence").inner_text()
     page.locator("#phi_ratio-entry").fill("0.008")
     page.keyboard.press("Enter")

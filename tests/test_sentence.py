@@ -22,7 +22,7 @@ WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
 READ = """async ({ now, before, at, values }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")
-    const { changeSaid, nowSaid } = await import("http://scripts/js/sentence.js")
+    const { changeSaid, nowSaid, phaseSaid } = await import("http://scripts/js/sentence.js")
     const made = async ({ blocks, scene, carried }) => {
         let run = null
         for (const text of blocks) {
@@ -36,7 +36,8 @@ READ = """async ({ now, before, at, values }) => {
         return run
     }
     const run = await made(now), other = before && (await made(before))
-    return { said: at.map((k) => nowSaid(run, k)), change: other && changeSaid(run, other) }
+    const said = at.flatMap((k) => [nowSaid(run, k), phaseSaid(run, k)])
+    return { said, change: other && changeSaid(run, other) }
 }"""
 
 
@@ -83,7 +84,7 @@ def read(tab, run, before=None):
     at = sorted({*map(int, np.linspace(0, last, POINTS)), *slips, *(min(k + 3, last) for k in slips)})
     told = {"now": run.sent, "before": before and before.sent, "at": at, "values": None}
     found = tab.evaluate(READ, told)
-    return list(zip(at, found["said"], strict=True)), found["change"]
+    return list(zip(np.repeat(at, 2).tolist(), found["said"], strict=True)), found["change"]
 
 
 def A_of(frame):
@@ -106,6 +107,11 @@ def moved(before, now, spacing):
     pick = lambda frame: frame.u[0, first - frame.first : last - frame.first]  # noqa: E731
     steps = np.rint((pick(now) - pick(before)) / spacing)[np.abs(now.T[1, first - now.first : last - now.first]) > 0]
     return abs(np.median(steps))
+
+
+def event_force(frame):
+    """F (N/m) at the located begin of the slip that led to a frame."""
+    return frame.slips[0].F_bar * frame.scene.E * frame.scene.width
 
 
 def near(a, b, scale=1.0):
@@ -134,6 +140,7 @@ def holds(run, claim, before=None):
         "L < 0": lambda: at.L < 0,
         "L >= 0": lambda: -small < at.L,
         "F": lambda: near(at.F, given[1]),
+        "F at slip": lambda: near(event_force(at), given[1]),
         "sites": lambda: moved(previous, at, scene.spacing) == given[1],
         "at rest": lambda: given[0] <= run.sheared,
         "no slips": lambda: first is None,
@@ -152,14 +159,15 @@ def holds(run, claim, before=None):
         "slipped before": lambda: (other is not None) == given[0],
         "U_s": lambda: near(U(run, first), given[0]),
         "U_s before": lambda: near(U(before, other), given[0]),
-        "F_s": lambda: near(frames[first - 1].F, given[0]),
-        "F_s before": lambda: near(before.frames[other - 1].F, given[0]),
+        "F_s": lambda: near(event_force(frames[first]), given[0]),
+        "F_s before": lambda: near(event_force(before.frames[other]), given[0]),
         "steeper": lambda: (
-            (frames[first - 1].F / U(run, first) > before.frames[other - 1].F / U(before, other)) == given[0]
+            (event_force(frames[first]) / U(run, first) > event_force(before.frames[other]) / U(before, other))
+            == given[0]
         ),
         "more contact": lambda: (A_of(frames[run.sheared]) > A_of(before.frames[before.sheared])) == given[0],
         "closer": lambda: (frames[first - 1].u[1, 0] < before.frames[other - 1].u[1, 0]) == given[0],
-        "stronger": lambda: (frames[first - 1].F > before.frames[other - 1].F) == given[0],
+        "stronger": lambda: (event_force(frames[first]) > event_force(before.frames[other])) == given[0],
     }[name]()
 
 
@@ -241,3 +249,43 @@ def test_of_a_run_carried_on_the_slips_after_the_change_are_compared_with_those_
     change = read(tab, run, before)[1]
     assert change["text"].startswith(said) and "hardly" not in change["text"]
     assert not false_in(tab, run, before)
+
+
+PLAYED = """async ({ now, speed }) => {
+    const { Run } = await import("http://scripts/js/run.js")
+    const { unpackLater } = await import("http://scripts/js/packed.js")
+    const { phaseSaid } = await import("http://scripts/js/sentence.js")
+    const { paceAt } = await import("http://scripts/js/pace.js")
+    let run = null, at = 0
+    for (const text of now.blocks) {
+        const chunk = await unpackLater(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
+        run ??= Object.assign(new Run(chunk.run, chunk.head), { scene: now.scene })
+        run.add(chunk)
+    }
+    const seen = [], DT = 0.02
+    for (at = run.beginning; at < run.length - 1; at += (DT * paceAt(run, at, speed)) / run.head.step) {
+        const { key, text } = phaseSaid(run, Math.floor(at))
+        if (seen.at(-1)?.key === key) seen.at(-1).seconds += DT
+        else seen.push({ key, text, seconds: DT })
+    }
+    return seen
+}"""
+
+
+def test_while_a_run_plays_one_sentence_describes_each_phase_long_enough_to_be_read(tab):
+    seen = tab.evaluate(PLAYED, {"now": whole(Scene(u_x_max=25.0)).sent, "speed": 4.0})
+    texts = [one["text"] for one in seen]
+    assert texts == [
+        "It sticks: the punch leans over, and friction grows with the pull.",
+        "It sticks and leans over. The contact lets go behind.",
+        "It sticks and leans over. Both edges of the contact let go, more behind than in front.",
+        "It slips by one site, 2.4 nm: friction drops, and contact comes back.",
+        "Sliding in jerks: it sticks, slips 2.4 nm, sticks again.",
+    ]
+    assert sum(one["seconds"] for one in seen[:3]) >= 5.0  # of one first stick, which would take 2.7 s
+    assert all(one["seconds"] >= 2.5 for one in seen[3:])
+
+
+def test_sliding_without_slips_is_one_phase_with_the_range_of_the_force(tab):
+    seen = tab.evaluate(PLAYED, {"now": whole(SMOOTH).sent, "speed": 4.0})
+    assert seen[-1]["text"] == "It slides without slips: friction swings by ±357 N/m in every lattice period."

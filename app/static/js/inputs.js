@@ -8,7 +8,7 @@ import { by, closest, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures, paint, shadeMap } from "./figures.js"
 import { openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
-import { declared, exact, leaveBehind, me } from "./state.js"
+import { declared, exact, leaveBehind, me, reduced } from "./state.js"
 import { enter, letGo, nudge, steer } from "./steer.js"
 import { checkTruth } from "./status.js"
 import { chooseNext, connectViews, fillScreen, look } from "./view.js"
@@ -113,9 +113,12 @@ function connectCurve(figure) {
 
 const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
+// An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
   leaveBehind(false)
+  Object.assign(me, { following: true, preview: null, place: null, at: 0 })
   order("restore", { preset })
+  if (!reduced) play(true)
   checkTruth()
 }
 

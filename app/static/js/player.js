@@ -4,6 +4,7 @@ import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
 import { by, digits, fixed, tell } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
+import { paceAt } from "./pace.js"
 import { framePage } from "./pages.js"
 import { BESIDE, FILM, Run } from "./run.js"
 import { Picture } from "./picture.js"
@@ -175,11 +176,17 @@ export function tick(time) {
   requestAnimationFrame(tick)
 }
 
+let seen = 0 // number of the run that has been played to its end
 function advance(passed, time) {
   const { step } = me.run.head, last = me.run.length - 1
   me.clock += passed
-  me.at += (passed * me.speed) / step
-  if (me.at > last + me.speed / step && (me.run.stored || ["finished", "skipped"].includes(me.status.state))) me.at = me.run.sheared // after a second at the end
+  const speed = seen === me.run.number ? me.speed : paceAt(me.run, me.at, me.speed)
+  me.at += (passed * speed) / step
+  const ended = me.run.stored || ["finished", "skipped"].includes(me.status.state)
+  if (ended && me.at > last + me.speed / step) { // after a second at the end
+    seen = me.run.number
+    me.at = me.run.beginning
+  }
   if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && performance.now() > next && time > me.quiet) showNext()
 }
 
@@ -220,6 +227,7 @@ export function goto(k) {
   Object.assign(me, { following: false, preview: null, at: Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1)) })
   show()
   if (me.run?.curves.slip[now()]) summarise("Slip")
+  else by("told").textContent = "" // what was announced at another increment is not true of this one
 }
 
 // A sentence for those who hear the page: at rest only, as what is said at every frame is a flood

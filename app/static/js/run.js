@@ -200,6 +200,9 @@ export class Run {
   // What curves are drawn along: U_x, or delta where that is what changes; nm
   get along() { return this.curves[this.head.abscissa] }
 
+  // The frame at which a run is played from
+  get beginning() { return this.normal ? 0 : Math.max(0, this.sheared) }
+
   get normal() { return this.head.abscissa === "delta" }
 
   // Where frame k lies on its path, whatever the size of the increments

@@ -5,7 +5,7 @@
 import { digits, minus, newtons } from "./dom.js"
 import { FILM, WEAK } from "./run.js"
 
-const AFTER = 1.0 // nm of the path for which a slip is what happens
+export const AFTER = 1.0 // nm of the path for which a slip is what happens
 const LET_GO = 0.5 // sites of peeling that are worth a word
 const MORE = 1.3 // times as far: more on one side
 const SAME = 0.01 // a change by less is none
@@ -13,8 +13,25 @@ const SAME = 0.01 // a change by less is none
 const nm = (length) => `${minus(Math.abs(length) < 99.95 ? length.toFixed(1) : length.toFixed(0))} nm`
 const tell = (key, text, ...claims) => ({ key, text, claims })
 
-// What happens at frame k
-export function nowSaid(run, k) {
+// What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the frame
+export function phaseSaid(run, k) {
+  const at = Math.min(Math.max(k, run.sheared + 1), run.length - 1) // not "at rest" while the top moves
+  const stage = run.sheared < 0 ? "" : run.stage(at), sheared = ["shear", "back"].includes(stage)
+  const slips = sheared && run.number < FILM ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
+  if (slips.length > 1 && at >= slips[0] + AFTER / run.head.step) return jerks(run, slips)
+  return nowSaid(run, at, true)
+}
+
+function jerks(run, [first, second]) {
+  const claims = [["slip", first], ["slip", second]]
+  const [a, b] = run.followed ? [{}, {}] : [first, second].map((at) => run.slipTo(at))
+  if (!(a.all && b.all && a.sites && a.sites === b.sites)) return tell("jerks", "Sliding in jerks: the contact sticks, slips, sticks again.", ...claims)
+  return tell("jerks", `Sliding in jerks: it sticks, slips ${nm(a.sites * run.head.spacing)}, sticks again.`, ...claims,
+    ["sites", first, a.sites], ["sites", second, b.sites])
+}
+
+// What happens at frame k; playing: without the numbers of a slip
+export function nowSaid(run, k, playing = false) {
   if (run.number > FILM) return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
   const stage = run.stage(k), frame = run.frame(k), acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
   if (!frame.T_t.some(acts)) {
@@ -23,7 +40,7 @@ export function nowSaid(run, k) {
   }
   const slip = run.slipBefore(k, AFTER), normal = ["approach", "press", "reload", "unload"].includes(stage)
   const jumps = normal || slip <= Math.max(0, run.sheared) // there a held load takes over
-  if (slip !== null && run.stage(slip) === stage) return jumps ? jumped(run, slip, k) : slid(run, slip)
+  if (slip !== null && run.stage(slip) === stage) return jumps ? jumped(run, slip, k) : slid(run, slip, playing)
   return normal ? pressed(run, k, stage) : pulled(run, k)
 }
 
@@ -50,15 +67,16 @@ function pressed(run, k, stage) {
   return tell(grows ? "grows" : "pressed", grows ? "Lowered: the contact grows." : "Lowered onto the surface.", ["A > 0", k], ...(grows ? [["A rises", k]] : []))
 }
 
-function slid(run, at) {
-  const { F, A } = run.curves, { gone, all, sites, said } = run.followed ? {} : run.slipTo(at)
+function slid(run, at, playing) {
+  const { F, A } = run.curves, start = eventOf(run, at), { gone, all, sites, said } = run.followed ? {} : run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
   const far = sites && all ? ` by ${said}, ${nm(sites * run.head.spacing)}` : ""
-  const [was, is] = [at - 1, at].map((k) => Math.abs(F[k])), round = F[at] * F[at - 1] < 0
-  const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"} from ${digits(was)} to ${newtons(is)}${round ? " the other way" : ""}`
+  const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0
+  const numbers = playing ? "" : ` from ${digits(was)} to ${newtons(is)}${round ? " the other way" : ""}`
+  const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"}${numbers}`
   const gain = A[at] / A[at - 1] - 1
   const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? "" : A[at] > A[at - 1] ? ", and contact comes back" : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
-  const claims = [["slip", at], ["F", at - 1, F[at - 1]], ["F", at, F[at]], ...(far ? [["sites", at, sites]] : [])]
+  const claims = [["slip", at], ["F at slip", at, start.F], ["F", at, F[at]], ...(far ? [["sites", at, sites]] : [])]
   if (area && gain !== 0) claims.push([A[at] > A[at - 1] ? "A rises" : A[at] === 0 ? "A = 0" : "A falls", at])
   return tell(`slip ${at}`, `${part}${far}: ${force}${area}.`, ...claims)
 }
@@ -69,7 +87,7 @@ function pulled(run, k) {
   const begun = stickBegins(run, k)
   if (k <= run.sheared) return tell("rest", run.curves.A[k] > 0 || flat ? "In contact and at rest: nothing pulls sideways yet." : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
   const steady = smooth(run, k)
-  if (steady) return tell("smooth", `It slides smoothly, without slips: friction only swings ${swing(steady)}.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
+  if (steady) return tell("smooth", `It slides without slips: friction swings ${swing(steady)} in every lattice period.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
   const rising = way * (F[k] - F[Math.max(begun, k - 1)]) >= 0
   if (!rising) return tell(way * F[k] < 0 ? "swing" : "eases", way * F[k] < 0 ? "Still bent the other way: friction pushes it on." : "Friction eases, without a slip.", ["F eases", k])
   if (way * F[k] < 0) return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.", ["F against", k])
@@ -115,12 +133,15 @@ function smooth(run, k) {
 
 const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
 
-// What a slip takes: {at, U, F, A}, or null where there is none
-function taken(run, at) {
-  const { F, A, slip_at: where, U_x } = run.curves
-  return at < 0 ? null : { at, U: where?.[at] || U_x[at], F: F[at - 1], A: A[at - 1] }
+// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F (N/m), A (nm)}; of a run that is
+// followed only the frame before is known; null where there is no slip
+export function eventOf(run, at) {
+  if (at < 0) return null
+  const { F, A, U_x, slip_at: load, F_slip, slip_A } = run.curves
+  if (!load?.[at]) return { at, U: U_x[at], F: F[at - 1], A: A[at - 1] }
+  return { at, U: load[at], F: F_slip[at], A: slip_A[at] * 2 * run.head.middle }
 }
-export const firstSlip = (run) => taken(run, run.curves.slip.findIndex(sliding(run)))
+export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
 
 const CHANGES = { // parameter: what more and less of it is called
   E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"], phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
@@ -156,10 +177,10 @@ const compared = (head, verb, now, then, ...claims) => (now === then ? tell("cha
 
 // Of a run that goes on under another parameter: its last slip, against the last before
 function goesOn(run, head) {
-  const slips = sliding(run), last = (test) => taken(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
+  const slips = sliding(run), last = (test) => eventOf(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
   const now = last((i) => i > run.carried), then = last((i) => i < run.carried)
   if (!now || !then) return null
-  return compared(head, "it now slips at", newtons(now.F), newtons(then.F), ["F", now.at - 1, now.F], ["F", then.at - 1, then.F], ["slip", now.at], ["slip", then.at])
+  return compared(head, "it now slips at", newtons(now.F), newtons(then.F), ["F at slip", now.at, now.F], ["F at slip", then.at, then.F], ["slip", now.at], ["slip", then.at])
 }
 
 // Of two runs that slide without slips

@@ -23,7 +23,7 @@ export function heard(text) {
   const { state, values, errors, notes, cautions, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
-    if (me.following && me.playing) me.at = Math.max(0, me.run.sheared)
+    if (me.following && me.playing) me.at = me.run.beginning
     me.following = false
   }
   if (!waiting().length && !me.entered) { // not the echo of a position the slider has left

@@ -5,7 +5,7 @@ import { by, fixed, newtons, say } from "./dom.js"
 import { figures, overlays } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
-import { changeSaid, nowSaid } from "./sentence.js"
+import { changeSaid, nowSaid, phaseSaid } from "./sentence.js"
 import { exact, me } from "./state.js"
 import { explain } from "./terms.js"
 
@@ -105,7 +105,8 @@ function drawEdges(view) {
   const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${narrow ? "" : " wide"}${patches.length > 1 ? ` in ${patches.length} places` : ""}`
   const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
-  const start = run.sheared >= 0 && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
+  const sliding = ["shear", "back"].includes(run.stage(k)) // while the top moves up or down contact grows and shrinks anyway
+  const start = sliding && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
   if (!start) return
   const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b]
   const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too
@@ -155,17 +156,16 @@ export function slipSaid(run, at, brief = false) {
   return `slip: ${part}${far}${run.head.flat ? "" : area}`
 }
 
-const HOLD = 400 // ms for which a sentence stays, unless a slip happens
-const LONG = 80 // characters beyond which a sentence is written smaller, so that it keeps its place
-let sentence = { key: "", at: 0, run: null }, compared = [] // what is on screen since when; the runs last compared
+const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
+let sentence = { key: "", text: "", at: -HOLD }, compared = [] // what is on screen since when; the runs last compared
 
-// The live sentence beside the hero: what happens now, and what the last change has done
+// The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
 export function tellNow(run, k) {
-  const said = nowSaid(run, k), time = performance.now(), urgent = said.key.startsWith("slip") || !me.playing
-  if ((said.key !== sentence.key || run !== sentence.run) && (urgent || time - sentence.at > HOLD)) {
-    sentence = { key: said.key, at: time, run }
+  const moving = me.playing || me.dragging, time = performance.now()
+  const said = moving ? phaseSaid(run, k) : nowSaid(run, k), same = moving && said.key === sentence.key
+  if (said.text !== sentence.text && !same && !(moving && time - sentence.at < HOLD)) {
+    sentence = { ...said, at: time }
     explain(by("sentence"), said.text)
-    by("sentence").dataset.long = said.text.length > LONG
   }
   const wanted = [run, me.ghost, run.whole, run.scene] // its scene may be told after its frames
   if (wanted.every((what, i) => what === compared[i])) return
