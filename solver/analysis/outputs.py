@@ -1,9 +1,9 @@
-"""F_bar, L_bar and A_bar as functions of the tractions on a patch, and their derivatives by these tractions."""
+"""Derivatives of F_bar, L_bar and A_bar by the tractions on a patch, and by parameters at fixed tractions."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..run.frame import contact_area, forces, least_repulsion, on_nodes
+from ..run.frame import least_repulsion
 from ..scene import Scene
 from .partial import Change
 
@@ -11,14 +11,8 @@ Floats = NDArray[np.float64]
 NAMES = ("F_bar", "L_bar", "A_bar")
 
 
-def values(scene: Scene, T: Floats) -> Floats:
-    """(F_bar, L_bar, A_bar) of T (2, m), GPa."""
-    T = on_nodes(scene, T)
-    return np.array([*forces(scene, T), contact_area(scene, T)])
-
-
 def gradients(scene: Scene, T: Floats) -> Floats:
-    """Their derivatives by T, (3, 2, m) per GPa."""
+    """Derivatives of F_bar, L_bar and A_bar by T (2, m), (3, 2, m) per GPa."""
     m, out = T.shape[1], np.zeros((3, 2, T.shape[1]))
     scale = 1.0 / (scene.nodes * scene.E) if m > 1 else 1.0 / scene.E
     out[0, 0], out[1, 1] = -scale, scale
@@ -28,7 +22,7 @@ def gradients(scene: Scene, T: Floats) -> Floats:
 
 
 def _area(scene, T_z):
-    """d A_bar/d T_z (m,), per GPa: of the two nodes at each edge of a contact, between which it is interpolated."""
+    """d A_bar/d T_z (m,), per GPa; nonzero for the two nodes at each edge, between which the area is interpolated."""
     m, n, out = T_z.size, scene.nodes, np.zeros(T_z.size + 2)
     T = np.concatenate([[0.0], T_z, [0.0]]) if m < n else np.concatenate([T_z[-1:], T_z, T_z[:1]])
     T -= least_repulsion(scene)
@@ -47,12 +41,12 @@ def _area(scene, T_z):
 def over_own(scene: Scene, name: str, outputs: Floats, by: Floats) -> Floats:
     """Derivatives of U_x, forces and area by a parameter, from those `by` (4, ...) of U_x, F_bar, L_bar and A_bar.
 
-    outputs (4, ...): the values. Forces over the present E and width, area over the present width: these do not change.
+    outputs (4, ...): the values. The results refer to forces over the present w E, and to the area over the present w.
     """
     per_unit = {"E": np.array([0.0, 1.0, 1.0, 0.0]) / scene.E, "width": np.array([0.0, 1.0, 1.0, 1.0]) / scene.width}
     return by + (outputs.T * per_unit[name]).T if name in per_unit else by
 
 
 def explicit(scene: Scene, outputs: Floats, change: Change) -> Floats:
-    """Derivatives of F_bar, L_bar and A_bar, `outputs` (3, ...), at fixed tractions: the forces are over w E."""
+    """Derivatives of F_bar, L_bar and A_bar, `outputs` (3, ...), at fixed tractions, as the forces are over w E."""
     return (-outputs.T / scene.E * [1.0, 1.0, 0.0]).T if change.name == "E" else np.zeros_like(outputs)

@@ -1,4 +1,4 @@
-"""What matters: derivatives of slips and curves by every continuous parameter, and by the strength of every node.
+"""Derivatives of slips and curves by every continuous parameter, and by the strength of every node.
 
 Implicit differentiation of the states of a Skeleton. One solve with the transposed tangent gives the derivatives of
 F_bar, L_bar or A_bar by all parameters: dF/dp = F_p + <x, R_p> with R_v^T x = -F_v. At a fold
@@ -21,30 +21,30 @@ from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.linearised import Linearised
-from ..run.frame import SlipEvent
+from ..run.frame import SlipEvent, forces_and_area
 from ..run.loading import sideways
 from ..scene import LIMITS, Scene
 from ..threads import one_thread
-from .outputs import explicit, gradients, over_own, values
+from .outputs import explicit, gradients, over_own
 from .partial import Change, Pulled, States, continuous
 
 Floats = NDArray[np.float64]
 FINE = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
-NEWTON = 4  # steps, at most, by which a state is sharpened to the scene's tolerance: 1e-5 nm takes one, or two
-CORRECTED = 1e-4  # of residuals, by such a step: what is left of 1e-5 nm moves derivatives by 1e-9
-ACCURACY = 1e-9  # of a solve, residual over right side; derivatives are asked for to 1e-5, amplified near a fold
-ALONG = 1e-7  # accuracy of solves at states of a branch, whose derivatives are asked for to 1e-5
-AHEAD = 6  # states from which the solution at the next one is extrapolated
-SHARP = FoldOptions(state=1e-9, accuracy=1e-3)  # units: what is left of the state is the square of that
+NEWTON = 4  # most steps that solve a state to the scene's tolerance: from 1e-5 nm it takes one or two
+CORRECTED = 1e-4  # accuracy of the linear solve of such a step: the rest of 1e-5 nm moves derivatives by 1e-9
+ACCURACY = 1e-9  # of a linear solve; derivatives are asked for to 1e-5, and amplified near a fold
+ALONG = 1e-7  # the same at states along a branch, where nothing is amplified
+AHEAD = 6  # states from which the solution at the next one is extrapolated, as it changes smoothly along a branch
+SHARP = FoldOptions(state=1e-9, accuracy=1e-3)  # units: the error of the state is the square of that
 
 
 @dataclass(frozen=True)
 class SlipSensitivity:
     """A slip and its derivatives.
 
-    by: {parameter: (4,)}, derivatives of U_s (nm), F_s, L_s and A_s (F_bar, L_bar, A_bar just before it) per unit of
-    the parameter. nodes: (4, nodes), the same by the strength of each node's spring, phi_n and phi_t of that node
-    times 1 + eps, per eps.
+    by: {parameter: (4,)}, derivatives of U_s (nm) and of F_s, L_s and A_s, just before the slip, per unit of the
+    parameter. nodes: (4, nodes), the same by the strength of each node's spring: per eps, where phi_n and phi_t of that
+    node are multiplied by 1 + eps.
     """
 
     event: SlipEvent
@@ -58,7 +58,7 @@ class SlipSensitivity:
         return np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
 
     def per_cent(self, scene: Scene) -> dict[str, Floats]:
-        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s (nm, N/m) in per cent per per cent; nan for what is zero."""
+        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s (nm, N/m) in per cent per per cent; nan where one is zero."""
         now, own = self.values, {name: over_own(scene, name, self.values, d) for name, d in self.by.items()}
         with np.errstate(divide="ignore", invalid="ignore"):
             return {name: np.where(now != 0.0, d * getattr(scene, name) / now, np.nan) for name, d in own.items()}
@@ -66,7 +66,7 @@ class SlipSensitivity:
 
 @dataclass(frozen=True)
 class BranchSensitivity:
-    """States of a branch and their derivatives; each state keeps its relative position between the ends of the branch.
+    """States of a branch and their derivatives, at fixed relative positions between the ends of the branch.
 
     values: (4, n) rows U_x (nm), F_bar, L_bar, A_bar of n states; by: {parameter: (4, n)}, per unit of the parameter.
     slope: (3, n), derivatives of F_bar, L_bar, A_bar by U_x, per nm; infinite at a fold, the last state.
@@ -99,8 +99,8 @@ class Sensitivities:
 def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
     """The Sensitivities of a run by the parameters `names`, all `continuous` ones by default.
 
-    Without `branches` those of slips alone, in an eighth of the evaluations. Raises NotFollowed where Newton's steps do
-    not solve a state or a fold.
+    Without `branches` only slips, in an eighth of the evaluations. Raises NotFollowed where Newton's steps do not solve
+    a state or a fold.
     """
     try:
         return _sensitivities(skeleton, _Differentiator(skeleton, names), branches)
@@ -120,15 +120,15 @@ def _sensitivities(skeleton, of, branches):
 
 
 def passed(skeleton: Skeleton) -> Iterator[tuple[int, int]]:
-    """Yield (index of a branch, periods by which it is shifted) in the order of the run; endless where that repeats."""
+    """Yields (index of a branch, periods by which it is shifted) in the order of the run; endless if that repeats."""
     yield from ((index, 0) for index in range(len(skeleton.branches)))
     for turns in count(1) if skeleton.sites else ():
         yield from ((index, turns) for index in range(skeleton.home, len(skeleton.branches)))
 
 
 def _slips(skeleton, folds):
-    """The SlipSensitivities up to u_x_max: what repeats itself changes with the period, sites width/nodes."""
-    scene, found = skeleton.scene, []
+    """The SlipSensitivities up to u_x_max; loads of repeated slips change with the period, sites width/nodes."""
+    scene, slips = skeleton.scene, []
     for index, turns in passed(skeleton):
         fold, sites = folds[index], turns * skeleton.sites
         if fold is None or fold.event.load + sites * scene.spacing > scene.u_x_max:
@@ -136,17 +136,17 @@ def _slips(skeleton, folds):
         by, event = dict(fold.by), replace(fold.event, load=fold.event.load + sites * scene.spacing)
         if "width" in by:
             by["width"] = by["width"] + [sites / scene.nodes, 0.0, 0.0, 0.0]
-        found.append(SlipSensitivity(event, by, fold.nodes))
-    return tuple(found)
+        slips.append(SlipSensitivity(event, by, fold.nodes))
+    return tuple(slips)
 
 
-def _ahead(every, t, fold):
-    """[x (3, size)] of the next of the states at t (n,), extrapolated from `every` (duals, x) before it, or []."""
-    i, before = len(every), every[-AHEAD:]
+def _ahead(solutions, t, fold):
+    """[x (3, size)] of the next of the states at t (n,), extrapolated from the (duals, x) before it, or []."""
+    i, before = len(solutions), solutions[-AHEAD:]
     if not before:
         return []
     weights = np.array(lagrange(t[i - len(before) : i], t[i]))
-    if fold:  # towards it x grows as one over what is left of t
+    if fold:  # towards it x grows as 1/(1 - t)
         weights *= (1.0 - t[i - len(before) : i]) / (1.0 - t[i])
     return [sum(weight * x for weight, (_, x) in zip(weights, before, strict=True))]
 
@@ -160,7 +160,7 @@ class _State(NamedTuple):
 
 
 class _Differentiator:
-    """Differentiates states of one Skeleton by its Changes; under a held load p_0 changes, too."""
+    """Differentiates states of one Skeleton by parameters; under a held load p_0 depends on them, too."""
 
     def __init__(self, skeleton, names=None):
         self.scene, self.first = skeleton.scene, skeleton.first
@@ -176,7 +176,7 @@ class _Differentiator:
             self._carry(self.settled(held.v, held.active, 0.0, tolerance=FINE))
 
     def _carry(self, state):
-        """Hold the load of a state at given indentation from now on."""
+        """From now on hold the load of a state at given indentation."""
         count, carried = self.contact.count, np.zeros((1, *state.T.shape))
         carried[0, 1] = 1.0 / count
         (dual,), (x,) = self.duals(state, carried)
@@ -192,7 +192,7 @@ class _Differentiator:
         return self.problem.held
 
     def settled(self, v, active, load, accuracy=ACCURACY, tolerance=None) -> _State:
-        """The _State next to v, by Newton's steps; raises NotFollowed where these do not reach the tolerance, nm."""
+        """The _State next to v by Newton's steps; raises NotFollowed where they do not reach the tolerance, nm."""
         problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
         for _ in range(NEWTON):
             here = problem.linearised(v, active)
@@ -206,12 +206,13 @@ class _Differentiator:
 
         guess: of x (k, size).
         """
-        sides = [-state.here.by_unknowns(one) for one in gradients]
-        x = np.array([state.solves(b, True, begun) for b, begun in zip(sides, guess, strict=False)])
-        return np.array([one + state.here.by_traction(part) for one, part in zip(gradients, x, strict=True)]), x
+        sides = [-state.here.by_unknowns(gradient) for gradient in gradients]
+        x = np.array([state.solves(b, True, start) for b, start in zip(sides, guess, strict=False)])
+        parts = (state.here.by_traction(part) for part in x)
+        return np.array([gradient + part for gradient, part in zip(gradients, parts, strict=True)]), x
 
     def parts(self, states) -> list[tuple[Floats, Floats]]:
-        """[(dT (k, 2, m), what R changes by beside C dT (k, size))] of every Change, at k _States."""
+        """[(dT (k, 2, m), the change of R beside C dT (k, size))] by every parameter, at k _States."""
         at = States([state.here for state in states], [state.T for state in states], self.first)
         out, pulled = [], Pulled(at.T, self.first, self.contact)
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
@@ -227,42 +228,43 @@ class _Differentiator:
     def branch(self, branch, start, fold) -> BranchSensitivity:
         """The BranchSensitivity; start: {parameter: derivative} of its first load, or None where that is fixed."""
         n = branch.intervals + 1
-        found, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
-        found[0] = branch.loads
-        states, every = [], []
+        outputs, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
+        outputs[0] = branch.loads
+        states, solutions = [], []
         for i in range(n - (fold is not None)):
-            state = self.settled(branch.v[i], branch.active[i], found[0, i], ALONG)
-            found[1:, i] = values(self.scene, state.T)
-            every.append(self.duals(state, gradients(self.scene, state.T), *_ahead(every, branch.t, fold)))
-            slope[:, i] = every[-1][1] @ self.problem.direction
+            state = self.settled(branch.v[i], branch.active[i], outputs[0, i], ALONG)
+            outputs[1:, i] = forces_and_area(self.scene, state.T)
+            guess = _ahead(solutions, branch.t, fold)
+            solutions.append(self.duals(state, gradients(self.scene, state.T), *guess))
+            slope[:, i] = solutions[-1][1] @ self.problem.direction
             states.append(state)
-        inner, (duals, x) = slice(len(states)), map(np.array, zip(*every, strict=True))
-        share, by = (found[0, inner] - branch.start) / (branch.end - branch.start), {}
+        inner, (duals, x) = slice(len(states)), map(np.array, zip(*solutions, strict=True))
+        share, by = (outputs[0, inner] - branch.start) / (branch.end - branch.start), {}
         for change, (dT, rest) in zip(self.changes, self.parts(states), strict=True):
             ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
             load = (1.0 - share) * ends[0] + share * ends[1]
             moved = np.einsum("kiam,kam->ik", duals, dT) + np.einsum("kis,ks->ik", x, rest)
-            moved += explicit(self.scene, found[1:, inner], change) + slope[:, inner] * load
+            moved += explicit(self.scene, outputs[1:, inner], change) + slope[:, inner] * load
             by[change.name] = np.array([load, *moved])
         if fold:
-            found[:, -1] = fold.values
+            outputs[:, -1] = fold.values
             by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
-        return BranchSensitivity(branch, found, by, slope)
+        return BranchSensitivity(branch, outputs, by, slope)
 
     def slip(self, branch) -> SlipSensitivity:
         """The SlipSensitivity of the fold at the end of a Branch."""
         scene, problem = self.scene, self.problem
         fold = fold_near(problem, branch.fold, SHARP)
         if fold is None:
-            raise NotFollowed(f"the fold at {branch.end:g} nm is not found by Newton's steps")
+            raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
         at = Bordered(problem, fold.v, fold.active, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
         state = _State(at.here, at.solves, problem.traction(fold.v, fold.active))
-        found, pull = values(scene, state.T), gradients(scene, state.T)
-        rises = np.array([at.here.by_unknowns(one) for one in pull])
-        back = (rises @ at.phi) / (at.slopes @ at.phi)  # how far the second-order condition draws the state along phi
+        outputs, pull = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
+        rises = np.array([at.here.by_unknowns(gradient) for gradient in pull])
+        back = (rises @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold
         sides = np.append(back[:, None] * at.slopes - rises, np.zeros((3, 1)), axis=1)
         x = np.array([at.solves(side, True)[:-1] for side in sides])
-        duals = pull + np.array([at.here.by_traction(one) for one in x])
+        duals = pull + np.array([at.here.by_traction(part) for part in x])
         bent, left = at.here.pull(at.phi), at.here.by_traction(at.psi)
         speed = at.psi @ problem.direction
         by, states, bending = {}, States([at.here], [state.T], self.first), Pulled(bent[None], self.first, self.contact)
@@ -272,16 +274,16 @@ class _Differentiator:
             turned = np.sum(left * at.here.pull(at.phi, dJ))
             turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
             moved = (duals * dT).sum(axis=(1, 2)) + x @ rest - back * turned
-            by[change.name] = np.array([load, *(moved + explicit(scene, found, change))])
+            by[change.name] = np.array([load, *(moved + explicit(scene, outputs, change))])
         held = (problem.scale if self.held else 0.0) * self.pressure_nodes
         nodes = -((left * state.T).sum(axis=0) - at.psi[-1] * held) / speed, (left * bent).sum(axis=0)
         moved = (duals * state.T).sum(axis=1) - np.multiply.outer(x[:, -1], held) - np.multiply.outer(back, nodes[1])
-        event = SlipEvent(float(fold.load), *map(float, found), "shear", "fold", True)
+        event = SlipEvent(float(fold.load), *map(float, outputs), "shear", "fold", True)
         return SlipSensitivity(event, by, self._on_cell(np.vstack([nodes[0], moved])))
 
     def _on_cell(self, rows):
         """Derivatives (4, nodes) by the strength of every node, from those (4, m) of the patch."""
-        if self.contact.uniform:  # each of all nodes has its share in what they do together
+        if self.contact.uniform:  # all nodes have equal shares
             return np.repeat(rows / self.scene.nodes, self.scene.nodes, axis=1)
         out = np.zeros((4, self.scene.nodes))
         out[:, self.first : self.first + rows.shape[1]] = rows

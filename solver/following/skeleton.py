@@ -1,4 +1,4 @@
-"""What carries a run that slides: its branches until they repeat, and from them the run at any load."""
+"""A run that slides, known by its branches until they repeat: it gives the run at any load."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..continuation.fold import Fold
 from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
-from ..run.frame import Frame, SlipEvent, contact_area, forces, on_nodes
+from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, on_nodes
 from ..scene import Scene
 from .branch import Branch
 
@@ -20,8 +20,7 @@ FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then
 class Held:
     """The equilibrium at the end of the approach: it carries the load that is held in shear.
 
-    kind: empty, or that of the slip at U_x = 0 by which the surface leaves it, as it is unstable under that load; None:
-    not known yet.
+    kind: that of the slip at U_x = 0 where it is unstable under that load; empty where it is stable; None if unknown.
     """
 
     v: NDArray[np.float64] = field(repr=False)  # (2 m,) at given indentation
@@ -31,10 +30,10 @@ class Held:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """The shear of a scene. Branches in order; the last one leads on to branch `home`, moved on by so many sites.
+    """The shear of a scene: its branches in order. After the last one, branch `home` follows, shifted by `sites`.
 
-    sites: 0 where that is not known; the branches then reach to u_x_max. Unknowns are those of a patch whose first node
-    is `first`. jumps: Folds of the approach, loads delta (nm). Treat it as read-only.
+    sites: 0 where the run does not repeat itself; the branches then reach to u_x_max. Unknowns are those of a patch
+    from node `first` on. jumps: Folds of the approach, loads delta (nm). Treat it as read-only.
     """
 
     scene: Scene = field(repr=False)
@@ -51,7 +50,7 @@ class Skeleton:
 
     @property
     def period(self) -> float | None:
-        """After which everything repeats, nm, or None where that is not known."""
+        """The load, nm, after which everything repeats, or None."""
         return self.sites * self.scene.spacing if self.sites else None
 
     @property
@@ -61,7 +60,7 @@ class Skeleton:
 
     @property
     def nodes(self) -> int:
-        """Of the patch."""
+        """Number of nodes of the patch."""
         return self.branches[0].v.shape[1] // 2
 
     @property
@@ -77,15 +76,14 @@ class Skeleton:
         """The SlipEvents of the shear up to u_x_max."""
         events = []
         if self.held is not None and self.held.kind:
-            F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(self.scene, self.tractions(self.held.v[None])))
-            events.append(SlipEvent(0.0, F_bar, L_bar, A_bar, "shear", self.held.kind, True))
+            at_end = forces_and_area(self.scene, self.tractions(self.held.v[None])[0])
+            events.append(SlipEvent(0.0, *at_end, "shear", self.held.kind, True))
         for k, branch in enumerate(self.branches):
             if branch.fold is None:
                 continue
-            F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(self.scene, self.tractions(branch.v[-1:])))
-            load = float(branch.end)
+            at_end, load = forces_and_area(self.scene, self.tractions(branch.v[-1:])[0]), float(branch.end)
             while load <= self.scene.u_x_max:
-                events.append(SlipEvent(load, F_bar, L_bar, A_bar, "shear", "fold", True))
+                events.append(SlipEvent(load, *at_end, "shear", "fold", True))
                 if self.period is None or k < self.home:
                     break
                 load += self.period
@@ -93,7 +91,8 @@ class Skeleton:
 
     def curve(self, U_x: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
-        return _numbers(self.scene, self.tractions(self.unknowns(U_x)))
+        T = self.tractions(self.unknowns(U_x))
+        return *forces(self.scene, T), np.array([contact_area(self.scene, T_at) for T_at in T])
 
     def frames(self, U_x: ArrayLike, residuals: bool = True) -> list[Frame]:
         """The Frames at loads U_x (k,) nm, with no slips in them.
@@ -110,11 +109,10 @@ class Skeleton:
         scene, residual = self.scene, np.nan
         if contact is not None:
             residual = float(np.abs(np.array([[U_x], [U_z]]) + contact.comply(T) - u).max())
-        F_bar, L_bar, A_bar = (float(one[0]) for one in _numbers(scene, T[None]))
-        u, T = on_nodes(scene, u), on_nodes(scene, T)
+        u, given = on_nodes(scene, u), on_nodes(scene, T)
         first = 0 if u.shape[1] == scene.nodes else self.first
         index = round(U_x / (scene.du_x * scene.delta_t))
-        return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, T, F_bar, L_bar, A_bar, residual, 0)
+        return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, given, *forces_and_area(scene, T), residual, 0)
 
     def unknowns(self, U_x: ArrayLike) -> NDArray[np.float64]:
         """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
@@ -146,8 +144,3 @@ def tractions(scene: Scene, first: int, v: NDArray[np.float64]) -> NDArray[np.fl
         T_part[:, gap > scene.window_n * scene.delta_n] = 0.0
         T[k : k + few] = T_part.swapaxes(0, 1)
     return T
-
-
-def _numbers(scene, T):
-    """(F_bar, L_bar, A_bar), (k,) each, of tractions T (k, 2, m)."""
-    return *forces(scene, T), np.array([contact_area(scene, one) for one in T])

@@ -156,6 +156,12 @@ def contact_area(scene, T) -> float:
     return _repelled(T[1], T.shape[1] == count, least_repulsion(scene)) / count
 
 
+def forces_and_area(scene, T) -> tuple[float, float, float]:
+    """(F_bar, L_bar, A_bar) of T (2, m), GPa."""
+    F_bar, L_bar = forces(scene, T)
+    return float(F_bar), float(L_bar), contact_area(scene, T)
+
+
 def least_repulsion(scene) -> float:
     """T_z (GPa) from which a node counts as in contact, so that a flat at dn = 0 does not flicker by round-off."""
     share = CONTACT_OF_FLATS if scene.surface == "flat" else CONTACT
@@ -184,10 +190,9 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v, state.active)
-    F_bar, L_bar = map(float, forces(scene, T))
-    u, T, A_bar = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T), contact_area(scene, T)
+    u, given = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T)
     position = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
-    return Frame(*position, u, T, F_bar, L_bar, A_bar, residual, evaluations, slips, repeated)
+    return Frame(*position, u, given, *forces_and_area(scene, T), residual, evaluations, slips, repeated)
 
 
 def on_nodes(scene, field) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
-from .frame import Frame, SlipEvent, contact_area, forces, frame_of
+from .frame import Frame, SlipEvent, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 from .shortcuts import ALL
 
@@ -207,8 +207,8 @@ class Run:
     def _event(self, step, slip):
         """The SlipEvent of a Slip."""
         scene, T = self.scene, self._stepper.problem.traction(slip.v, slip.active)
-        numbers = step.loading.coordinate(slip.load), *forces(scene, T), contact_area(scene, T)
-        return SlipEvent(*map(float, numbers), step.stage, slip.kind, slip.located, slip.sensitive)
+        load = float(step.loading.coordinate(slip.load))
+        return SlipEvent(load, *forces_and_area(scene, T), step.stage, slip.kind, slip.located, slip.sensitive)
 
 
 def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
