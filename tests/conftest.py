@@ -18,10 +18,21 @@ DESKTOP = {"width": 1280, "height": 720}
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
+def named(config):
+    """Whether the command names files or tests, rather than folders or nothing."""
+    return any(not os.path.isdir(argument) for argument in config.args)
+
+
 def pytest_xdist_auto_num_workers(config):
-    """Two processes for the suite; none beside its own for files or tests that are named, where one wants to look."""
-    named = [argument for argument in config.args if not os.path.isdir(argument)]
-    return 0 if named else int(os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS", 2))
+    """Two processes for the suite; for named files this one alone, which a debugger needs."""
+    return 0 if named(config) else int(os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS", 2))
+
+
+def pytest_configure(config):
+    """Leave thorough tests out, unless `-m` names them or the command names files: these run all they have."""
+    chosen = config.option.markexpr
+    if "thorough" not in chosen and (chosen or not named(config)):
+        config.option.markexpr = f"({chosen}) and not thorough" if chosen else "not thorough"
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses

@@ -5,6 +5,8 @@ The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
 
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -76,3 +78,16 @@ def test_every_tutorial_and_page_is_in_the_table_of_contents():
 def test_presets_that_the_docs_name_exist():
     named = {name for page in PAGES for name in re.findall(r"preset=([\w-]+)", page.read_text(encoding="utf-8"))}
     assert named and named <= set(presets())
+
+
+def collected(*arguments):
+    """The tests of a file that pytest would run."""
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-n", "0", "tests/test_slip.py", *arguments]
+    shown = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=True).stdout
+    return {line for line in shown.splitlines() if "::" in line}
+
+
+def test_a_named_file_runs_all_its_tests_and_a_choice_leaves_thorough_ones_out():
+    thorough = collected("-m", "thorough")
+    assert thorough and thorough <= collected()
+    assert not thorough & collected("-m", "not slow")
