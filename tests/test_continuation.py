@@ -1,6 +1,5 @@
 """Continuation, motion and replay on problems of one and two unknowns with known answers."""
 
-from dataclasses import replace
 from math import inf
 from types import SimpleNamespace
 
@@ -514,7 +513,7 @@ def test_a_motion_that_never_rests_is_told():
     """A force that turns and grows without bound: no rest anywhere."""
     turned = np.array([[1.5, -3.0], [3.0, 1.5]])
     toy = Toy(lambda u: turned @ u, lambda u: turned, size=2)
-    state = replace(toy.at_rest(0.5, np.zeros(2)), unsure=True)
+    state = toy.at_rest(0.5, np.zeros(2))._replace(unsure=True)
     with pytest.raises(NotConverged, match=r"diverges|does not come to rest|still moving"):
         QuasiStatic(toy, 1.0, 3.0).increment(state, 0.6)
 
@@ -522,7 +521,7 @@ def test_a_motion_that_never_rests_is_told():
 def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
     """The cubic at s = 0, v = 0: an equilibrium, and none of the motion's rests."""
     toy = cubic()
-    state = replace(toy.at_rest(0.0, 0.0), unsure=True)
+    state = toy.at_rest(0.0, 0.0)._replace(unsure=True)
     done = QuasiStatic(toy, 1.0, 2.0).increment(state, 0.05)
     assert abs(done.state.v[0]) > 0.9
     assert abs(0.05 + done.state.v[0] - done.state.v[0] ** 3) < 1e-11
@@ -534,7 +533,7 @@ def test_a_state_close_to_the_end_of_a_branch_gives_way_to_it():
     branch = TracedBranch((states[0],))
     for state in states[1:]:
         branch = branch.added(state)
-    branch = branch.ended(Slip(1.0, np.ones(1), ACTIVE, "fold", True, None))
+    branch = branch.ended(Slip(1.0, np.ones(1), ACTIVE, "fold", None))
     assert [state.load for state in branch.states] == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
     # quadratic in the load is of the fourth degree in the root of the distance to the end
     assert branch.at(0.99).v[0] == pytest.approx(0.99**2, abs=1e-12)

@@ -7,7 +7,7 @@ Source: Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue 
 Rheinboldt & Burkardt 1983, doi:10.1145/357456.357460.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def continue_branch(corrector, judge, state, target) -> State | LimitPoint:
         settled |= active != reached.active
         state = _with_nodes(corrector, state, active)
         if not state:
-            return replace(reached, kind="lost")  # not the end of a branch of the nodes that interact there
+            return reached._replace(kind="lost")  # not the end of a branch of the nodes that interact there
         reached = _Arc(corrector, judge, state, target).followed()
     return reached
 
@@ -239,7 +239,7 @@ class _Arc:
                 return self._at_fold(passed, older)
         older = [p for p in points[1:] if p.load >= self.state.load]
         end = onset(self.corrector, self.judge, self.state, older, after, mode)
-        return end or replace(self._lost(), load=after.load)
+        return end or self._lost()._replace(load=after.load)
 
     def _fold_between(self, points):
         """The Fold between the last two or three of the Points, newest first; None if there is none."""

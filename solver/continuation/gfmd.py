@@ -41,7 +41,7 @@ class Gfmd:
             self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
         after = State.at_rest(target, v, active, residual=residual)
-        slip = Slip(state.load, state.v, state.active, "lost", False, after)
+        slip = Slip(state.load, state.v, state.active, "lost", after)
         return Increment(after, (slip,) if slipped(self.problem, state, target, after) else ())
 
     def _settled(self, state, target):

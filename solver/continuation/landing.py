@@ -4,7 +4,7 @@ Over several barriers, from flutter, and where single nodes have several equilib
 motion may decide. There further motions with others must agree; if they do not, the slip is `sensitive`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -61,7 +61,7 @@ def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landin
     wide, state = (problem, end), landing.state
     if problem.uniform:
         wide = widened(problem, end)
-        state = replace(state, v=problem.grown(state.v, state.active, state.load, True)[1])
+        state = state._replace(v=problem.grown(state.v, state.active, state.load, True)[1])
     return landing._replace(sensitive=not _same(problem, state, _tried(motion, *wide, FINE[0])))
 
 
@@ -111,7 +111,7 @@ def widened(problem, end) -> tuple[Problem, LimitPoint]:
     """(problem of more unknowns, the same LimitPoint of it)."""
     wide, v, active = problem.grown(end.v, end.active, end.load, True)
     begun = problem.grown(end.v + end.away, end.active, end.load, True)[1]
-    return wide, replace(end, v=v, active=active, away=begun - v)
+    return wide, end._replace(v=v, active=active, away=begun - v)
 
 
 def _moved(problem, end, trial, **how):

@@ -1,6 +1,5 @@
 """The quasi-static stepper continues a branch to its end, and lets the damped motion lead on from there."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +44,7 @@ class QuasiStatic:
                 before, problem = state, self.problem
                 state, sensitive = self._through(reached)
                 if problem is not self.problem or self._ended(before, reached, state):
-                    end = reached.load, reached.v, reached.active, reached.kind, reached.located
+                    end = reached.load, reached.v, reached.active, reached.kind
                     slips.append(Ended(problem, Slip(*end, state, sensitive)))
                 if state.unsure or state.load < target:
                     continue
@@ -61,7 +60,7 @@ class QuasiStatic:
     def _continued(self, state, target):
         """The State at load `target` on the branch of `state`, or the LimitPoint before it."""
         secants = state.secants.copy() if state.secants else self.corrector.secants()  # solving adds to them
-        state = replace(state, secants=secants)
+        state = state._replace(secants=secants)
         self.corrector.begin(state)
         return continue_branch(self.corrector, self.judge, state, target)
 
@@ -73,7 +72,7 @@ class QuasiStatic:
         """The State itself, if it is stable under the load that takes over; else the LimitPoint where it leaves."""
         mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
-            return replace(state, unsure=False, mode=mode)
+            return state._replace(unsure=False, mode=mode)
         kind = mode.kind if mode.hidden else "control"
         return LimitPoint(state.load, state.v, state.active, self._away(mode), kind, mode.hidden)
 
@@ -89,7 +88,7 @@ class QuasiStatic:
         """A Slip of `problem` in the unknowns of the present one, which may have more."""
         while problem.size < self.problem.size:
             problem, v, active = problem.grown(slip.v, slip.active, slip.load, True)
-            slip = replace(slip, v=v, active=active)
+            slip = slip._replace(v=v, active=active)
         return slip
 
     def _through(self, end):
@@ -97,12 +96,12 @@ class QuasiStatic:
         if end.hidden:  # only all nodes show the wave that grows there
             end = self._on_more(end)
             away = self._away(self.judge.rightmost(self.problem, end.v, end.active))
-            end = replace(end, away=away)
+            end = end._replace(away=away)
         while True:
             try:
                 how = self.judge, self.damping, self.closed, self.filmed
                 state, sensitive = motion_to_rest(self.problem, end, *how)
-                return replace(state, unsure=state.mode.hidden), sensitive
+                return state._replace(unsure=state.mode.hidden), sensitive
             except Crowded:
                 end = self._on_more(end)
 

@@ -1,6 +1,5 @@
 """A stepper for sliding that repeats itself: it moves known states on by lattice periods and verifies them."""
 
-from dataclasses import replace
 from math import ceil
 
 import numpy as np
@@ -38,7 +37,7 @@ class Replay:
         trace = trace.extended(done)
         if done.slips and all(slip.located for slip in done.slips):
             trace = trace.closed(self.problem, self.spacing)
-        return replace(done, state=replace(done.state, trace=trace))
+        return done._replace(state=done.state._replace(trace=trace))
 
     def _repeated(self, state, trace, target):
         """The Increment to `target` from the Trace; None if that lacks it, or it proves to be another state."""

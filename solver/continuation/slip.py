@@ -4,7 +4,7 @@ A `Transient` starts just beyond the end of the branch. Once it has nearly died 
 equilibrium; `landing` decides whether that depends on the time step or the start.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
@@ -118,7 +118,7 @@ class Transient:
             state = self.land()
             if state is not None:
                 self._filmed(state.v, state.active, state.load)
-                return replace(state, film=tuple(self.film)) if self.film else state
+                return state._replace(film=tuple(self.film)) if self.film else state
             self.raise_load()
             self.check()
 

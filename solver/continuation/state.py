@@ -1,7 +1,6 @@
 """The state of a run: an equilibrium with what the next increment may use; slips; and how increments fail."""
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -34,14 +33,13 @@ class PulledOff(NotConverged):
     """Under a held load the contact came apart in a slip: the end of the run."""
 
 
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     """An equilibrium, with what the next increment may use of the states before it."""
 
     load: float  # nm
     v: np.ndarray  # (size,) unknowns
     active: np.ndarray  # nodes within the interaction window; fixed during a solve
-    past: list = field(default_factory=list)  # [(load, v)] on this branch, newest first, this one included
+    past: list  # [(load, v)] on this branch, newest first, this one included
     secants: Secants | None = None
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
     mode: Mode | None = None  # the one that grows fastest, as judged last
@@ -69,8 +67,7 @@ def slipped(problem, before, load, after) -> bool:
     return bool(moved >= MOVED * problem.unit + 2.0 * abs(load - before.load))
 
 
-@dataclass(frozen=True)
-class LimitPoint:
+class LimitPoint(NamedTuple):
     """The end of a branch: its load and unknowns, and where the transient starts.
 
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
@@ -91,8 +88,7 @@ class LimitPoint:
         return self.kind != "lost"
 
 
-@dataclass(frozen=True)
-class Slip:
+class Slip(NamedTuple):
     """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again.
 
     sensitive: as of `landing.Landing`.
@@ -102,13 +98,16 @@ class Slip:
     v: np.ndarray  # (size,)
     active: np.ndarray
     kind: str
-    located: bool
     after: State | None  # None in a Trace, which has it as the first of the next branch
     sensitive: bool = False
 
+    @property
+    def located(self) -> bool:
+        """As of LimitPoint."""
+        return self.kind != "lost"
 
-@dataclass(frozen=True)
-class Increment:
+
+class Increment(NamedTuple):
     """The outcome of one increment: the state reached, and slips on the way.
 
     The state's load is the one asked for, or a higher one if after a slip the surface did not rest before.

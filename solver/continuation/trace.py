@@ -58,12 +58,12 @@ class TracedBranch:
     def ended(self, slip: Slip) -> "TracedBranch":
         """The same up to its end; no other state has that load."""
         before = tuple(state for state in self.states if state.load < slip.load - OPTIONS.near)
-        return TracedBranch((*before, Passed(slip.load, slip.v, slip.active)), replace(slip, after=None))
+        return TracedBranch((*before, Passed(slip.load, slip.v, slip.active)), slip._replace(after=None))
 
     def moved(self, distance: float, direction: np.ndarray) -> "TracedBranch":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
         states = tuple(Passed(load + distance, v + distance * direction, active) for load, v, active in self.states)
-        end = self.end and replace(self.end, load=self.end.load + distance, v=states[-1].v)
+        end = self.end and self.end._replace(load=self.end.load + distance, v=states[-1].v)
         return TracedBranch(states, end)
 
     def at(self, load: float, stencil: int = OPTIONS.stencil) -> Passed:
@@ -129,7 +129,7 @@ class Trace:
         branches = []
         for branch in self.branches:
             states = tuple(map(wide, branch.states))
-            end = branch.end and replace(branch.end, v=states[-1].v, active=states[-1].active)
+            end = branch.end and branch.end._replace(v=states[-1].v, active=states[-1].active)
             branches.append(TracedBranch(states, end))
         return replace(self, branches=tuple(branches))
 
@@ -177,7 +177,7 @@ class Trace:
                 shift = turns * self.period
                 if low < branch.end.load + shift <= high:
                     v = branch.end.v + shift * direction
-                    found.append(replace(branch.end, load=branch.end.load + shift, v=v))
+                    found.append(branch.end._replace(load=branch.end.load + shift, v=v))
         return found
 
 

@@ -146,13 +146,14 @@ def _filled(states, step):
 def _jumps(scene, jumps, m):
     """Guesses of the Folds of the approach, of a patch of m nodes; None where one is not a fold."""
     folds = []
-    for load, v, active, kind, patch in jumps:
+    for slip, patch in jumps:
+        v, active = slip.v, slip.active
         problem = Equilibrium(Contact(scene, *patch), vertical(1.0))
         while problem.nodes < m:
-            problem, v, active = problem.grown(v, active, load, True)
-        if kind != "fold":
+            problem, v, active = problem.grown(v, active, slip.load, True)
+        if slip.kind != "fold":
             return None
-        folds.append(Fold(load, v, active, None))
+        folds.append(Fold(slip.load, v, active, None))
     return tuple(folds)
 
 

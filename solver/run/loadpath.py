@@ -4,14 +4,14 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter, thread_time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
-from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
+from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, Slip, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
@@ -24,16 +24,6 @@ METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
 FREE = 0.1  # delta_n; a layer that is deformed by no more than this is detached
 BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the first patch: adhesion draws them nearer
 BUSY = 10.0  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
-
-
-class Jump(NamedTuple):
-    """A slip of the approach: its load (delta, nm), unknowns there, and the patch (first node, nodes) they are of."""
-
-    load: float
-    v: np.ndarray
-    active: np.ndarray
-    kind: str  # as of `continuation.state.LimitPoint`
-    patch: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -49,7 +39,7 @@ class Checkpoint:
     late: bool = False  # whether only the time limit ended it: see `slices.in_time`
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
-    jumps: tuple[Jump, ...] = ()  # of the approach
+    jumps: tuple[tuple[Slip, tuple[int, int]], ...] = ()  # slips of the approach, and the patch each one is on
     carried: bool = False  # the state is an equilibrium of other parameters: it may jump in the next increment
 
 
@@ -138,8 +128,7 @@ class Run:
         self._place = step, where, checkpoint.pressure
         after = self._after(checkpoint, load_steps, step, index, done) | {"patch": where}
         if step.stage == "approach" and done.slips:
-            jumps = tuple(Jump(slip.load, slip.v, slip.active, slip.kind, where) for slip in done.slips)
-            after["jumps"] = checkpoint.jumps + jumps
+            after["jumps"] = *checkpoint.jumps, *((slip._replace(after=None), where) for slip in done.slips)
         return frame, replace(checkpoint, **after)
 
     def _increment(self, step, index, state):
@@ -154,11 +143,11 @@ class Run:
                 slips += done.slips
                 index += 1
                 load = step.at(index)
-                done = replace(done, slips=()) if done.state.load > load else self._stepper.increment(done.state, load)
+                done = done._replace(slips=()) if done.state.load > load else self._stepper.increment(done.state, load)
         except NotConverged as failure:
             self._place = None  # the problem may have grown beyond the checkpoint's patch
             raise with_remedy(failure, self.scene, step, load, self._fast) from None
-        return index, replace(done, slips=slips + done.slips)
+        return index, done._replace(slips=slips + done.slips)
 
     def _stepper_of(self, step, checkpoint):
         """The stepper of a step, on the patch of the checkpoint."""

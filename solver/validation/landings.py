@@ -37,7 +37,7 @@ class Halving(Gfmd):
         self.problem = problem  # it may have grown
         first = self.increment(state, 0.5 * (state.load + target))
         second = self.increment(first.state, target)
-        return replace(second, slips=first.slips + second.slips)
+        return second._replace(slips=first.slips + second.slips)
 
 
 class Landings(NamedTuple):
