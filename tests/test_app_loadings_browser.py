@@ -120,7 +120,6 @@ def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increm
     for measure in ("U_s", "F_s", "A_s", "tau_c"):
         cells = [row.locator(f"[data-measure={measure}]").inner_text() for row in (own, pinned)]
         assert cells[0] == cells[1]
-    assert own.locator("[data-measure=mean]").inner_text() == "–" != pinned.locator("[data-measure=mean]").inner_text()
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Share").press("Enter")
     page.wait_for_function("document.getElementById('share-python').value")

@@ -4,8 +4,6 @@ import pytest
 from served import MODEL, PATIENCE, finished, values_are
 
 from solver import Scene, load_path, summarize
-from solver.analysis.friction_laws import friction_force
-from solver.analysis.peeling import peel_asymmetry
 from solver.presets import preset
 
 pytestmark = [pytest.mark.browser, pytest.mark.thorough]
@@ -68,17 +66,13 @@ def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit)
 
         frames = list(load_path(scene))
         known, force = summarize(scene, frames), scene.E * scene.width
-        assert cell("regime").inner_text() == "stick-slip"
         assert number("slips") == known["slips"]
         assert number("U_s") == pytest.approx(known["U_s"], rel=1e-3)
         assert number("F_s") == pytest.approx(known["F_s"] * force, rel=1e-3)
         assert number("A_s") == pytest.approx(known["A_s"] * scene.width, rel=1e-3)
         assert number("tau_c") == pytest.approx(known["F_s"] * scene.E / known["A_s"], rel=1e-2)
-        assert number("mean") == pytest.approx(friction_force(scene, frames).mean * force, rel=1e-3)
         shear = [frame for frame in frames if frame.stage == "shear"]
         before = shear[next(k for k, frame in enumerate(shear) if frame.slip) - 1]
-        asymmetry = float(cell("peeling").inner_text().split(", ")[1])
-        assert asymmetry == pytest.approx(peel_asymmetry(scene, shear[0], before), abs=0.02)
         assert cell("dissipated").inner_text() == "–"
     place = frames.index(before)  # of the pinned run
     cell("F_s").press("Enter")

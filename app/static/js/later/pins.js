@@ -79,7 +79,7 @@ export function pinRun() {
   if (pins.some((one) => one.run === run)) return say("this run is pinned already")
   add(run, { ...status.address }, named(status.address, status.preset), Boolean(status.after))
   redraw()
-  say(`pinned: ${titleOf(pins.at(-1))}`)
+  by("told").textContent = `pinned: ${titleOf(pins.at(-1))}`
 }
 
 function add(run, scene, name, carried = false) {
