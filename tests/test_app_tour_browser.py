@@ -13,7 +13,7 @@ def asked(page):
 def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     page = visit("?tour=2&view=hero")
     asked(page)
-    assert "2 of 8: The edges" in page.locator("#tour-card").inner_text()
+    assert "2 of 7: The edges" in page.locator("#tour-card").inner_text()
     assert page.evaluate("punch.drawn === punch.run.sheared && punch.status.preset") == "fig7-case2"
     hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
     assert hidden["width"] > 0.8 * view["width"] - 90
@@ -28,16 +28,49 @@ def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
     assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
     assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(12.5, abs=0.11)  # not behind the slip
-    assert page.locator(".future:visible").count() == 0
+    assert page.locator(".future:visible").count() == 1  # what comes next answers other stops
     page.get_by_role("button", name="Your turn").click()
+    page.wait_for_function("!document.querySelector('.future:not([hidden])')")
+    assert page.locator("#tour-card .question").inner_text().startswith("Pull instead of pushing")
     assert page.evaluate("document.activeElement.id") == "delta_bar" and page.locator("#scrub").is_visible()
     page.get_by_role("button", name="Next: The slip").click()
     asked(page)
-    assert "tour=3" in page.url
+    page.get_by_role("button", name="End tour").click()
+    assert "tour=" not in page.url
+
+
+def test_the_tour_leads_back_to_the_stop_before_and_names_a_run_that_failed(visit):
+    page = visit("?tour=2&view=hero")
+    asked(page)
+    assert "tour=" not in page.url  # a link from here does not open the tour
+    page.evaluate("punch.speed = 40")
+    page.keyboard.press("1")
+    page.get_by_role("button", name="Previous").wait_for(timeout=PATIENCE)
+    page.evaluate(
+        """async () => {  // from now on every run fails
+            const { listen } = await import(new URL("./app/static/js/channel.js", document.baseURI))
+            listen("status", () => { punch.status = { ...punch.status, state: "failed", why: "It fluttered." } })
+        }"""
+    )
+    page.get_by_role("button", name="Previous").click()
+    page.locator("#tour-card h2", has_text="1 of 7").wait_for()
+    page.locator("#tour-card p", has_text="The run of this stop failed: It fluttered. Go to another stop.").wait_for()
+    page.get_by_role("button", name="Next: The edges").click()
+    page.locator("#tour-card h2", has_text="2 of 7").wait_for()
+
+
+def test_back_in_the_tour_ends_it(visit):
+    page = visit("?E=100&view=hero")
+    page.wait_for_function("window.punch?.status.state === 'finished'")
+    page.evaluate("history.pushState({ entry: 1 }, '', location.href)")
+    page.locator("#tour").click()
+    asked(page)
+    page.go_back()
+    page.locator("#tour-card").wait_for(state="hidden")
 
 
 def test_the_last_stop_asks_about_a_scene_never_seen_and_judges_by_its_run(visit):
-    page = visit("?tour=8&view=hero")
+    page = visit("?tour=7&view=hero")
     asked(page)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")

@@ -45,7 +45,7 @@ export function writeAddress() {
   const { address } = me.status, text = JSON.stringify(address)
   if (text === written) return
   const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.written
-  const push = written !== null && !sameMove
+  const push = written !== null && !sameMove && !["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
   if (push) top = ++entry
   readdress((now) => {
     for (const name of sceneNames()) now.delete(name)

@@ -9,17 +9,19 @@ import { openPage } from "./pages.js"
 import { cleared, line } from "./pen.js"
 import { goto, play } from "./player.js"
 import { firstSlip } from "./sentence.js"
-import { me } from "./state.js"
+import { exact, me } from "./state.js"
 import { explain } from "./terms.js"
 import { PICTURES } from "./tour/pictures.js"
 import { STOPS } from "./tour/stops.js"
 import { choose, isLab, look } from "./view.js"
 
 let before = null // {U, F} of the first slip of the usual scene, to compare with
-let unseen = {}, hands = [0, 0, 0] // the scene that nobody has seen; hands raised for each answer
+let unseen = null, hands = [0, 0, 0] // the scene that nobody has seen; hands raised for each answer
 let at = 0, phase = "ask", chosen = null, sketch = [], card = null, watching = 0
 
 export function openTour(stop = 1) {
+  readdress((asked) => asked.delete("tour")) // it opens the tour, and whoever gets a link from here would be in it
+  addEventListener("popstate", close) // Back brings another scene: it is not that of the question
   at = Math.max(0, Math.min(STOPS.length - 1, stop - 1))
   card ??= makeCard()
   card.hidden = false
@@ -36,7 +38,7 @@ function close() {
   delete document.documentElement.dataset.tour
   for (const view of CURVES) cover(view).hidden = true
   by("tour-sketch").hidden = true
-  readdress((asked) => asked.delete("tour"))
+  removeEventListener("popstate", close)
   by("tour").focus()
 }
 
@@ -60,24 +62,27 @@ function begin() {
   chosen = null
   sketch = []
   hands = [0, 0, 0]
-  unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : {}
-  readdress((asked) => asked.set("tour", at + 1))
+  unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : null
   choose(stop.curve)
   order("restore", { preset: stop.preset })
-  const values = { ...stop.values, ...unseen }
+  const values = wanted()
   if (Object.keys(values).length) order("scene", values)
   write()
 }
 
-const there = () => {
-  const { preset, values, state } = me.status, stop = STOPS[at], wanted = Object.entries({ ...stop.values, ...unseen })
-  return state === "finished" && preset === stop.preset && me.run?.whole && me.run.scene && !me.stale
-    && wanted.every(([name, value]) => Number(values[name]) === value)
+const wanted = () => ({ ...STOPS[at].values, ...unseen?.values })
+
+// Whether the server is at the scene of the stop
+const atStop = () => {
+  const { preset, values } = me.status
+  return preset === STOPS[at].preset && Object.entries(wanted()).every(([name, value]) => Number(values[name]) === value)
 }
+const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run) && me.run.scene && !me.stale
+const failed = () => me.status.state === "failed" && atStop()
 
 // With the usual scene, what others are compared with; the last stop begins again once that is known
 function learn() {
-  if (me.status.preset !== "fig6" || Object.keys({ ...STOPS[at].values, ...unseen }).length) return false
+  if (me.status.preset !== "fig6" || Object.keys(wanted()).length) return false
   before = firstSlip(me.run)
   return Boolean(STOPS[at].unseen)
 }
@@ -91,17 +96,18 @@ function right() {
 
 const NAMES = { E: ["a stiffness of", "GPa"], delta_bar: ["a press depth of", "δ₀"], phi_ratio: ["a grip of", "times the adhesion"] }
 function filled(text) {
-  const [[name, value] = ["E", 70]] = Object.entries(unseen), [head, unit] = NAMES[name]
+  const [[name, value]] = Object.entries(unseen?.values ?? { E: 70 }), [head, unit] = NAMES[name]
   const now = phase === "wait" ? null : firstSlip(me.run)
-  return text.replaceAll("{change}", `${head} ${minus(value)} ${unit}`).replaceAll("{before}", before ? fixed(before.U, 1) : "").replaceAll("{after}", now ? fixed(now.U, 1) : "no place")
+  return text.replaceAll("{change}", `${head} ${minus(value)} ${unit}`).replaceAll("{before}", before ? fixed(before.U, 1) : "").replaceAll("{after}", now ? fixed(now.U, 1) : "no place").replaceAll("{reason}", unseen?.why ?? "")
 }
 
-const waiting = () => (me.lost ? "The tour goes on as soon as the server answers again." : "getting ready …")
+const waiting = () => (me.lost ? "The tour continues when the server answers again."
+  : failed() ? `The run of this stop failed: ${me.status.why} Go to another stop.` : "getting ready …")
 
 function watch() {
   watching = requestAnimationFrame(watch)
-  if (phase === "wait") tell(card.lastElementChild, waiting())
-  if (phase === "wait" && there()) {
+  if (phase === "wait") tell(card.querySelector("p"), waiting())
+  if (phase === "wait" && ready()) {
     if (learn()) return begin()
     phase = "ask"
     goto(me.run.sheared)
@@ -129,10 +135,10 @@ function answer(index) {
 const covers = {}
 const cover = (view) => covers[view] ??= figureOf(view).appendChild(make("div", { className: "future" }))
 
-// What lies ahead of the increment shown stays hidden until the stop has been played
+// What lies ahead of the increment shown stays hidden until it is the visitor's turn: it answers later stops
 function hideFuture() {
   for (const view of CURVES) {
-    const box = frameBox(figures[view]), hidden = phase === "why" || phase === "turn" || !box || !me.run
+    const box = frameBox(figures[view]), hidden = phase === "turn" || !box || !me.run
     cover(view).hidden = hidden
     if (hidden) continue
     const ahead = phase === "wait" || me.run.sheared < 0, far = box.left + box.width + 2
@@ -151,28 +157,41 @@ function told(tag, className, text) {
 }
 
 function write() {
-  const stop = STOPS[at], asking = phase === "ask", next = STOPS[at + 1]
+  const stop = STOPS[at]
   const title = make("h2", {}, `${at + 1} of ${STOPS.length}: ${stop.name}`)
   document.documentElement.dataset.tour = phase
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
-  if (phase === "wait") return card.append(paragraph("", waiting()))
+  if (phase === "wait") card.append(paragraph("", waiting()))
+  else if (phase === "turn") card.append(paragraph("question", stop.ask))
+  else writeQuestion(stop)
+  if (phase === "why") writeReason(stop)
+  if (phase !== "show" && phase !== "ask") card.append(make("div", { className: "answers ways" }, ...ways()))
+  if (phase === "why") card.querySelector(".ways").lastElementChild.focus({ preventScroll: true })
+}
+
+function writeQuestion(stop) {
+  const asking = phase === "ask"
   if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
-  if (phase !== "turn") card.append(told("p", "question", stop.question))
+  card.append(told("p", "question", stop.question))
   if (asking && stop.sketch) card.append(paragraph("said", "Draw the curve you expect into the plot if you like, then choose:"))
-  const answers = phase === "turn" ? [] : stop.order.map(answerButton).filter(Boolean)
-  if (answers.length) card.append(make("div", { className: "answers" }, ...answers))
+  card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
   if (phase === "show") card.append(paragraph("said", "Watch …"))
-  if (asking || phase === "show") return null
-  const ways = [make("span", { className: "said" }, stop.ask)]
-  if (phase === "why") ways.push(makeButton({ onclick: takeTurn }, "Your turn"))
-  if (next) ways.push(makeButton({ onclick: () => openTour(at + 2) }, `Next: ${next.name}`))
-  const row = make("div", { className: "answers ways" }, ...ways)
-  if (phase === "turn") return card.append(row)
-  const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
-  const picture = make("canvas", { className: "picture-of" })
-  card.append(make("p", { role: "status" }, yes, told("span", "", stop.why)), picture, row)
+}
+
+function writeReason(stop) {
+  const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. "), picture = make("canvas", { className: "picture-of" })
+  card.append(make("p", { role: "status" }, yes, told("span", "", stop.why)), picture)
   PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
-  return ways.at(-1).focus({ preventScroll: true })
+}
+
+// Buttons to the stop before, to the visitor's turn, and on; the last leads to the end
+function ways() {
+  const next = STOPS[at + 1], buttons = []
+  if (at) buttons.push(makeButton({ onclick: () => openTour(at) }, "Previous"))
+  if (phase === "why") buttons.push(makeButton({ onclick: takeTurn }, "Your turn"))
+  if (next) buttons.push(makeButton({ onclick: () => openTour(at + 2) }, `Next: ${next.name}`))
+  else if (phase === "turn") buttons.push(makeButton({ onclick: close }, "Finish"))
+  return buttons
 }
 
 // An answer with the hands raised for it; once the reason is told, only that chosen and the right one
@@ -214,8 +233,8 @@ function connectSketch(canvas) {
 }
 
 function drawSketch() {
-  const canvas = by("tour-sketch"), { sketch: wanted } = STOPS[at]
-  canvas.hidden = !wanted || phase === "wait"
+  const canvas = by("tour-sketch"), open = STOPS[at].sketch
+  canvas.hidden = !open || phase === "wait"
   canvas.dataset.open = phase === "ask"
   const pen = canvas.hidden ? null : cleared(canvas)
   if (!pen) return

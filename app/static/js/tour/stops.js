@@ -1,6 +1,6 @@
 // The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is asked
 // about; answers: the right one first, shown in `order`; picture: what argues the reason (pictures.js); turn: the slider to
-// play with; unseen: a scene that nobody has seen, its right answer taken from the run
+// play with, ask: what to try with it; unseen: scenes that nobody has seen, the right answer taken from the run, with why
 
 export const STOPS = [
   {
@@ -46,20 +46,19 @@ export const STOPS = [
     turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
   },
   {
-    name: "Who holds it", preset: "edges", values: {}, to: 14, order: [2, 1, 0], curve: "forces", picture: "springs",
-    question: "Say every spring in the middle half of this wide contact were weaker by a tenth. How much less force would it take to slip?",
-    answers: ["next to nothing", "about a tenth less", "about a twentieth less"],
-    why: "The slip begins where the edges peel, and the middle is carried along: the springs at the edges hold it all. After the tour, What matters in the menu shows how much each node holds.",
-    turn: "phi_ratio", ask: "Weaken the grip: there the middle holds as well.",
-  },
-  {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "pulls",
-    unseen: [{ E: 140 }, { E: 35 }, { delta_bar: 0.3 }, { delta_bar: -0.1 }, { phi_ratio: 0.5 }],
+    unseen: [
+      { values: { E: 140 }, why: "A stiffer punch builds up force faster, so its springs give way after a shorter pull." },
+      { values: { E: 35 }, why: "A softer punch builds up force more slowly, so its springs give way after a longer pull." },
+      { values: { delta_bar: 0.3 }, why: "Pressed deeper, more contact holds it, so it takes a longer pull." },
+      { values: { delta_bar: -0.1 }, why: "Held higher, less contact holds it, so a shorter pull is enough." },
+      { values: { phi_ratio: 0.5 }, why: "With a weaker grip each spring gives way earlier." },
+    ],
     said: ["A punch sticks like a spring until its springs to the sites give way.", "Before that its edges peel, behind more than in front.",
       "A slip by one site brings contact back.", "Adhesion alone can carry friction, without any load."],
     question: "Now a scene that you have not seen: {change}. Will it slip after a shorter or a longer pull than {before} nm?",
     answers: ["shorter", "longer", "the same, to a tenth of a nanometre"],
-    why: "It slips at {after} nm instead of {before} nm.",
-    turn: "delta_bar", ask: "Everything is yours now.",
+    why: "It slips at {after} nm instead of {before} nm. {reason}",
+    turn: "delta_bar", ask: "The tour ends here. The row at the top has more experiments; the sliders and the curves are yours.",
   },
 ]
