@@ -1,36 +1,52 @@
-"""Called by Bokeh once per server: workers start warming before the first visitor comes, and end with the server."""
+"""Called by Bokeh once per server: workers start before the first visitor comes, and end with the server."""
 
 import gc
 import logging
+from concurrent.futures import CancelledError
+from contextlib import suppress
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
-from tornado.ioloop import PeriodicCallback
+from tornado.ioloop import IOLoop, PeriodicCallback
 
 from app import telling, web
 from app.page import shared
-from app.service import metrics
-from app.service.pool import pool
+from app.service import metrics, worker
+from app.service.finished import fill, shelf
+from app.service.pool import NOBODY, pool
+from app.service.stored import row
 from app.session.session import visitors
+from app.views import plots
 from solver import Scene
+from solver.isolated import Lost
 from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two looks at who waits
 log = logging.getLogger("app")
 web.install()
 shared(f"/{Path(__file__).parent.name}")
-cohesive_law.traction(Scene(), np.zeros(1), 0.0)  # of which the page on the law makes use: the kernel is here then
 
 
 def on_server_loaded(server_context):
-    """Start the worker processes, so that kernels are compiled or loaded while nobody waits."""
+    """Start the workers, and load and compute what a first page does not need: the port is open."""
     telling.begin()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     PeriodicCallback(metrics.pulse.beat, 1000 * metrics.Pulse.EVERY).start()
     telling.say_where()
+    Thread(target=_load, name="load", daemon=True).start()
+    fill(shelf, pool, [preset.scene for preset in row().values()], IOLoop.current().add_callback)
     gc.collect()
     gc.freeze()  # Panel collects all garbage whenever a visitor has left: only what came since is to be looked through
+
+
+def _load():
+    """What pages beside the experiment use: HoloViews, and the kernel of the law once a worker has compiled it."""
+    plots.load()
+    with suppress(Lost, CancelledError):
+        pool.submit(worker.ready, owner=NOBODY).result()
+        cohesive_law.traction(Scene(), np.zeros(1), 0.0)
 
 
 def on_server_unloaded(server_context):

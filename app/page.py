@@ -89,9 +89,10 @@ def _composed(files):
     doc, wire, figures, slots = Document(), Wire(), live_figures(), pages.places()
     (*_,) = _own(wire, slots)
     figures["punch"].tags = [wire]  # a model is synchronised only if a root of the document refers to it
-    for name, model in (figures | slots).items():
-        model.name = name
-        doc.add_root(model)
+    with doc.models.freeze():  # the models are counted once
+        for name, model in (figures | slots).items():
+            model.name = name
+            doc.add_root(model)
     doc.title = TITLE
     doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
     doc.js_on_event("document_ready", _player(wire, figures, slots, files))

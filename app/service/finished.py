@@ -1,10 +1,15 @@
 """Finished runs, shared by all visitors of the server: a class that follows the same steps computes each only once."""
 
+from concurrent.futures import CancelledError
 from contextlib import suppress
 
 from cachetools import LRUCache
 
-from app.service import metrics
+from app.service import metrics, tasks
+from app.service.packing import Frames
+from app.service.pool import LATER, NOBODY
+from app.service.requests import shared
+from solver.isolated import Lost
 
 CAPACITY = 100e6  # bytes; some 70 runs
 BESIDE = 2000  # bytes that a run takes beside its frames: its Scene, and the record of it
@@ -20,6 +25,31 @@ class Shelf(LRUCache):
         """Keep a run, unless it is larger than the shelf."""
         with suppress(ValueError):
             self[key] = run
+
+
+def fill(shelf, pool, scenes, later):
+    """Put the runs of scenes on the shelf, computed one after the other while workers have nothing else to do.
+
+    later(function, *arguments): makes a call in the thread that uses the shelf.
+    """
+    scenes = iter(scenes)
+
+    def compute_next():
+        scene = next((scene for scene in scenes if scene not in shelf), None)
+        known = scene and shared.ask(pool, (tasks.whole_run, scene), hear, owner=NOBODY, rank=LATER)
+        if known:
+            hear((tasks.whole_run, scene), known)
+
+    def hear(call, run):
+        later(keep, call, run)
+
+    def keep(call, run):
+        if isinstance(run, Frames):
+            shelf.put(call[1], run)
+        if not isinstance(run, (Lost, CancelledError)):  # the pool has been closed
+            compute_next()
+
+    compute_next()
 
 
 shelf = Shelf()

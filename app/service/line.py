@@ -4,6 +4,7 @@ from collections import OrderedDict, deque
 from concurrent.futures import Future
 
 PATIENCE = 20.0  # s beyond what a task asks for, after which its process is killed: a busy server is slow
+NOBODY = "the server"  # the owner of tasks for which no visitor waits
 # what a task is for: somebody's screen; the exact run of what is on one already; a screen, but it takes long; the rest
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 

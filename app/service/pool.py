@@ -16,12 +16,12 @@ from time import monotonic
 from typing import Any
 
 from app.service import metrics, worker
-from app.service.line import EXACT, HEAVY, LATER, PATIENCE, SCREEN, Line, Task
+from app.service.line import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, Line, Task
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
-__all__ = ["EXACT", "HEAVY", "LATER", "SCREEN", "Line", "Pool", "Task", "pool"]
+__all__ = ["EXACT", "HEAVY", "LATER", "NOBODY", "SCREEN", "Line", "Pool", "Task", "pool"]
 LOOK = 0.5  # s between two looks whether the process of an idle worker still is
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
@@ -56,6 +56,7 @@ class Pool:
         self.size, self.patience, self.make = size or default_size(), patience, make
         self.replaced = 0  # workers lost
         self.why = ""  # no worker can be started
+        self.compiled = 0  # kernels, of worker.KERNELS, by the first worker
         self._seats, self._line = [], Line()
         self._lock = Condition()  # notified when seats have been given tasks, and of the end
         self._closing, self._warm = Event(), Event()
@@ -77,8 +78,8 @@ class Pool:
     def in_flight(self):
         """How many tasks wait or run for somebody."""
         with self._lock:
-            tasks = [*self._line, *(seat.task for seat in self._seats)]
-            return sum(task is not None and not task.abandoned and not task.done() for task in tasks)
+            tasks = [task for task in (*self._line, *(seat.task for seat in self._seats)) if task is not None]
+            return sum(task.owner != NOBODY and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
         """Start the first worker, which compiles the kernels or finds them, then the others; harmless when done."""
@@ -181,13 +182,19 @@ class Pool:
         seat.caller = self.make()
         if self._closing.is_set():  # it may have come too late to be ended by `close`
             seat.caller.end()
-        seat.caller.call(worker.start, limit=WARMING)
+        if isinstance(seat.caller, Caller):
+            seat.caller.call(worker.start_up, limit=WARMING, hear=self._hear)
+        else:
+            seat.caller.call(worker.start, limit=WARMING)
         with self._lock:
             if self.status != "ready":
                 log.info("workers are warm")
             seat.ready, seat.failures, self.why, self._fit = True, 0, "", monotonic()
             self._answered = monotonic()
         self._warm.set()
+
+    def _hear(self, compiled):
+        self.compiled = max(self.compiled, compiled)
 
     def _serve(self, seat):
         """Do tasks until the worker is lost."""

@@ -2,13 +2,16 @@
 
 import os
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import e, inf
+from queue import SimpleQueue
 from time import perf_counter
 
 import numpy as np
+from numba.core.event import Listener, install_listener
 
 from app.service.packing import Frames, packed
 from solver import Checkpoint, NotConverged, NotFollowed, Scene, SceneError, advance, skeleton_from
@@ -21,6 +24,7 @@ from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import Run, deadline
 from solver.run.slices import in_time
 
+KERNELS = 39  # compiled by `warm_up` where none is in the cache; tests/test_cold_start.py counts them
 NICENESS = 10  # the event loop must win against the physics
 QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
@@ -47,6 +51,30 @@ def start():
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     warm_up()
+
+
+class _Compiled(Listener):
+    """Counts the kernels that are compiled, into a queue."""
+
+    def __init__(self, queue):
+        self.queue, self.count = queue, 0
+
+    def on_start(self, event):
+        """Nothing is there yet."""
+
+    def on_end(self, event):
+        self.count += 1
+        self.queue.put(self.count)
+
+
+def start_up():
+    """As `start`; yields how many kernels have been compiled, where they are not in the cache."""
+    compiled = SimpleQueue()
+    with install_listener("numba:compile", _Compiled(compiled)), ThreadPoolExecutor(1) as thread:
+        done = thread.submit(start)
+        done.add_done_callback(lambda _: compiled.put(None))
+        yield from iter(compiled.get, None)
+        done.result()
 
 
 def warm_up():

@@ -11,6 +11,7 @@ from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.requests import Requests
+from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.aside import Film, Layer, Marks, Pinned
 from app.session.pursuit import Pursuit, Wish
@@ -154,8 +155,9 @@ class Session:
         return self.pursuit.run
 
     def look(self):
-        """From time to time: say how long the line is, in any thread."""
-        if not self.closed and (self.told_place or self.pursuit.place):
+        """From time to time: publish the position in the queue and the kernels compiled, in any thread."""
+        warming = self.run is not None and self.run.state == "warming"
+        if not self.closed and (warming or self.told_place or self.pursuit.place):
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
 
     def publish(self):
@@ -169,5 +171,7 @@ class Session:
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
         own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: whose run it is
         self.told_order = self.acknowledged
+        if run.state == "warming":
+            own["compiled"] = min(self.pool.compiled, KERNELS), KERNELS
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
         self.wire.status = json.dumps(run.status() | own)

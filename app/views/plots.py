@@ -13,8 +13,6 @@ from bokeh.util.serialization import make_id
 
 from app.views.live import AXIS, FRAME, ONE_LOOK
 
-hv.extension("bokeh", logo=False)
-
 
 @dataclass
 class View:
@@ -25,6 +23,12 @@ class View:
 
     figure: object
     parts: dict
+
+
+@cache
+def load():
+    """Load HoloViews' half of Bokeh, which takes a second: before anything is composed."""
+    hv.extension("bokeh", logo=False)
 
 
 def _empty(kind, label, dimensions, said, options):
@@ -74,6 +78,7 @@ def rendered(name, elements, colours, **ranges):
 @cache
 def composed(compose):
     """The figures of a page as text, from which a visitor's own are read in a third of the time."""
+    load()
     return json.dumps(Serializer(deferred=False).encode(compose()))
 
 

@@ -131,7 +131,10 @@ function doing() {
   return `${waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""}${time}`
 }
 
-const gettingReady = () => "the solver gets ready"
+function gettingReady() {
+  const [done, all] = me.status.compiled ?? [0, 0]
+  return done ? `compiling: ${done} of ${all} kernels` : "the solver gets ready"
+}
 
 export function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
