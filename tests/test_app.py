@@ -1,5 +1,6 @@
 """The app without a browser: what is entered, what is packed, a visitor's run through cancelling and lost workers."""
 
+import json
 import os
 import signal
 
@@ -155,6 +156,12 @@ def test_compression_of_a_run_loses_nothing(surface):
             np.testing.assert_array_equal(given[name], found[name])
     for name, column in packing.columns(packed)[1].items():
         np.testing.assert_array_equal(column, numbers[0][name])
+
+
+def test_the_page_hears_how_many_kernels_are_compiled_while_workers_get_ready(session):
+    session.pool.status, session.pool.compiled = "warming", 3
+    say(session, {"do": "hello"})
+    assert json.loads(session.wire.status)["compiled"] == [3, worker.KERNELS]
 
 
 @pytest.mark.slow

@@ -6,11 +6,14 @@ import time
 
 import pytest
 from helpers import until
+from visitor import NoPool
 
 from app.service import worker
-from app.service.finished import BESIDE, Shelf
+from app.service.finished import BESIDE, Shelf, fill
 from app.service.packing import Frames
-from app.service.pool import EXACT, HEAVY, LATER, SCREEN, Line, Pool, Task
+from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, Line, Pool, Task
+from app.service.requests import shared
+from app.service.tasks import whole_run
 from solver import Scene, isolated
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
@@ -171,4 +174,43 @@ def test_an_exact_run_waits_behind_what_is_on_a_screen_and_goes_before_the_rest(
 def test_slow_work_is_done_by_a_single_worker_too():
     workers = Pool(size=1)
     assert workers.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
+    workers.close()
+
+
+def call_now(function, *arguments):
+    function(*arguments)
+
+
+def test_the_server_fills_the_shelf_run_by_run_and_no_visitor_waits_for_it():
+    shared.clear()
+    pool, shelf, scenes = NoPool(), Shelf(), [Scene(), Scene(E=80.0), Scene(E=90.0)]
+    shelf.put(scenes[1], Frames())
+    fill(shelf, pool, scenes, call_now)
+    for scene in (scenes[0], scenes[2]):
+        (task,) = (task for task in pool.tasks if not task.done())
+        assert task.call == (whole_run, scene) and (task.owner, task.rank) == (NOBODY, LATER)
+        task.set_result(Frames(frames=7))
+        assert shelf[scene].frames == 7
+    assert all(task.done() for task in pool.tasks)
+    shared.clear()
+
+
+def test_filling_the_shelf_ends_with_the_pool():
+    shared.clear()
+    pool = NoPool()
+    fill(Shelf(), pool, [Scene(), Scene(E=80.0)], call_now)
+    pool.tasks[0].cancel()
+    pool.tasks[0].set_running_or_notify_cancel()
+    assert len(pool.tasks) == 1
+    shared.clear()
+
+
+def test_tasks_of_the_server_itself_are_not_in_flight_for_anybody():
+    workers = Pool(size=1)
+    own = workers.submit(worker.ready, owner=NOBODY)
+    assert workers.in_flight == 0
+    visitors = workers.submit(worker.ready, owner="a visitor")
+    assert visitors.done() or workers.in_flight == 1
+    for task in (own, visitors):
+        task.result(PATIENCE)
     workers.close()

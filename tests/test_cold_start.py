@@ -1,8 +1,11 @@
 """A first run compiles each kernel once: each compilation takes a tenth of a second or more."""
 
 import json
+import os
 import subprocess
 import sys
+
+import pytest
 
 SCRIPT = """
 import json, pkgutil
@@ -29,3 +32,12 @@ def test_kernels_are_compiled_for_one_type_whatever_the_scene():
     types = json.loads(run.stdout)
     assert types["window_sums"] == 1
     assert {name: count for name, count in types.items() if count > 1} == {}
+
+
+@pytest.mark.thorough
+def test_a_new_worker_counts_the_kernels_it_compiles(tmp_path):
+    script = "from app.service import worker; print([*worker.start_up()], worker.KERNELS)"
+    cold = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=cold)
+    counts, kernels = run.stdout.rsplit(" ", 1)
+    assert json.loads(counts) == [*range(1, int(kernels) + 1)]
