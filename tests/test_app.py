@@ -120,7 +120,7 @@ def test_the_drawer_holds_every_parameter_without_a_slider_once():
 def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     frames, _ = advance(scene, None, 60.0)
-    _, head, _, fields = unpacked(packing.numbered(1, worker.compute(scene, None, 60.0).blocks[-1]))
+    head, _, fields = unpacked(worker.compute(scene, None, 60.0).blocks[-1])
     assert head["nodes"] == packing.FLAT and head["first"] == (scene.nodes - packing.FLAT) // 2
     assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
@@ -129,9 +129,9 @@ def test_packed_frames_hold_the_solver_s_numbers():
     scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
     frames, _ = advance(scene, None, 60.0)
     blocks = worker.compute(scene, None, 60.0).blocks
-    run, head, curves, fields = unpacked(packing.numbered(3, blocks[-1]))
+    head, curves, fields = unpacked(blocks[-1])
     frame, nodes = frames[-1], head["nodes"]
-    assert run == 3 and head["first"] == frame.first and nodes == frame.u.shape[1]
+    assert head["first"] == frame.first and nodes == frame.u.shape[1]
     assert curves["F_bar"][-1] == np.float32(frame.F_bar)
     gap = scene.profile[frame.first : frame.first + nodes] + frame.u[1]
     last = {"gap": gap, "u_x": frame.u[0], "T_z": frame.T[1], "T_x": frame.T[0]}

@@ -53,8 +53,8 @@ def parts(picture):
 
 def sheared(run):
     """{column: (n,)} and {field: (n, m)} in nm and GPa of the increments of a run that slide."""
-    blocks = [unpacked(packing.numbered(1, block)) for block in run.blocks]
-    columns = {name: np.concatenate([each[name] for _, _, each, _ in blocks]) for name in blocks[0][2]}
+    blocks = [unpacked(block) for block in run.blocks]
+    columns = {name: np.concatenate([each[name] for _, each, _ in blocks]) for name in blocks[0][1]}
     slides = columns["stage"] == packing.ORDER.index("shear")
     return {name: values[slides] for name, values in columns.items()}, blocks[-1]
 
@@ -63,7 +63,7 @@ def test_a_picture_is_small_and_shows_what_the_exact_run_shows(runs):
     made = following.followed(runs[SCENE].skeleton, NEXT, 9.0)
     assert len(made.picture) < MOST
     head, curves, _, block = parts(made.picture)
-    exact, (_, exact_head, _, fields) = sheared(runs[NEXT])
+    exact, (exact_head, _, fields) = sheared(runs[NEXT])
     assert head["values"]["delta_bar"] == 0.02
     np.testing.assert_allclose(curves["U_x"], exact["U_x"], atol=1e-5)
     for name in ("F_bar", "L_bar", "A_bar"):
@@ -75,7 +75,7 @@ def test_a_picture_is_small_and_shows_what_the_exact_run_shows(runs):
     np.testing.assert_allclose(curves["slip_at"][slips], exact["slip_at"][slips], atol=following.AGREE_U)
     k = head["shown"]
     assert exact["U_x"][k] == pytest.approx(9.0)
-    _, frames_head, _, shown = unpacked(block)
+    frames_head, _, shown = unpacked(block)
     first = frames_head["first"] - exact_head["first"]
     within = slice(max(0, first), max(0, first) + 40)
     ours, theirs = (
@@ -132,13 +132,11 @@ class Answered(NoPool):
 
 @pytest.fixture
 def page(runs):
-    """A visitor who looks at the finished run of SCENE; `hand` is what was sent of pictures."""
+    """A visitor who looks at the finished run of SCENE."""
     shared.clear()  # as if no other test had compared these runs
     shelf = Shelf()
     shelf.put(SCENE, runs[SCENE])
     visit = Page(Answered(), SCENE, shelf=shelf)
-    visit.hand = []
-    visit.session.wire.on_change("hand", lambda attribute, old, new: visit.hand.append(new))
     visit.order("hello")
     visit.pool = visit.session.pool
     yield visit
@@ -154,11 +152,14 @@ def move(page, value, at=9.0):
 def test_the_newest_position_is_next_and_none_in_between(page):
     for value in (0.01, 0.02, 0.03, 0.04):
         move(page, value)
+    assert page.status()["heard"] not in (1.0, 2.0, 3.0, 4.0)  # the pictures acknowledge these orders
     assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.01]
-    page.pool.answer(page, following.followed, following.Followed(b"picture", b"skeleton"))
-    assert page.hand == [struct.pack("<d", 1.0) + b"picture"]
+    page.pool.answer(
+        page, following.followed, following.Followed(packing.headed({"kind": "picture"}, b"!"), b"skeleton")
+    )
+    assert page.messages == [({"kind": "picture"}, b"!")]
     (task,) = page.pool.waiting(following.followed)
-    assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04), 9.0) and task.rank == SCREEN
+    assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04), 9.0, 4.0) and task.rank == SCREEN
     assert not page.pool.waiting(worker.compute)  # no run
 
 
@@ -169,7 +170,7 @@ def test_a_picture_that_comes_after_another_scene_was_chosen_is_dropped(page):
     assert task.cancelled() and page.pool.waiting(worker.compute)
     while not page.calls.empty():
         page.calls.get()()
-    assert page.hand == []
+    assert page.messages == []
 
 
 def test_the_exact_run_comes_when_the_hand_rests_and_behind_what_moves(page, runs):

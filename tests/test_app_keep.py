@@ -2,13 +2,11 @@
 
 import base64
 import json
-import queue
-import struct
 import zlib
 
 import numpy as np
 import pytest
-from visitor import PATIENCE, Page, say
+from visitor import PATIENCE, Page, opened, say
 
 from app.service import packing
 from app.service.packing import Frames
@@ -17,7 +15,7 @@ from app.session.controls import address_of, scene_from_address
 from app.session.profiles import LONGEST, Profiles
 from app.session.run import Run
 from app.session.share import SCANNED, python_lines
-from solver import LIMITS, Profile, ProfileError, Scene
+from solver import LIMITS, NotConverged, Profile, ProfileError, Scene
 from solver.presets import presets
 
 X = np.arange(128) / 128
@@ -88,15 +86,15 @@ def test_a_scene_is_restored_with_its_preset_and_a_run_known_before_is_not_compu
 def test_pinned_runs_come_beside_the_run_on_screen(page):
     page.order("hello")
     page.until("finished")
-    say(page.session, {"do": "beside", "values": {"u_x_max": "4", "E": "100"}, "beside": 1_000_002})
-    while page.chunks[-1][0] != 1_000_002 or not page.chunks[-1][1]["last"]:
+    say(page.session, {"do": "beside", "values": {"u_x_max": "4", "E": "100"}, "beside": 2})
+    while page.chunks[-1][0] != ("pin", 2) or not page.chunks[-1][1]["last"]:
         page.calls.get(timeout=PATIENCE)()
     assert page.curve("U_x")[-1] == pytest.approx(4.0)
     assert page.status()["run"] == 1 and page.session.scene.u_x_max == 6.0
 
 
 @pytest.mark.parametrize(
-    "order",
+    "given",
     [
         {"do": "restore", "values": {"E": 80}},
         {"do": "restore", "values": {"name": "x"}},
@@ -108,39 +106,29 @@ def test_pinned_runs_come_beside_the_run_on_screen(page):
         {"do": "share", "values": {"link": "x" * 6000}},
     ],
 )
-def test_orders_to_keep_and_take_hold_known_names_and_texts(order):
+def test_orders_to_keep_and_take_hold_known_names_and_texts(given):
     with pytest.raises(orders.Refused):
-        orders.read(json.dumps(order))
+        orders.read(json.dumps(given))
 
 
 def test_the_sheet_has_a_code_to_scan_unless_the_link_is_too_long_for_one(page):
-    told = queue.Queue()
-    page.session.wire.on_change("taken", lambda attribute, old, new: told.put(new))
-
-    def head():
-        message = told.get(timeout=PATIENCE)
-        return json.loads(message[4 : 4 + struct.unpack_from("<I", message)[0]])
-
     page.order("share", link="h" * (SCANNED + 1))
-    assert head()["qr"] == "" and not page.session.share.code.waiting
+    assert page.messages.pop()[0]["qr"] == "" and not page.session.share.code.waiting
     page.order("share", link="h" * SCANNED)
-    assert head()["qr"] == ""  # the Python lines come at once, the code once a worker has drawn it
+    assert page.messages.pop()[0]["qr"] == ""  # the Python lines come at once, the code once a worker has drawn it
     page.calls.get(timeout=PATIENCE)()
-    assert head()["qr"].startswith("data:image/svg+xml")
+    assert page.messages.pop()[0]["qr"].startswith("data:image/svg+xml")
 
 
 def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, monkeypatch):
-    sent = []
-    page.session.wire.on_change("taken", lambda attribute, old, new: sent.append(new))
     for largest, why in ((share.LARGEST, ""), (10, share.LARGE)):
         monkeypatch.setattr(share, "LARGEST", largest)
         page.order("take", kind="json")
-        while not sent or sent[-1] is not None:
+        while not page.messages:
             page.calls.get(timeout=PATIENCE)()
-        head = json.loads(sent[-2][4 : 4 + struct.unpack_from("<I", sent[-2])[0]])
-        assert head["why"] == why and (len(sent[-2]) > 1000) == (not why)
-        sent.clear()
-    assert page.session.wire.taken is None
+        head, body = page.messages.pop()
+        assert head["kind"] == "file" and head["why"] == why and (len(body) > 1000) == (not why)
+    assert page.session.wire.message is None
 
 
 @pytest.mark.slow
@@ -184,17 +172,29 @@ def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says
     slips, run = page.curve("slip"), page.session.pursuit.run.number
     k = len(slips) - 1 - int(np.argmax(slips[::-1] > 0))
     page.order("film", run=run, frame=k)
-    while page.chunks[-1][0] != 2_000_000 + k:
+    while page.chunks[-1][0] != ("film", k):
         page.calls.get(timeout=PATIENCE)()
     film = page.curve("U_x")
     assert set(page.curve("index")) == {108} or set(page.curve("index")) == {109}
     assert len(film) > 40 and np.ptp(film) == 0.0 and film[0] == pytest.approx(10.8036, abs=1e-3)
     page.order("film", run=run, frame=k - 5)
-    while not page.status()["notes"]:
+    while not page.messages:
         page.calls.get(timeout=PATIENCE)()
-    assert page.status()["notes"] == ["Slow motion: no branch ends here."]
+    assert page.messages.pop()[0] == {"kind": "film failed", "why": "no branch ends here"}
     page.order("film", run=run, frame=5000)
-    assert "no longer at hand" in page.status()["notes"][0]
+    head, _ = page.messages.pop()
+    assert head["kind"] == "film failed" and head["why"].endswith("compute the run again")
+
+
+def test_a_pinned_run_that_fails_says_why(session):
+    sent = []
+    session.wire.on_change("message", lambda attribute, old, new: new and sent.append(opened(new)[0]))
+    say(session, {"do": "beside", "values": {"delta_bar": "0.3"}, "beside": 3})
+    (task,) = session.pool.tasks
+    task.set_result(NotConverged("no equilibrium"))
+    assert sent == [{"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}]
+    say(session, {"do": "beside", "values": {}, "beside": 9})  # no pin
+    assert session.pool.tasks == [task]
 
 
 def test_while_a_newer_scene_waits_for_a_slice_what_is_taken_away_is_its_run(session):

@@ -155,7 +155,7 @@ def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
     finished(page)
     ordered = page.evaluate(
         """() => {
-            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.properties.layer)
+            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.properties.message)
             window.ordered = []
             wire.properties.order.change.connect(() => ordered.push(JSON.parse(wire.order)))
             for (const name of ["stickslip", "law", "solid", "arealaws", "stickslip", "law"]) {

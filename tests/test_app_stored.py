@@ -16,7 +16,7 @@ NOBODY = "tcp://127.0.0.1:9"  # the port "discard": no scheduler, thus no worker
 COMPARE = """async (texts) => {
     const { unpackLater } = await import("http://scripts/js/packed.js")
     const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer
-    const [one, other] = await Promise.all(texts.map(bytes).map(unpackLater))
+    const [one, other] = await Promise.all(texts.map((text) => unpackLater({ buffer: bytes(text), start: 0 })))
     const apart = (a, b) => a.length === b.length && a.reduce((most, v, i) => Math.max(most, Math.abs(v - b[i])), 0)
         / b.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-9)
     const of = (kind, names) => Object.fromEntries(
@@ -43,7 +43,7 @@ def test_a_stored_run_is_that_of_the_solver(tab, name):
     (block,) = made.blocks
     run = stored.path_of(name).read_bytes()
     assert len(run) <= stored.LARGEST
-    texts = [base64.b64encode(message).decode() for message in (run, packing.numbered(1, block))]
+    texts = [base64.b64encode(message).decode() for message in (run, block)]
     compared = tab.evaluate(COMPARE % (list(ALIKE), list(packing.FIELDS)), texts)
     assert compared["size"] == [made.frames, packing.header(block)["nodes"]]
     assert compared["scene"] == packing.header(block)["scene"]

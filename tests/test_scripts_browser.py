@@ -28,14 +28,15 @@ def run_of(tab, scene):
     blocks = []
     for piece in slices(scene, 0.01):
         assert not piece.failure
-        blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
+        blocks += [base64.b64encode(block).decode() for block in piece.blocks]
     tab.evaluate(
         """async (blocks) => {
             const { Run } = await import("http://scripts/js/run.js")
             const { unpackLater } = await import("http://scripts/js/packed.js")
             for (const text of blocks) {
-                const chunk = await unpackLater(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
-                if (text === blocks[0]) window.run = new Run(chunk.run, chunk.head)
+                const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+                const chunk = await unpackLater({ buffer, start: 0 })
+                if (text === blocks[0]) window.run = new Run(7, chunk.head)
                 window.run.add(chunk)
             }
         }""",
@@ -45,21 +46,24 @@ def run_of(tab, scene):
 
 
 def test_messages_are_passed_on_in_their_order_though_some_are_unpacked_later(tab):
+    first, second = (base64.b64encode(packing.headed({"kind": "run", "number": k}, b"")).decode() for k in (0, 1))
     passed_on = tab.evaluate(
-        """async () => {
-            const { connect, listen } = await import("http://scripts/js/channel.js")
+        """async (messages) => {
+            const { connect, listen, take } = await import("http://scripts/js/channel.js")
             const listeners = {}, passedOn = []
             const property = (name) => ({ change: { connect: (call) => { listeners[name] = call } } })
-            const wire = { properties: { chunk: property("chunk"), status: property("status") } }
+            const wire = { properties: { message: property("message"), status: property("status") } }
             const send = (name, value) => { wire[name] = value; listeners[name]() }
             const unpacking = [Promise.withResolvers(), Promise.withResolvers()]
             connect(wire)
             listen("status", (message) => passedOn.push(message))
-            listen("chunk", (message) => passedOn.push(message), (number) => unpacking[number].promise)
+            take("run", (message) => passedOn.push(message), ({ head }) => unpacking[head.number].promise)
+            const [run, next] = messages.map((text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
             send("status", "first")
-            send("chunk", 0)
+            send("message", run)
+            send("message", null)
             send("status", "second")
-            send("chunk", 1)
+            send("message", next)
             send("status", "third")
             unpacking[1].resolve("chunk 1")
             await new Promise((then) => setTimeout(then))
@@ -67,7 +71,8 @@ def test_messages_are_passed_on_in_their_order_though_some_are_unpacked_later(ta
             unpacking[0].resolve("chunk 0")
             await new Promise((then) => setTimeout(then))
             return [waited, passedOn]
-        }"""
+        }""",
+        [first, second],
     )
     assert passed_on == [True, ["first", "chunk 0", "second", "chunk 1", "third"]]
 
@@ -188,9 +193,10 @@ def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
     made = tab.evaluate(
         """async (table) => {
             const { tableOf, sumsIn, middles, moved, XX, ZZ, XZ, APART, SHEARED } = await import("http://scripts/js/inside.js")
+            const { opened } = await import("http://scripts/js/packed.js")
             const weights = [...moved(run.head.scene), XX, ZZ, XZ, APART, SHEARED]
             const bytes = Uint8Array.from(atob(table), (c) => c.charCodeAt(0)).buffer
-            const sums = sumsIn(run, run.length - 1, tableOf(bytes), middles(50, 60), weights)
+            const sums = sumsIn(run, run.length - 1, tableOf(opened(bytes)), middles(50, 60), weights)
             return sums.map((sum) => [...sum])
         }""",
         table,

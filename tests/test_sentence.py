@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from visitor import slices
 
-from app.service import packing
 from app.session.controls import CONTROLS
 from solver import Scene, carried_path, load_path
 from solver.presets import presets
@@ -26,9 +25,10 @@ READ = """async ({ now, before, at, values }) => {
     const made = async ({ blocks, scene, carried }) => {
         let run = null
         for (const text of blocks) {
-            const chunk = await unpackLater(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
+            const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+            const chunk = await unpackLater({ buffer, start: 0 })
             if (!run) {
-                run = Object.assign(new Run(chunk.run, chunk.head), { scene })
+                run = Object.assign(new Run(7, chunk.head), { scene })
                 if (carried) run.takeOver(await made(before), carried)
             }
             run.add(chunk)
@@ -72,7 +72,7 @@ def whole(scene, legs=()):
     for piece in slices(scene, 5.0, history=legs):
         if piece.failure:
             return None
-        blocks += [base64.b64encode(packing.numbered(7, block)).decode() for block in piece.blocks]
+        blocks += [base64.b64encode(block).decode() for block in piece.blocks]
     if legs:
         return Whole(scene, list(carried_path([*legs, (scene, None)])), blocks, legs[-1][1] - 1)
     return Whole(scene, list(load_path(scene)), blocks)

@@ -25,7 +25,19 @@ class Page:
         self.calls, self.chunks = queue.Queue(), []
         self.session = Session(self, Pages, arguments, pool, shelf or Shelf())
         self.session.scene = scene
-        self.session.wire.on_change("chunk", lambda attribute, old, new: self.chunks.append(unpacked(new)))
+        self.messages = []  # [(header, body)], but for packed frames
+        self.session.wire.on_change("message", self._take)
+
+    def _take(self, attribute, old, new):
+        """Keep a message: frames of the run on screen, of a pin or of a film, by their number; or another one."""
+        if new is None:
+            return
+        head, body = opened(new)
+        numbers = {"run": head.get("run"), "pinned": ("pin", head.get("pin")), "film": ("film", head.get("frame"))}
+        if head["kind"] in numbers:
+            self.chunks.append((numbers[head["kind"]], *unpacked(body)))
+        else:
+            self.messages.append((head, body))
 
     def add_next_tick_callback(self, call):
         self.calls.put(call)
@@ -62,11 +74,15 @@ def slices(scene, budget, **how):
         yield piece
 
 
-def unpacked(chunk):
-    """(run, header, columns, fields in nm and GPa) of a packed block with its number, by name."""
-    head, columns, fields = packing.unpack(chunk[4:])
-    real = {name: field * head["scales"][name] for name, field in fields.items()}
-    return struct.unpack_from("<I", chunk)[0], head, columns, real
+def opened(message):
+    """(header, body) of a message."""
+    return packing.header(message), message[4 + struct.unpack_from("<I", message)[0] :]
+
+
+def unpacked(block):
+    """(header, columns, fields in nm and GPa) of a packed block, by name."""
+    head, columns, fields = packing.unpack(block)
+    return head, columns, {name: field * head["scales"][name] for name, field in fields.items()}
 
 
 class NoPool:

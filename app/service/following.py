@@ -6,7 +6,6 @@ the whole run in front. It takes some 40 kB, a run 1.3 MB.
 
 import pickle
 import re
-import struct
 from dataclasses import dataclass
 from math import ceil, e
 
@@ -33,11 +32,14 @@ class Followed:
     skeleton: bytes
 
 
-def followed(skeleton, scene, at):
-    """Followed of a scene, from a pickled Skeleton nearby, with the frame at U_x = `at` nm; or why there is none."""
+def followed(skeleton, scene, at, number=None):
+    """Followed of a scene, from a pickled Skeleton nearby, with the frame at U_x = `at` nm; or why there is none.
+
+    number: of the order that the picture answers.
+    """
     try:
         there = follow(pickle.loads(skeleton), scene)
-        return Followed(picture(there, at), pickle.dumps(there))
+        return Followed(picture(there, at, number), pickle.dumps(there))
     except NotFollowed as why:
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # a word for many
 
@@ -63,8 +65,8 @@ def compared(skeleton, blocks):
     return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
 
 
-def picture(skeleton, at):
-    """Bytes: uint32 length of a JSON header, header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
+def picture(skeleton, at, number=None):
+    """The message of a picture: a JSON header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
     scene = skeleton.scene
     loads = _loads(scene, [slip.load for slip in skeleton.slips])
     curves = np.zeros((len(CURVES), loads.size), "<f4")
@@ -82,6 +84,8 @@ def picture(skeleton, at):
     else:
         cells, place = _map(skeleton)
     header = {
+        "kind": "picture",
+        "heard": number,
         "frames": loads.size,
         "columns": CURVES,
         "shown": shown,
@@ -89,7 +93,7 @@ def picture(skeleton, at):
         "map": {"rows": cells.shape[0], "columns": cells.shape[1], **place},
     }
     body = np.ascontiguousarray(curves).tobytes() + cells.tobytes()
-    block = struct.pack("<I", 0) + pack(scene, [(frame, 0.0) for frame in frames], True)
+    block = pack(scene, [(frame, 0.0) for frame in frames], True)
     return headed(header, body + b"\0" * (-len(body) % 4) + block)
 
 

@@ -60,7 +60,7 @@ def pack(scene, rows, last, compress=False):
     """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
 
     scene: of all these frames. The header has its parameters, and names the columns, and the fields with their scales,
-    in the order in which they follow. What goes to a browser has the number of its run in front (uint32, `numbered`).
+    in the order in which they follow.
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
     at half the bytes of float32. A default run takes 1.36 MB, compressed (`compressed`) 0.31 MB.
@@ -165,11 +165,6 @@ def unpack(block):
 def _body(block):
     """What follows the header of a block."""
     return memoryview(block)[4 + struct.unpack_from("<I", block)[0] :]
-
-
-def numbered(run, block):
-    """A packed block as one of the visitor's run of that number: what is kept for all visitors knows no number."""
-    return struct.pack("<I", run) + block
 
 
 def _span(scene):

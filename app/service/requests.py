@@ -126,7 +126,7 @@ class Requests:
         for call in calls:
             known = self._ask(call, partial(self._take_each, call), rank=LATER)
             if known is not None:
-                self._take(call, known)
+                self._answered(call, known)
 
     def ask(self, call, take, **how):
         """Ask for one call in place of all before, then take(result), None where it failed.
@@ -157,8 +157,8 @@ class Requests:
         return self.shared.ask(self.session.pool, call, self._hear, owner=id(self.session), **how)
 
     def _hear(self, call, result):
-        self.session.doc.add_next_tick_callback(lambda: self._take(call, result))
+        self.session.doc.add_next_tick_callback(lambda: self._answered(call, result))
 
-    def _take(self, call, result):
+    def _answered(self, call, result):
         if call in self.waiting:
             self.waiting.pop(call)(result)

@@ -68,7 +68,7 @@ def main():
         made = worker.compute(preset.scene, None, np.inf, limit=np.inf)
         if made.failure or len(made.blocks) != 1:
             sys.exit(f"{name} cannot be stored: {made.failure or 'its nodes change on the way; store one block only'}")
-        run = packing.numbered(0, thinned(*made.blocks))
+        run = thinned(*made.blocks)
         if len(run) > LARGEST:
             sys.exit(f"{name} takes {len(run)} bytes, allowed are {LARGEST}: raise NODES or APART")
         path_of(name).write_bytes(run)

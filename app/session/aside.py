@@ -3,15 +3,13 @@
 A film and the table of a layer belong to one visitor; all visitors share pinned runs and marks.
 """
 
-from app.service import marks, packing, tasks, worker
+from app.service import marks, tasks, worker
 from app.service.packing import Frames
 from app.service.pool import LATER
 from app.service.requests import Requests
 from app.session.controls import scene_from_address
 
-PINNED, FILM = 1_000_000, 2_000_000  # numbers of such runs lie above, as BESIDE and FILM in run.js
 MOST_PINNED = 4
-FILM_NAME = "Slow motion"  # the browser knows by it what its notes begin with
 LONGEST_FILM = 20 * worker.SLOW  # s: an increment is made again, and every state on its way packed
 GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table of its layer depends on
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # of it, that a browser may ask for; nm
@@ -24,22 +22,20 @@ class Film(Requests):
         """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
         self.cancel()
         session, run, k = self.session, self.session.pursuit.run, values["frame"]
-        session.notes = [note for note in session.notes if not note.startswith(FILM_NAME)]
         if run is None or run.number != values["run"]:
             return
         places = [run.place(frame, session.shelf) for frame in (k - 1, k)]
         if None in places:
-            why = "the increment before this slip belongs to a run that is no longer at hand"
-            session.notes = [f"{FILM_NAME}: {why}."]
-            return
+            why = "the server does not have the increment before this slip any longer; compute the run again"
+            return session.wire.send("film failed", why=why)
         call = (tasks.slow_motion, run.scene, *places)
         self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=LONGEST_FILM)
 
     def _made(self, made, k):
         if made is None or isinstance(made, str):
-            self.session.notes = [f"{FILM_NAME}: {made or 'it could not be computed'}."]
-            return self.session.publish()
-        self.session.wire.send(FILM + k, made)
+            return self.session.wire.send("film failed", why=made or "it could not be computed; try again")
+        for block in made:
+            self.session.wire.send("film", block, frame=k)
 
 
 class Layer(Requests):
@@ -59,7 +55,7 @@ class Layer(Requests):
     def _made(self, made, head):
         if made is not None:  # otherwise nothing is drawn
             counts, body = made
-            self.session.wire.layer = packing.headed(head | {"counts": counts}, body)
+            self.session.wire.send("layer", body, counts=counts, **head)
 
 
 class Pinned(Requests):
@@ -67,15 +63,13 @@ class Pinned(Requests):
 
     def __init__(self, session):
         super().__init__(session, self._made)
-        self.numbers = {}  # {call: numbers of its run}
+        self.pins = {}  # {call: of which pins it is the run}
 
-    def want(self, entries):
-        """Send the run of an address {name: text} under the number entries["beside"]; one that fails is not sent."""
-        number = entries["beside"]
-        if PINNED < number <= PINNED + MOST_PINNED:
-            texts = {name: [text.encode()] for name, text in entries.items() if name != "beside"}
-            call = tasks.whole_run, scene_from_address(texts)[0]
-            self.numbers.setdefault(call, []).append(number)
+    def want(self, pin, entries):
+        """Send the run of an address {name: text}, that of a pin, or why it failed."""
+        if 0 < pin <= MOST_PINNED:
+            call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in entries.items()})[0]
+            self.pins.setdefault(call, []).append(pin)
             known = self.session.shelf.get(call[1])
             if known is None:
                 self.add([call])
@@ -83,11 +77,15 @@ class Pinned(Requests):
                 self._made(call, known)
 
     def _made(self, call, run):
-        numbers = self.numbers.pop(call, ())
+        pins = self.pins.pop(call, ())
         if isinstance(run, Frames):
             self.session.shelf.put(call[1], run)
-            for number in numbers:
-                self.session.wire.send(number, run.blocks)
+        for pin in pins:
+            if isinstance(run, Exception):
+                self.session.wire.send("pinned failed", pin=pin, why=str(run))
+            else:
+                for block in run.blocks:
+                    self.session.wire.send("pinned", block, pin=pin)
 
 
 class Marks(Requests):

@@ -148,13 +148,13 @@ class Restore(Order):
 
 
 class Beside(Order):
-    """Send the run of an address under a number of its own."""
+    """Send the run of an address, that of a pin."""
 
     beside: Whole
     values: Address
 
     def obey(self, session):
-        session.pinned.want(self.values | {"beside": self.beside})
+        session.pinned.want(self.beside, self.values)
 
 
 class File(Order):

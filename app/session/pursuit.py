@@ -186,7 +186,8 @@ class Pursuit:
         if self.run and self.run.state == "running":
             self.run.state = "skipped"
         self.session.marks.cancel()  # until the next run has ended
-        self._submit((followed, skeleton, wish.scene, wish.at), partial(self._show_picture, wish=wish), rank=SCREEN)
+        call = (followed, skeleton, wish.scene, wish.at, wish.number)
+        self._submit(call, partial(self._show_picture, wish=wish), rank=SCREEN)
 
     # following
 
@@ -203,7 +204,7 @@ class Pursuit:
             return self._begin(wish.scene, wish.after)
         metrics.count("followed")
         self.skeleton, self.shown = made.skeleton, wish.scene
-        self.session.wire.follow(made.picture, wish.number)
+        self.session.wire.deliver(made.picture)
         if self.wanted is not None:
             self._take_up()
         elif not self.held:
@@ -292,7 +293,8 @@ class Pursuit:
         self.skeleton, self.shown = whole.skeleton, None
 
     def _send(self, blocks):
-        self.session.wire.send(self.run.number, blocks)
+        for block in blocks:
+            self.session.wire.send("run", block, run=self.run.number)
 
     # failures
 

@@ -67,7 +67,10 @@ class Session:
     # orders from the browser
 
     def obey(self, message):
-        """Do what a message of the browser orders; every order is acknowledged, whether it is obeyed or refused."""
+        """Do what a message of the browser orders; every order is acknowledged, whether it is obeyed or refused.
+
+        A picture acknowledges the order that it answers: until then the browser sends no newer position of the slider.
+        """
         try:
             number, order = orders.read(message)
         except orders.Refused as refused:
@@ -77,7 +80,8 @@ class Session:
             order.obey(self)
         except Exception:
             self.pursuit.fail_unexpectedly()
-        if self.told_order != self.acknowledged:
+        pictured = getattr(order, "held", False) and self.pursuit.state == "following"
+        if self.told_order != self.acknowledged and not pictured:
             self.publish()
 
     def _refuse(self, refused):

@@ -1,8 +1,9 @@
 """What a visitor takes away: a link as a QR code, Python lines of a run, and files as the command line writes."""
 
+from functools import partial
 from math import inf
 
-from app.service import packing, tasks
+from app.service import tasks
 from app.service.pool import LATER
 from app.service.requests import Requests
 from solver import Scene
@@ -19,14 +20,14 @@ class Share(Requests):
 
     def __init__(self, session):
         super().__init__(session)
-        self.sent, self.code = 0, Requests(session)
+        self.code = Requests(session)
 
     def sheet(self, link):
         """Send what belongs to a link and to the run on screen: Python lines, and a QR code that a worker draws."""
-        head = {"what": "sheet", "link": link, "qr": "", "python": python_lines(self.session.pursuit.legs)}
-        self._send(head)
+        send = partial(self.session.wire.send, "sheet", link=link, python=python_lines(self.session.pursuit.legs))
+        send(qr="")
         if len(link) <= SCANNED:
-            self.code.ask((tasks.qr_code, link), lambda drawn: self._send(head | {"qr": drawn or ""}))
+            self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
 
     def take(self, kind):
         """Have a worker make the file of the run: `kind` is npz or json."""
@@ -35,12 +36,7 @@ class Share(Requests):
 
     def _made(self, body, kind):
         why = LARGE if len(body) > LARGEST else "" if body else SLOW
-        self._send({"what": "file", "kind": kind, "why": why}, b"" if why else body)
-        self.session.wire.taken = None  # it has been sent
-
-    def _send(self, head, body=b""):
-        self.sent += 1  # what is the same as before would not travel
-        self.session.wire.taken = packing.headed(head | {"sent": self.sent}, body)
+        self.session.wire.send("file", b"" if why else body, ending=kind, why=why)
 
 
 def python_lines(legs):

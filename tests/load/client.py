@@ -20,6 +20,8 @@ from bokeh.protocol.receiver import Receiver
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
+from app.service.packing import header
+
 ROOT = Path(__file__).parent.parent.parent
 PATIENCE = 60  # s; a limit against hanging
 ENDS = ("finished", "failed")
@@ -75,7 +77,7 @@ class Tab:
         start, first = time.perf_counter(), None
         await self.give({"do": what} | ({"values": values} if values else {}))
         while (heard := await self.heard()) != "status" or self.status["state"] not in ENDS:
-            first = (first or time.perf_counter() - start) if heard == "chunk" else first
+            first = (first or time.perf_counter() - start) if heard == "run" else first
         whole = time.perf_counter() - start
         return first or whole, whole, self.status
 
@@ -92,9 +94,9 @@ class Tab:
                 await asyncio.sleep(wait)
             sent = min(len(values) - 1, int((time.perf_counter() - start) / pace))
             await self.give({"do": "scene", "values": {name: values[sent]}, "held": True})
-            while (what := await self.heard()) == "chunk":
+            while (what := await self.heard()) == "run":
                 first = first or time.perf_counter() - start
-            if what == "hand":
+            if what == "picture":
                 pictures += 1
                 first = first or time.perf_counter() - start
         begun = time.perf_counter()
@@ -109,14 +111,16 @@ class Tab:
         await self.send("PATCH-DOC", self.patch(order))
 
     async def heard(self):
-        """What comes next of "chunk", "hand" and "status", of these what answers the last order."""
+        """What comes next of "run", "picture" and "status", of these what answers the last order."""
         while True:
             message = await self.message("PATCH-DOC")
             for event in message.content["events"]:
                 what = event.get("attr")
                 if what == "status":
                     self.status = json.loads(event["new"])
-                if what in ("chunk", "hand") or (what == "status" and self.status["heard"] == self.orders):
+                elif what == "message" and message.buffers:
+                    what = header(message.buffers[0].to_bytes())["kind"]
+                if what in ("run", "picture") or (what == "status" and self.status["heard"] == self.orders):
                     return what
 
     def leave(self):

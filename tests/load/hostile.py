@@ -63,7 +63,7 @@ def event(tab, dice):
     div = {"type": "object", "name": "Div", "id": "x1", "attributes": {"text": "x" * 5000}}
     return dice.choice(
         [
-            {"kind": "ModelChanged", "model": wire, "attr": "chunk", "new": {"type": "bytes", "data": BOMB}},
+            {"kind": "ModelChanged", "model": wire, "attr": "message", "new": {"type": "bytes", "data": BOMB}},
             {"kind": "ModelChanged", "model": wire, "attr": "status", "new": "{}"},
             {"kind": "ModelChanged", "model": wire, "attr": "order", "new": dice.choice(ODD)},
             {"kind": "ModelChanged", "model": {"id": "p1001"}, "attr": "title", "new": "mine"},

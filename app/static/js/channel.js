@@ -2,6 +2,7 @@
 
 import { onChange } from "./bokeh.js"
 import { by, on } from "./dom.js"
+import { opened } from "./packed.js"
 import { me } from "./state.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
@@ -11,8 +12,19 @@ let orders = 0, asks = 0
 let hears = () => {} // what is done with every answer
 let unheard = [] // {n, what, values, at} of those not yet answered
 
-export const connect = (given) => { wire = given }
+// Messages of bytes go to what takes their kind
+export function connect(given) {
+  wire = given
+  onChange(wire, "message", () => {
+    if (!wire.message) return // the server lets go of it
+    const message = opened(wire.message), [call, unpack] = takers[message.head.kind] ?? []
+    if (call) arrived(message, call, unpack)
+  })
+}
+
+const takers = {} // {kind: [call, unpack]}
 // Call `call` with every message of a kind; unpack: makes a promise of what is in it, where that takes time
+export const take = (kind, call, unpack) => { takers[kind] = [call, unpack] }
 export const listen = (what, call, unpack) => onChange(wire, what, () => arrived(wire[what], call, unpack))
 export const waiting = () => unheard
 export const silence = () => (unheard.length ? performance.now() - unheard[0].at : 0) // ms

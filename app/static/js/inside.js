@@ -1,8 +1,7 @@
 // What is inside the layer, summed from the tractions of a frame and a table of how each of their modes reaches into it
 // (solver/analysis/interior.py), sent once for a geometry.
 
-import { listen, order } from "./channel.js"
-import { opened } from "./packed.js"
+import { order, take } from "./channel.js"
 
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/aside.py
 const KEPT = 3 // of each
@@ -23,16 +22,15 @@ const keep = (map, key, value) => {
 let asked = "", since = 0
 
 export function connectInside(redraw) {
-  listen("layer", (buffer) => {
-    const table = tableOf(buffer)
+  take("layer", (message) => {
+    const table = tableOf(message)
     keep(tables, keyOf(table.geometry, table.asked), table)
     asked = ""
     redraw()
   })
 }
 
-export function tableOf(buffer) {
-  const { head, start } = opened(buffer)
+export function tableOf({ head, buffer, start }) {
   return { ...head, factors: new Float32Array(buffer.slice(start)) }
 }
 

@@ -3,7 +3,6 @@
 import { by, closest, on, onDrag } from "./dom.js"
 import { figures } from "./figures.js"
 import { line, size, write } from "./pen.js"
-import { FILM } from "./run.js"
 import { me } from "./state.js"
 
 const ACROSS = 13 // nm seen in the lens
@@ -16,7 +15,7 @@ const EASE = 0.15 // of the way to where most moves, in each picture of a slow m
 // if any
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
-  if (run.number > FILM) return follow(run, k, frame)
+  if (run.filmed) return follow(run, k, frame)
   lens.moving = null
   const edges = run.edges(k), { first } = run.headOf(k), { x, gap } = frame
   if (!edges) {

@@ -3,36 +3,36 @@
 // uint32 length of the header, the header, the rest from `start` on
 export function opened(buffer, at = 0) {
   const length = new DataView(buffer).getUint32(at, true), start = at + 4 + length
-  return { head: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, at + 4, length))), start }
+  return { head: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, at + 4, length))), buffer, start }
 }
 
-// One chunk (ArrayBuffer) that is not compressed, as {run, head, columns: {name: Float32Array}, fields: {name: Int16Array
-// (frames, nodes)}}; nothing is copied
-export function unpack(buffer) {
-  const { head, start } = opened(buffer, 4), { frames, nodes, columns, scales } = head
+// A chunk that is not compressed, at that place of an ArrayBuffer: {head, columns: {name: Float32Array}, fields: {name:
+// Int16Array (frames, nodes)}}; nothing is copied
+export function unpack(buffer, at = 0) {
+  const { head, start } = opened(buffer, at), { frames, nodes, columns, scales } = head
   const curves = new Float32Array(buffer, start, columns.length * frames)
   const fields = new Int16Array(buffer, start + curves.byteLength, Object.keys(scales).length * frames * nodes)
-  return chunkOf(buffer, head, curves, fields)
+  return chunkOf(head, curves, fields)
 }
 
-// The same of a chunk that may be compressed, in a while
-export async function unpackLater(buffer) {
-  const { head, start } = opened(buffer, 4)
-  if (!head.compressed) return unpack(buffer)
+// The chunk in a message, which may be compressed, in a while; with what the header of the message says
+export async function unpackLater({ head: said, buffer, start: at }) {
+  const { head, start } = opened(buffer, at)
+  if (!head.compressed) return { ...said, ...unpack(buffer, at) }
   const stream = new Blob([new Uint8Array(buffer, start)]).stream().pipeThrough(new DecompressionStream("deflate"))
   const planes = new Uint8Array(await new Response(stream).arrayBuffer()), { kept } = head
   const curves = curvesOf(planes, head.columns.length, head.frames), behind = planes.subarray(curves.byteLength)
   const [frames, nodes] = kept ? [kept.frames.length, kept.nodes.length] : [head.frames, head.nodes]
   const fields = fieldsOf(behind, frames, nodes)
-  return chunkOf(buffer, head, curves, kept ? filledIn(fields, kept, head) : fields)
+  return { ...said, ...chunkOf(head, curves, kept ? filledIn(fields, kept, head) : fields) }
 }
 
 const named = (names, numbers, size) =>
   Object.fromEntries(names.map((name, k) => [name, numbers.subarray(k * size, (k + 1) * size)]))
 
-function chunkOf(buffer, head, curves, fields) {
+function chunkOf(head, curves, fields) {
   return {
-    run: new DataView(buffer).getUint32(0, true), head,
+    head,
     columns: named(head.columns, curves, head.frames),
     fields: named(Object.keys(head.scales), fields, head.frames * head.nodes),
   }

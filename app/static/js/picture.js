@@ -1,7 +1,7 @@
 // A picture that follows the hand on a slider (format: app/service/following.py): the curves and the map of a whole run,
 // and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
 
-import { opened, unpack } from "./packed.js"
+import { unpack } from "./packed.js"
 import { REAL, Run, SPANS } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
@@ -10,13 +10,13 @@ const BEYOND = 1.1, ROOM = 1.3 // times what a band has room for, from which on 
 let count = 0
 
 export class Picture extends Run {
-  // before: the run on screen; values: {parameter: value} of its scene
-  constructor(buffer, before, values) {
-    const { head, start } = opened(buffer, 8), { frames, columns, map } = head
+  // message: as `opened`; before: the run on screen; values: {parameter: value} of its scene
+  constructor({ head, buffer, start }, before, values) {
+    const { frames, columns, map } = head
     const cells = start + 4 * columns.length * frames, end = cells + map.rows * map.columns
-    const chunk = unpack(buffer.slice(end + (-end & 3)))
+    const chunk = unpack(buffer, end + (-end & 3))
     super(--count, chunk.head)
-    this.heard = new DataView(buffer).getFloat64(0, true) // number of the order that it answers
+    this.heard = head.heard // number of the order that it answers
     this.followed = this.whole = true
     this.sheared = 0
     this.shown = head.shown

@@ -6,7 +6,7 @@ import { by, digits, fixed, tell } from "./dom.js"
 import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
 import { paceAt } from "./pace.js"
 import { framePage } from "./pages.js"
-import { BESIDE, FILM, Run } from "./run.js"
+import { Run } from "./run.js"
 import { Picture } from "./picture.js"
 import { exact, frameDrawn, me, now, QUIET, reduced } from "./state.js"
 import { checkTruth, tellState } from "./status.js"
@@ -17,8 +17,6 @@ import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
 
 export function receive(chunk) {
-  if (chunk.run > FILM) return me.filmed?.(chunk)
-  if (chunk.run > BESIDE) return me.beside?.(chunk)
   if (chunk.run === me.run?.number) me.run.add(chunk)
   else if (!replaced(chunk)) return
   if (me.following) me.at = me.run.length - 1
@@ -43,9 +41,9 @@ function replaced(chunk) {
 }
 
 // A picture of where the hand is, or was a moment ago
-export function follow(buffer) {
+export function follow(message) {
   if (!me.run?.length) return
-  const picture = new Picture(buffer, me.run, me.status.values)
+  const picture = new Picture(message, me.run, me.status.values)
   heard(picture.heard)
   begin(picture)
   Object.assign(me, { at: picture.shown, following: false, coming: null, fresh: true })

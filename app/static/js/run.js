@@ -1,7 +1,5 @@
 // The frames of a run, as they arrive (packed.js) and as views ask for them.
 
-export const BESIDE = 1e6 // runs with higher numbers are pinned ones, as app/session/aside.py
-export const FILM = 2e6 // those with still higher ones are motions through a slip, as app/session/aside.py
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 const ALL = 0.95 // of the nodes that feel anything have slipped: it all has
 const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
@@ -40,6 +38,7 @@ export class Run {
     this.places = [] // frame k -> [block, row]
     this.curves = Object.fromEntries([...head.columns, ...Object.keys(REAL)].map((name) => [name, []]))
     this.whole = false
+    this.filmed = false // whether its last frames are a motion through a slip
     this.sheared = -1 // the frame at which shear begins, once it is there
     this.carried = 0 // frames of another run that this one goes on from
     this.worked = 0 // nJ/m, work of the top in the runs before, from which this one goes on

@@ -3,7 +3,7 @@
 // asserts, [name, ...values], for tests/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
 
 import { digits, minus, newtons } from "./dom.js"
-import { FILM, WEAK } from "./run.js"
+import { WEAK } from "./run.js"
 
 export const AFTER = 1.0 // nm of the path for which a slip is what happens
 const LET_GO = 0.5 // sites of peeling that are worth a word
@@ -17,7 +17,7 @@ const tell = (key, text, ...claims) => ({ key, text, claims })
 export function phaseSaid(run, k) {
   const at = Math.min(Math.max(k, run.sheared + 1), run.length - 1) // not "at rest" while the top moves
   const stage = run.sheared < 0 ? "" : run.stage(at), sheared = ["shear", "back"].includes(stage)
-  const slips = sheared && run.number < FILM ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
+  const slips = sheared && !run.filmed ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
   if (slips.length > 1 && at >= slips[0] + AFTER / run.head.step) return jerks(run, slips)
   return nowSaid(run, at, true)
 }
@@ -32,7 +32,7 @@ function jerks(run, [first, second]) {
 
 // What happens at frame k; playing: without the numbers of a slip
 export function nowSaid(run, k, playing = false) {
-  if (run.number > FILM) return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
+  if (run.filmed) return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
   const stage = run.stage(k), frame = run.frame(k), acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
   if (!frame.T_t.some(acts)) {
     if (stage === "approach" || stage === "reload") return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.", ["apart", k])

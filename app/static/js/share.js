@@ -2,11 +2,10 @@
 
 import { linkTo } from "./address.js"
 import { holderOf, svgOf } from "./bokeh.js"
-import { listen, order } from "./channel.js"
+import { order, take } from "./channel.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
-import { opened } from "./packed.js"
 import { sharpen } from "./pen.js"
 import { me } from "./state.js"
 import { drawStory } from "./story.js"
@@ -138,24 +137,24 @@ async function copy(field, what) {
   say(`${what} copied`)
 }
 
-function taken(buffer) {
-  if (!buffer) return
-  const { head, start } = opened(buffer)
-  if (head.what === "file") {
-    if (head.why) say(head.why)
-    else download(new Blob([buffer.slice(start)]), `.${head.kind}`)
-    for (const button of document.querySelectorAll("[data-file]")) button.disabled = false
-  } else if (head.link === by("share-link").value) {
-    by("share-qr").src = head.qr
-    by("share-qr").hidden = !head.qr
-    by("share-python").value = head.python
-    by("share-python").rows = head.python.split("\n").length
-  }
+function showFile({ head: { why, ending }, buffer, start }) {
+  if (why) say(why)
+  else download(new Blob([buffer.slice(start)]), `.${ending}`)
+  for (const button of document.querySelectorAll("[data-file]")) button.disabled = false
+}
+
+function showSheet({ head: { link, qr, python } }) {
+  if (link !== by("share-link").value) return
+  by("share-qr").src = qr
+  by("share-qr").hidden = !qr
+  by("share-python").value = python
+  by("share-python").rows = python.split("\n").length
 }
 
 function connect() {
   connected = true
-  listen("taken", taken)
+  take("file", showFile)
+  take("sheet", showSheet)
   const view = by("share-view"), scale = by("share-scale")
   on("copy-link", "click", () => copy(by("share-link"), "link"))
   on("copy-python", "click", () => copy(by("share-python"), "Python lines"))

@@ -14,8 +14,6 @@ export const me = Object.seal({ // what is not declared here cannot be set
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   rests: 400, // ms without a move, after which a hand rests although it holds on
   fresh: false, mapped: true, begun: null, stage: null, approach: false, // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
-  filmed: null, // takes the frames of a motion through a slip
-  beside: null, // takes the frames of runs that are not on screen
   freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
 })
 

@@ -15,9 +15,9 @@ export function connectStored(show) {
     if (!address || address === asked || computed()) return
     asked = address
     const response = await fetch(address).catch(() => null)
-    const chunk = response?.ok && (await unpackLater(await response.arrayBuffer()))
+    const chunk = response?.ok && (await unpackLater({ buffer: await response.arrayBuffer(), start: 0 }))
     if (!chunk || address !== asked || computed()) return
-    const run = Object.assign(new Run(chunk.run, chunk.head), { stored: true, scene: chunk.head.scene })
+    const run = Object.assign(new Run(0, chunk.head), { stored: true, scene: chunk.head.scene })
     run.add(chunk)
     show(run)
   }

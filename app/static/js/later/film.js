@@ -1,12 +1,13 @@
 // Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
 
 import { frameBox, set } from "../bokeh.js"
-import { listen, order } from "../channel.js"
+import { order, take } from "../channel.js"
 import { by } from "../dom.js"
 import { figures, painted } from "../figures.js"
 import { cleared, inks, line, size, write } from "../pen.js"
 import { drawIncrement, goto, show } from "../player.js"
-import { FILM, Run } from "../run.js"
+import { unpackLater } from "../packed.js"
+import { Run } from "../run.js"
 import { over } from "../sketch.js"
 import { me, now, onFrame } from "../state.js"
 import { forceUnit } from "../words.js"
@@ -16,7 +17,6 @@ const DOT = 5 // px, of F now in the curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
 let film = null // {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
-let listens = false
 
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
@@ -24,8 +24,6 @@ export function slowMotion() {
   const { run } = me, at = now(), k = at < 0 ? null : run.slipBefore(at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
   if (k === null) return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
-  if (!listens) listen("status", heard)
-  listens = true
   goto(k)
   film = { run, k, frames: null, at: -1, begun: 0 }
   tell("solving the motion …")
@@ -39,12 +37,6 @@ function tell(text) {
   if (film) by("slow").hidden = false
 }
 
-// What the server says where it has no motion to send
-function heard() {
-  const why = film && !film.frames && me.status.notes.find((note) => note.startsWith("Slow motion"))
-  if (why) refuse(why)
-}
-
 function refuse(why) {
   film = null
   tell(why)
@@ -54,9 +46,9 @@ function refuse(why) {
 
 // Its frames follow those of the run, up to the one before the slip: so they are drawn as all others are
 function receive(chunk) {
-  if (!film || chunk.run !== FILM + film.k || me.run !== film.run) return
+  if (!film || chunk.frame !== film.k || me.run !== film.run) return
   if (!film.frames) {
-    film.frames = new Run(chunk.run, chunk.head)
+    film.frames = Object.assign(new Run(`film ${chunk.frame}`, chunk.head), { filmed: true })
     film.frames.takeOver(film.run, film.k - 1)
   }
   film.frames.add(chunk)
@@ -115,7 +107,8 @@ function end() {
   show()
 }
 
-me.filmed = receive
+take("film", receive, unpackLater)
+take("film failed", ({ head: { why } }) => { if (film && !film.frames) refuse(`Slow motion: ${why}.`) })
 onFrame(() => { // another increment is drawn: it goes on from there; the same one, where the page has changed its size
   if (film && (me.run !== film.run || Math.floor(me.at) !== film.k)) leave()
 })

@@ -1,11 +1,12 @@
 // Pinned runs: kept in this browser, drawn behind the run on screen, shown as chips. Loaded with the first pin.
 
 import { restore, sceneOf } from "../address.js"
-import { order } from "../channel.js"
+import { order, take } from "../channel.js"
 import { colour } from "../colours.js"
 import { by, make, makeButton, makeShape, readdress } from "../dom.js"
 import { drawCurves, fill, overlays, painted } from "../figures.js"
-import { BESIDE, Run } from "../run.js"
+import { unpackLater } from "../packed.js"
+import { Run } from "../run.js"
 import { me, onFrame } from "../state.js"
 import { value } from "../words.js"
 
@@ -152,15 +153,15 @@ export function fromLink(texts) {
     for (let i = 0; i + 1 < pairs.length; i += 2) asked.set(pairs[i], pairs[i + 1])
     const scene = sceneOf(asked)
     add(null, scene, name.slice(0, 40) || "pinned run")
-    order("beside", scene, { beside: BESIDE + pins.at(-1).slot })
+    order("beside", scene, { beside: pins.at(-1).slot })
   }
   tell()
 }
 
 function receive(chunk) {
-  const one = pins.find(({ slot }) => BESIDE + slot === chunk.run)
+  const one = pins.find(({ slot }) => slot === chunk.pin)
   if (!one) return
-  const run = one.coming ?? new Run(chunk.run, chunk.head)
+  const run = one.coming ?? new Run(`pin ${chunk.pin}`, chunk.head)
   one.coming = run
   run.add(chunk)
   if (!run.whole) return
@@ -168,7 +169,17 @@ function receive(chunk) {
   redraw()
 }
 
-me.beside = receive
+// A run of a link that cannot be computed
+function drop({ head: { pin, why } }) {
+  const at = pins.findIndex(({ slot }) => slot === pin)
+  if (at < 0) return
+  const [{ name }] = pins.splice(at, 1)
+  redraw()
+  say(`${name} was not computed: ${why}`)
+}
+
+take("pinned", receive, unpackLater)
+take("pinned failed", drop)
 overlays.curves = (run, part, name) => drawable(run).map((one) => part(one.run, name).value)
 overlays.drawn = drawBeside
 overlays.has = (run) => pins.some((one) => one.shown && one.run === run)
