@@ -37,7 +37,7 @@ class Curve:
 class Stress:
     """A quantity inside the solid: its choice, its name (HTML), (mark, ramp, word) of its values below and above zero.
 
-    Without `below` it has no sign; without `above` no scale of colours.
+    Without `below` it has no sign.
     """
 
     choice: str
@@ -75,7 +75,6 @@ FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t i
 # blue is compression, as in the contact map, and the shear stress is at the surface what the traction view shows
 SQUEEZED, STRETCHED = ("squeezes", "push", "compression"), ("stretches", "pull", "tension")
 STRESSES = {
-    "fringes": Stress("photoelastic fringes", "Photoelastic fringes"),
     "largest": Stress("largest shear stress", "Largest shear stress (σ₁ − σ₂)/2", above=("cividis", "", "")),
     "normal": Stress("normal stress, vertical", "Normal stress σ<sub>zz</sub>", SQUEEZED, STRETCHED),
     "lateral": Stress("normal stress, sideways", "Normal stress σ<sub>xx</sub>", SQUEEZED, STRETCHED),

@@ -19,23 +19,14 @@ def test_what_holds_the_contact_adds_up_to_the_interface_and_more_of_it_holds_lo
     assert found["bars"]["E"][0] < 0  # a stiffer layer stores less stretch before the springs give way
 
 
+def test_the_width_of_the_cell_is_no_parameter_of_the_list_as_radius_and_height_are_given_over_it():
+    bars = tasks.what_matters(SMALL)["bars"]
+    assert "width" not in bars and {"radius", "height", "E", "phi_n", "delta_bar"} <= set(bars)
+
+
 def test_what_does_not_slip_has_a_sentence():
     found = tasks.what_matters(SMALL.changed(u_x_max=0.4))
     assert isinstance(found, str) and found
-
-
-def test_what_is_known_of_a_curve_is_a_band_and_runs_say_whether_it_is_right():
-    found, kept = None, []
-    while not isinstance(found, dict):
-        found = tasks.spread_band(SMALL, 1.0, 12, *kept)
-        kept = [found.kept] if isinstance(found, tasks.Part) else []
-    low, high = found["linear"]["F_s"]
-    assert 0 < low < high and found["draws"] + found["lost"] == 12
-    assert found["drawn"]["F_s"][0] < high and found["drawn"]["F_s"][1] > low
-    for band in found["bands"].values():
-        assert len(band["x"]) == len(band["y"]) and band["y"][-1] is None
-    wider = tasks.spread_band(SMALL, 2.0, 0)["linear"]["F_s"]
-    assert wider[1] - wider[0] == pytest.approx(2.0 * (high - low))
 
 
 def test_the_force_whose_change_is_told_is_in_newtons_whatever_it_is_measured_over():
@@ -45,19 +36,10 @@ def test_the_force_whose_change_is_told_is_in_newtons_whatever_it_is_measured_ov
     assert tasks.what_matters(SMALL)["bars"]["E"][1] == pytest.approx(change, abs=2e-3)
 
 
-def test_a_visitor_gets_a_band_and_it_goes_on_request(session):
-    order(session, "page", page="matters")
-    order(session, "ask", percent=4, draws=1000)
-    (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.spread_band]
-    assert task.call[1:] == (session.scene, 4, 100)
-    order(session, "ask", percent=0)
-    assert task.abandoned or task.cancelled()
-
-
 def test_a_visitor_is_told_of_the_scene_on_screen(session):
     order(session, "page", page="matters")
     (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.what_matters]
     assert task.call[1] == session.scene
-    assert json.loads(session.wire.page)["texts"]["matters-said"] == "computing …"
+    assert json.loads(session.wire.page)["texts"]["matters-said"].startswith("Computing")
     order(session, "page", page="")
     assert task.abandoned or task.cancelled()

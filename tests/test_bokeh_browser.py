@@ -120,7 +120,7 @@ def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(s
 
 def test_every_part_of_a_figure_is_found_by_its_name_and_takes_its_colour(still):
     assert set(still.evaluate("Object.keys(parts.forces)")) == {
-        *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor", "pins", "ways", "band_F", "band_L")
+        *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor", "pins", "ways")
     }
     still.evaluate("bokeh.tint(parts.forces.F, '#123456')")
     line, bokeh_value = "parts.forces.F.glyph.line_color", still.evaluate("parts.forces.F.glyph.line_color")

@@ -19,9 +19,7 @@ from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import points_of
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
 from solver.analysis.outputs import over_own
-from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
-from solver.analysis.spread import SLIP, WIDE, collected, draw, spread_of
 from solver.cli import report_of
 from solver.files import write_json, write_npz
 from solver.following.branch import NotFollowed
@@ -104,7 +102,8 @@ def what_matters(scene):
     """What moves the first slip of a scene, as the page "What matters" draws it; or a sentence why there is nothing.
 
     bars: {parameter: [U_s, F_s, A_s]}, change (of nm and N/m) in per cent for one per cent more of the parameter, for
-    0.01 of one that is zero; None of what is zero itself. nodes: change of F_s by the strength of each node from
+    0.01 of one that is zero; None of what is zero itself. Without the width of the cell: it scales radius, height and
+    lattice spacing together, and would lead the list. nodes: change of F_s by the strength of each node from
     `first` on, over F_s.
     """
     try:
@@ -117,6 +116,8 @@ def what_matters(scene):
     values = {name: getattr(scene, name) for name in slip.by}
     bars = {}
     for name, by in slip.by.items():
+        if name == "width":
+            continue
         change = over_own(scene, name, slip.values, by) * (values[name] or 1.0)
         parts = [float(f"{d / v:.4g}") if v else None for d, v in zip(change, slip.values, strict=True)]
         bars[name] = [parts[k] for k in (0, 1, 3)]
@@ -125,38 +126,6 @@ def what_matters(scene):
     first, last = (acting[0], acting[-1] + 1) if acting.size else (0, 0)
     nodes = [float(f"{share:.3g}") for share in held[first:last]]
     return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
-
-
-def spread_band(scene, percent, draws, kept=None):
-    """What is known of a run whose parameters have standard deviations of so many per cent, of 1 where one is zero.
-
-    bands: {"F", "L", "A": {"x": (k,) nm, "y": (k,)}}, polygons of 95 %, None between them; linear and drawn: {"U_s",
-    "F_s", "L_s", "A_s": (low, high)} of the first slip, by derivatives and by so many runs, drawn None without; differ:
-    names of those that differ; lost: draws without such a slip. Forces are over wE of the scene, A over its w, U_s in
-    nm. Or Part of it, or a sentence why there is nothing.
-    """
-    begun = perf_counter()
-    try:
-        of = {name: 0.01 * percent * abs(getattr(scene, name) or 1.0) for name in continuous(scene)}
-        found, rows = kept or (spread_of(skeleton_of(scene), of), [])
-    except (NotConverged, NotFollowed) as error:
-        return f"{error}".rstrip(".")
-    if not found.slips:
-        return "nothing slips up to the end of the run"
-    while len(rows) < draws:
-        if perf_counter() - begun > SLICE:
-            return Part((found, rows))
-        rows.append(draw(found.sensitivities.skeleton, of, len(rows)))
-    found = replace(found, **dict(zip(("drawn", "lost"), collected(rows), strict=True)))
-    bands = {name: {"x": [], "y": []} for name in "FLA"}
-    for U_x, *rows in found.laid_out():
-        for band, value, deviation in zip(bands.values(), rows[:3], rows[3:], strict=True):
-            band["x"] += [*U_x.tolist(), *U_x[::-1].tolist(), None]
-            band["y"] += [*(value - WIDE * deviation).tolist(), *(value + WIDE * deviation)[::-1].tolist(), None]
-    linear, drawn = ({name: of(name) for name in SLIP} for of in (found.interval, found.drawn_interval))
-    differ = [name for name in SLIP if found.differs(name)]
-    said = {"linear": linear, "drawn": drawn if len(found.drawn) else None, "differ": differ}
-    return said | {"bands": bands, "draws": len(found.drawn), "lost": found.lost}
 
 
 def map_tile(tile, kept=()):
@@ -174,14 +143,14 @@ def map_tile(tile, kept=()):
 def layer_table(scene, depth, rows, modes):
     """(counts, body): how modes of the tractions reach into the layer, at the middles of `rows` down to `depth`, nm.
 
-    body: float32 (sum of counts, 10), row by row the modes that are felt there, as many as `counts` says; of each
-    `interior.transfer`, even and odd of one quantity after the other; displacements times the shear modulus.
+    body: float32 (sum of counts, 6), row by row the modes that are felt there, as many as `counts` says; of each
+    sigma_xx, sigma_zz and sigma_xz of `interior.transfer`, even and odd of one after the other.
     """
     q, z = wavenumbers(scene, modes), (np.arange(rows) + 0.5) * (depth / rows)
     counts = 1 + np.searchsorted(q[1:], DECAYED / z, "right")
     height = scene.height * scene.width
     parts = [
-        transfer(q[:n], z[r : r + 1], height, 1.0, scene.nu)[:, :, 0].reshape(10, n).T for r, n in enumerate(counts)
+        transfer(q[:n], z[r : r + 1], height, 1.0, scene.nu)[2:, :, 0].reshape(6, n).T for r, n in enumerate(counts)
     ]
     return counts.tolist(), np.concatenate(parts).astype("<f4").tobytes()
 

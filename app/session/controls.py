@@ -242,5 +242,5 @@ def address_of(scene, preset):
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     if scene.surface == "measured":
-        values["profile"] = profiles.known.text_of(scene.measured)
+        values["profile"] = profiles.known.name_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values

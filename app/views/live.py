@@ -91,9 +91,6 @@ def contact_map(x):
 
 def _along(made, unit, *names):
     """Curves along the path, over those of the run before and of pinned ones, with the slips of the first."""
-    for name in names:  # where each may lie if its parameters are not known exactly
-        colour = CURVES[name].colour
-        _draw(made, "patch", f"band_{name}", colour, "U_x", "value", fill_alpha=0.25, line_alpha=0)
     _pins(made)
     for name in names:
         ghost = {"line_width": 3, "line_dash": CURVES[name].dash}

@@ -5,18 +5,17 @@ from bokeh.palettes import cividis
 
 from app.pages import Sheet
 from app.schema import STRESSES
-from app.views.plots import curve, picture, rendered
+from app.views.plots import picture, rendered
 
 TITLE, ORDER, FIGURES = "Inside the solid", 4, ("field",)
 NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where it was in the undeformed layer
 
 
 def compose():
-    """The picture, and over it the mesh of lines that deforms with the layer."""
+    """The picture."""
     z = hv.Dimension("z", label="height z in the layer", unit="nm")
-    image = picture("field", NODE, z, "stress", [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000}")])
-    mesh = curve("mesh", NODE, z, line_width=1, alpha=0.7)
-    return [rendered("solid_field", [image, mesh], {"mesh": "--text"}, x=(-250, 250), y=(0, 250))]
+    image = picture("field", NODE, z, "stress", [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000} GPa")])
+    return [rendered("solid_field", [image], {}, x=(-250, 250), y=(0, 250))]
 
 
 class Page(Sheet):

@@ -6,12 +6,11 @@ import { order, take } from "./channel.js"
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/aside.py
 const KEPT = 3 // of each
 const LOST = 2000 // ms after which a table that did not come is asked for again
-const FACTORS = 10 // of a mode: of u_x, u_z, sigma_xx, sigma_zz, sigma_xz, each even and odd (tasks.layer_table)
-const BY_SHEAR = [true, false, false, false, true] // of which of T_x and T_z the even factor tells
-// Weights of these five
-export const XX = [0, 0, 1, 0, 0], ZZ = [0, 0, 0, 1, 0], XZ = [0, 0, 0, 0, 1], APART = [0, 0, -1, 1, 0], SHEARED = [0, 0, 0, 0, 2]
-export const mean = ({ nu }) => [0, 0, (1 + nu) / 3, (1 + nu) / 3, 0]
-export const moved = ({ E, nu }) => [[(2 * (1 + nu)) / E, 0, 0, 0, 0], [0, (2 * (1 + nu)) / E, 0, 0, 0]] // over G
+const FACTORS = 6 // of a mode: of sigma_xx, sigma_zz, sigma_xz, each even and odd (tasks.layer_table)
+const BY_SHEAR = [false, false, true] // whether the even factor belongs to T_x, or to T_z
+// Weights of these three
+export const XX = [1, 0, 0], ZZ = [0, 1, 0], XZ = [0, 0, 1], APART = [-1, 1, 0], SHEARED = [0, 0, 2]
+export const mean = ({ nu }) => [(1 + nu) / 3, (1 + nu) / 3, 0]
 
 const tables = new Map(), waves = new Map() // those made last, by what they are of: tables; cosines and sines of modes over places
 const keep = (map, key, value) => {
@@ -48,7 +47,7 @@ export function tableFor(scene, wanted) {
 }
 
 // Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of `weights` a
-// Float32Array (rows, x.length), the row at the surface first; GPa and nm
+// Float32Array (rows, x.length), the row at the surface first; GPa
 export function sumsIn(run, k, { counts, factors }, x, weights) {
   const T = tractionsOf(run, k, counts[0]), modes = wavesOver(x, counts[0], run.headOf(k)), wide = x.length
   const sums = weights.map(() => new Float32Array(counts.length * wide))

@@ -5,7 +5,7 @@
 import { ask, order } from "./channel.js"
 import { by, makeButton, makeRow, minus, readdress } from "./dom.js"
 import { adopt, drawn, forget, paint, shade } from "./figures.js"
-import { declared, me } from "./state.js"
+import { anew, declared, me } from "./state.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
@@ -57,6 +57,7 @@ export async function read(text) {
 export function told(news) {
   if (sheet.open !== news.open) {
     call("closed")
+    anew() // without what the page has drawn over the punch
     sheet.figures.forEach(forget)
     sheet = news
     for (const name of sheet.figures) adopt(name, slots[name].children[0])
