@@ -17,7 +17,6 @@ from app.service.finished import fill, shelf
 from app.service.pool import NOBODY, pool
 from app.service.stored import row
 from app.session.session import visitors
-from app.views import plots
 from solver import Scene
 from solver.isolated import Lost
 from solver.mechanics import cohesive_law
@@ -42,8 +41,7 @@ def on_server_loaded(server_context):
 
 
 def _load():
-    """What pages beside the experiment use: HoloViews, and the kernel of the law once a worker has compiled it."""
-    plots.load()
+    """What the page Interface law uses: the kernel of the law, once a worker has compiled it."""
     with suppress(Lost, CancelledError):
         pool.submit(worker.ready, owner=NOBODY).result()
         cohesive_law.traction(Scene(), np.zeros(1), 0.0)

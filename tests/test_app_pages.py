@@ -10,6 +10,7 @@ from visitor import order
 from app import pages
 from app.pages import Sheet, listed, section
 from app.pages.law import page as law
+from app.service import tasks
 from solver import Scene
 from solver.mechanics import cohesive_law
 
@@ -84,3 +85,11 @@ def test_a_folder_with_a_module_is_a_page(session, monkeypatch, tmp_path):
     assert 'sheet("law")' in section("law") and 'plot("law_shear_map")' in section("law")  # macros of page.html
     order(session, "page", page="")
     assert session.pages.page is None
+
+
+def test_a_table_of_the_layer_that_is_asked_for_again_is_not_begun_anew(session):
+    order(session, "hello")
+    for rows in (100, 60, 100, 60):
+        order(session, "layer", rows=rows, modes=100, depth=100.0)
+    made = [task for task in session.pool.tasks if task.call[0] is tasks.layer_table]
+    assert len(made) == 2 and not any(task.cancelled() for task in made)

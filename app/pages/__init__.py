@@ -17,7 +17,7 @@ from pathlib import Path
 from bokeh.models import Column
 
 from app.service.requests import Requests
-from app.views.plots import views
+from app.views.plots import view_of
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
@@ -103,7 +103,7 @@ class Pages:
         if name not in listed():
             return
         module = listed()[name]
-        made = {view.figure.name.removeprefix(f"{name}_"): view for view in views(module.compose)}
+        made = {figure.name.removeprefix(f"{name}_"): view_of(figure) for figure in module.compose()}
         page = module.Page(self.session, lambda **news: self._publish(page, news), made)
         self.name, self.page = name, page
         for slot, view in page.views.items():

@@ -12,6 +12,7 @@ from app.session.controls import scene_from_address
 MOST_PINNED = 4
 LONGEST_FILM = 20 * worker.SLOW  # s: an increment is made again, and every state on its way packed
 GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table of its layer depends on
+TABLES = 2  # that a visitor may wait for: those of the fringes and of the page Inside the solid
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # of it, that a browser may ask for; nm
 
 
@@ -42,7 +43,10 @@ class Layer(Requests):
     """How tractions make up the stress inside the layer: a table for each geometry, for what a browser draws of it."""
 
     def want(self, values):
-        """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}."""
+        """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
+
+        A browser asks again while it waits: that must not begin the work anew.
+        """
         run = self.session.run
         if run is None:
             return
@@ -50,10 +54,15 @@ class Layer(Requests):
         modes = int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
         depth = min(max(values["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
         head = {"asked": values, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
-        self.ask((tasks.layer_table, scene, depth, rows, modes), lambda made: self._made(made, head))
+        call = tasks.layer_table, scene, depth, rows, modes
+        if len(self.waiting) >= TABLES and call not in self.waiting:
+            self.cancel()
+        known = self._ask(call, lambda made: self._made(made, head))
+        if known is not None:
+            self._take(call, known)
 
     def _made(self, made, head):
-        if made is not None:  # otherwise nothing is drawn
+        if not isinstance(made, Exception):  # otherwise nothing is drawn
             counts, body = made
             self.session.wire.send("layer", body, counts=counts, **head)
 

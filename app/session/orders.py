@@ -229,8 +229,6 @@ class Ask(Order):
     E: Number = None
     phi_t: Number = None
     series: Number = None
-    percent: Number = None
-    draws: Number = None
 
     def obey(self, session):
         session.pages.order({name: value for name, value in vars(self).items() if value is not None})

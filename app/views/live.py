@@ -38,21 +38,21 @@ def live_figures():
 def punch(x, name="punch"):
     """The deformed punch above the lattice sites of the rigid substrate, nodes by state."""
     said = [("x", "@x{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
-    made = _figure(name, x, Range1d(-1.2, 7), POSITION, "height (nm)")
-    _add(made, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
-    _draw(made, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
-    _draw(made, "line", "surface", "--body", "x", "gap")
-    _draw(made, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
+    made = blank(name, x, Range1d(-1.2, 7), POSITION, "height (nm)")
+    add(made, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
+    draw(made, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
+    draw(made, "line", "surface", "--body", "x", "gap")
+    draw(made, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
     for state, node in reversed(NODES.items()):  # the first on top
         look = {"marker": node.marker, "size": node.size, "hover": {"tooltips": [(state, node.meaning), *said]}}
-        _draw(made, "scatter", state, node.colour, "x", "gap", more=["T_n", "T_t"], **look)
+        draw(made, "scatter", state, node.colour, "x", "gap", more=["T_n", "T_t"], **look)
     _pins(made)
     return made
 
 
 def traction(x):
     """Normal and tangential traction along the interface."""
-    made = _figure("traction", x, Range1d(-1, 2), POSITION, "traction (GPa)")
+    made = blank("traction", x, Range1d(-1, 2), POSITION, "traction (GPa)")
     _zero(made)
     _curves(made, "x", "T", "x", "GPa", "T_n", "T_t")
     return made
@@ -60,7 +60,7 @@ def traction(x):
 
 def forces(x):
     """Friction and load along the path, those of the run before pale behind."""
-    made = _figure("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)")
+    made = blank("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)")
     _zero(made)
     _along(made, "N/m", "F", "L")
     return made
@@ -68,23 +68,23 @@ def forces(x):
 
 def area(x):
     """Contact area along the path."""
-    made = _figure("area", x, Range1d(0, 100), TOP, "A (nm)")
+    made = blank("area", x, Range1d(0, 100), TOP, "A (nm)")
     _along(made, "nm", "A")
     return made
 
 
 def contact_map(x):
     """Normal traction over path and place: where the contact repels, adheres or is open, at every moment."""
-    made = _figure("map", x, Range1d(-250, 250), TOP, UNDEFORMED)
-    blank = {"image": [np.zeros((2, 2), np.float32)], "x": [0], "y": [-1], "dw": [1], "dh": [2]}
+    made = blank("map", x, Range1d(-250, 250), TOP, UNDEFORMED)
+    empty = {"image": [np.zeros((2, 2), np.float32)], "x": [0], "y": [-1], "dw": [1], "dh": [2]}
     colours = LinearColorMapper(palette=["#888888"], low=0, high=1, nan_color="#00000000")
     said = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
-    _draw(made, "image", "map", "", *blank, hover={"tooltips": said}, data=blank, color_mapper=colours, level="glyph")
+    draw(made, "image", "map", "", *empty, hover={"tooltips": said}, data=empty, color_mapper=colours, level="glyph")
     stripes = {"hatch_pattern": "right_diagonal_line", "hatch_color": "#808080", "hatch_weight": 2, "hatch_scale": 8}
-    _draw(made, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
-    _draw(made, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # edges, on the way that is not shown
+    draw(made, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
+    draw(made, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # edges, on the way that is not shown
     _pins(made)
-    _draw(made, "scatter", "slips_map", "--slip", "U_x", "x", marker="diamond", size=8)
+    draw(made, "scatter", "slips_map", "--slip", "U_x", "x", marker="diamond", size=8)
     _cursor(made)
     return made
 
@@ -94,12 +94,12 @@ def _along(made, unit, *names):
     _pins(made)
     for name in names:
         ghost = {"line_width": 3, "line_dash": CURVES[name].dash}
-        _draw(made, "line", f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
+        draw(made, "line", f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
     _curves(made, "U_x", "value", "Uₓ", unit, *names)
-    _draw(made, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", marker="diamond", size=8)
+    draw(made, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", marker="diamond", size=8)
     _cursor(made)
     heads = {"angle": "angle", "marker": "triangle", "size": 11}  # of arrows along the curve
-    _draw(made, "scatter", "ways", "--text", "U_x", "value", more=["angle"], **heads)
+    draw(made, "scatter", "ways", "--text", "U_x", "value", more=["angle"], **heads)
 
 
 def _curves(made, x, y, along, unit, *names):
@@ -108,25 +108,25 @@ def _curves(made, x, y, along, unit, *names):
         curve = CURVES[name]
         said = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
         hover = {"tooltips": said, "mode": "vline", "attachment": side}
-        _draw(made, "line", name, curve.colour, x, y, hover=hover, line_width=2, line_dash=curve.dash)
+        draw(made, "line", name, curve.colour, x, y, hover=hover, line_width=2, line_dash=curve.dash)
 
 
 def _pins(made):
     """Lines of pinned runs, each with colour, dash and width of its own."""
     looks = {"line_color": field("colour"), "line_dash": field("dash"), "line_width": field("width")}
-    _draw(made, "multi_line", "pins", "", "xs", "ys", more=["colour", "dash", "width"], **looks)
+    draw(made, "multi_line", "pins", "", "xs", "ys", more=["colour", "dash", "width"], **looks)
 
 
 def _zero(made):
-    _add(made, "zero", Span(location=0), "--grid")
+    add(made, "zero", Span(location=0), "--grid")
 
 
 def _cursor(made):
     """The increment on screen; on a canvas of its own: moving it paints nothing else."""
-    _add(made, "cursor", Span(location=0, dimension="height", line_width=1.5, level="overlay"), "--cursor")
+    add(made, "cursor", Span(location=0, dimension="height", line_width=1.5, level="overlay"), "--cursor")
 
 
-def _draw(made, kind, label, colour, *columns, more=(), data=None, hover=None, **look):
+def draw(made, kind, label, colour, *columns, more=(), data=None, hover=None, **look):
     """What a figure's method `kind` draws of columns, empty at first; hover: of what is said beside the mouse."""
     source = ColumnDataSource(data or {column: [] for column in (*columns, *more)})
     part = getattr(made, kind)(*columns, source=source, **look)
@@ -135,7 +135,7 @@ def _draw(made, kind, label, colour, *columns, more=(), data=None, hover=None, *
         made.add_tools(HoverTool(renderers=[part], **hover))
 
 
-def _add(made, label, model, colour):
+def add(made, label, model, colour):
     """A line or a band of a figure."""
     model.update(**_named(made, label, colour))
     made.renderers.append(model)
@@ -146,10 +146,10 @@ def _named(made, label, colour):
     return {"name": f"{made.name}.{label}", "tags": [colour]}
 
 
-def _figure(name, x, y, x_label, y_label):
+def blank(name, x, y, x_label, y_label, **axes):
     """Axes and a grid; no tools that catch the wheel or a finger."""
-    labels = {"x_axis_label": x_label, "y_axis_label": y_label}
-    made = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **labels, **FRAME)
+    axes |= {"x_axis_label": x_label, "y_axis_label": y_label}
+    made = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
     for axis in made.axis:
         axis.update(**AXIS)
     made.yaxis.ticker.desired_num_ticks = 4

@@ -1,17 +1,36 @@
-"""The figures of the pages: composed once with HoloViews; from then on only their sources change."""
+"""The figures of the pages, made when a page is opened; from then on only their sources change."""
 
-import json
-from collections import defaultdict
 from dataclasses import dataclass
-from functools import cache
+from typing import NamedTuple
 
-import holoviews as hv
 import numpy as np
-from bokeh.core.serialization import Deserializer, Serializer
-from bokeh.models import HoverTool, Legend
-from bokeh.util.serialization import make_id
+from bokeh.models import BoxAnnotation, LinearColorMapper, Range1d, Span
 
-from app.views.live import AXIS, FRAME, ONE_LOOK
+from app.views.live import add, blank, draw
+
+
+class Quantity(NamedTuple):
+    """What an axis shows: the column of the data, its label and its unit."""
+
+    column: str
+    label: str
+    unit: str = ""
+
+    @property
+    def title(self):
+        """Of an axis."""
+        return f"{self.label} ({self.unit})" if self.unit else self.label
+
+
+class Part(NamedTuple):
+    """What a figure draws of quantities: `kind` is a method of a Bokeh figure, or the model of a line or a band."""
+
+    kind: str | type
+    label: str
+    quantities: tuple = ()
+    said: list | None = None
+    mode: str = "mouse"
+    look: dict = {}  # noqa: RUF012 (never changed)
 
 
 @dataclass
@@ -25,73 +44,62 @@ class View:
     parts: dict
 
 
-@cache
-def load():
-    """Load HoloViews' half of Bokeh, which takes a second: before anything is composed."""
-    hv.extension("bokeh", logo=False)
+def curve(label, *quantities, said=None, mode="mouse", **look):
+    """A line over the first two quantities; its tooltip `said` may name the others."""
+    return Part("line", label, quantities, said, mode, look)
 
 
-def _empty(kind, label, dimensions, said, options):
-    x, *others = dimensions
-    hover = {"tools": ["hover"], "hover_tooltips": said} if said else {}
-    return kind(tuple([] for _ in dimensions), x, others, label=label).opts(default_tools=[], **hover, **options)
-
-
-def curve(label, *dimensions, said=None, **options):
-    """A line over the first two dimensions; what is `said` when one points at it may name the others."""
-    return _empty(hv.Curve, label, dimensions, said, options)
-
-
-def dots(label, *dimensions, said=None, **options):
+def dots(label, *quantities, said=None, **look):
     """Marks, as `curve`."""
-    return _empty(hv.Scatter, label, dimensions, said, options)
+    return Part("scatter", label, quantities, said, look=look)
 
 
-def picture(label, x, y, value, said=None, bounds=(0, 0, 1, 1), **options):
-    """An image of a value over x and y."""
-    blank, hover = np.zeros((2, 2), np.float32), {"tools": ["hover"], "hover_tooltips": said} if said else {}
-    return hv.Image(blank, [x, y], value, bounds=bounds, label=label).opts(default_tools=[], **hover, **options)
+def texts(label, *quantities, **look):
+    """Words, the third quantity, at places."""
+    return Part("text", label, quantities, look=look)
 
 
-def rendered(name, elements, colours, **ranges):
-    """A Bokeh figure of an overlay, what will be changed in it named by its label."""
-    overlay = hv.Overlay(elements).opts(show_legend=False, responsive=True, toolbar=None, default_tools=[], title="")
-    plot = hv.renderer("bokeh").get_plot(overlay)
-    figure = plot.state
-    for element, subplot in zip(elements, plot.subplots.values(), strict=True):
-        part = subplot.handles.get("glyph_renderer", subplot.handles["glyph"])
-        part.update(name=f"{name}.{element.label}", tags=[colours.get(element.label, "")])
-        if "glyph_renderer" in subplot.handles:
-            part.update(**ONE_LOOK)
-    figure.update(name=name, title=None, **FRAME)
-    figure.center = [item for item in figure.center if not isinstance(item, Legend)]
-    figure.toolbar.tools = [tool for tool in figure.tools if isinstance(tool, HoverTool)]
-    figure.yaxis.ticker.desired_num_ticks = 4
-    labelled = next(element for element in elements if isinstance(element, hv.Curve | hv.Image))
-    for axis, dimension in zip((*figure.xaxis, *figure.yaxis), labelled.dimensions(), strict=False):
-        axis.update(axis_label=dimension.pprint_label, **AXIS)
-    for axis, (low, high) in ranges.items():
-        getattr(figure, f"{axis}_range").update(start=low, end=high)
-    return figure
+def picture(label, x, y, said=None, bounds=(0, 0, 1, 1), palette=("#888888",)):
+    """An image over x and y, within (left, bottom, right, top)."""
+    return Part("image", label, (x, y), said, look={"bounds": bounds, "palette": list(palette)})
 
 
-@cache
-def composed(compose):
-    """The figures of a page as text, from which a visitor's own are read in a third of the time."""
-    load()
-    return json.dumps(Serializer(deferred=False).encode(compose()))
+def level(label):
+    """A line at zero."""
+    return Part(Span, label, look={"location": 0.0, "line_width": 1})
 
 
-def views(compose):
-    """[View] of `compose` for one visitor: Bokeh models of their own, under ids of their own."""
-    ids = defaultdict(make_id)
-
-    def own(value):
-        return value | {"id": ids[value["id"]]} if "id" in value else value
-
-    return [_view(figure) for figure in Deserializer().decode(json.loads(composed(compose), object_hook=own))]
+def band(label):
+    """A part of the axis across."""
+    return Part(BoxAnnotation, label, look={"left": 1.0, "right": 2.0, "fill_alpha": 0.18, "line_alpha": 0})
 
 
-def _view(figure):
+def rendered(name, parts, colours, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
+    """A Bokeh figure of parts in the colours {label: variable of style.css}; axes: x_axis_type, y_axis_type."""
+    across, up = next(part.quantities[:2] for part in parts if part.quantities)
+    made = blank(name, Range1d(*x), Range1d(*y), across.title, up.title, **axes)
+    for part in parts:
+        colour, hover = colours.get(part.label, ""), part.said and {"tooltips": part.said, "mode": part.mode}
+        if isinstance(part.kind, type):
+            add(made, part.label, part.kind(**part.look), colour)
+        elif part.kind == "image":
+            _draw_image(made, part, hover)
+        else:
+            columns = [quantity.column for quantity in part.quantities]
+            count = 3 if part.kind == "text" else 2
+            draw(made, part.kind, part.label, colour, *columns[:count], more=columns[count:], hover=hover, **part.look)
+    return made
+
+
+def _draw_image(made, part, hover):
+    left, bottom, right, top = part.look["bounds"]
+    data = {"image": [np.zeros((2, 2), np.float32)], "x": [left], "y": [bottom]}
+    data |= {"dw": [right - left], "dh": [top - bottom]}
+    mapper = LinearColorMapper(palette=part.look["palette"], low=0, high=1, nan_color="#00000000")
+    draw(made, "image", part.label, "", *data, data=data, hover=hover, color_mapper=mapper)
+
+
+def view_of(figure):
+    """The View of a figure."""
     named = [part for part in (*figure.renderers, *figure.center) if part.name]
     return View(figure, {part.name.removeprefix(f"{figure.name}."): part for part in named})

@@ -5,11 +5,10 @@ A process of its own measures (service/bench.py), also while the page is closed,
 
 from math import ceil, floor, log10
 
-import holoviews as hv
 from bokeh.models import FixedTicker
 
 from app.pages import Sheet
-from app.views.plots import curve, dots, rendered
+from app.views.plots import Quantity, curve, dots, rendered, texts
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
 SERIES = {  # method: marker, colour; px by which a tolerance stands beside its point, and how it is aligned there
@@ -18,26 +17,27 @@ SERIES = {  # method: marker, colour; px by which a tolerance stands beside its 
     "gfmd mass-weighted": ("triangle", "--shear", 7, 16, "left"),
     "FIRE": ("diamond", "--slip", -9, -6, "right"),
 }
-WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", None)}
-ERROR = hv.Dimension("error", label="relative error")
+WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", "")}
+SAID, TOLERANCE = Quantity("said", ""), Quantity("text", "tolerance", "nm")
+ERROR = Quantity("error", "relative error")
 
 
 def compose():
     """Both figures, on logarithmic axes."""
-    return [_figure(name, hv.Dimension(name, label=label, unit=unit)) for name, (label, unit) in WORK.items()]
+    return [_figure(name, Quantity(name, label, unit)) for name, (label, unit) in WORK.items()]
 
 
 def _figure(name, work):
-    elements, colours, log = [], {"astray": "--text"}, {"logx": True, "logy": True}
+    elements, colours = [], {"astray": "--text"}
     for series, (marker, colour, *_) in SERIES.items():
         elements += [
-            curve(f"way {series}", work, ERROR, line_width=2, **log),
-            dots(f"mark {series}", work, ERROR, "said", said=[("", "@said")], marker=marker, size=9),
-            hv.Labels(([], [], []), [work, ERROR], "text", label=series),
+            curve(f"way {series}", work, ERROR, line_width=2),
+            dots(f"mark {series}", work, ERROR, SAID, said=[("", "@said")], marker=marker, size=9),
+            texts(series, work, ERROR, TOLERANCE),
         ]
         colours |= dict.fromkeys((f"way {series}", f"mark {series}", series), colour)
     elements.append(dots("astray", work, ERROR, marker="x", size=16))
-    figure = rendered(f"accuracy_{name}", elements, colours)
+    figure = rendered(f"accuracy_{name}", elements, colours, x_axis_type="log", y_axis_type="log")
     figure.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
     for part in figure.renderers:
         if (series := part.name.split(".")[1]) in SERIES:

@@ -6,13 +6,12 @@ kept for all visitors (requests.py).
 
 from dataclasses import dataclass, field
 
-import holoviews as hv
 import numpy as np
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
 from app.service import tasks
-from app.views.plots import curve, dots, rendered
+from app.views.plots import Quantity, curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
@@ -27,8 +26,9 @@ MARKS = (  # of a series: marker, the same as text, colour, dash; as many series
     ("diamond", "◆", "--slip", "dotdash"),
     ("star", "★", "--shear", "dashdot"),
 )
-FORCE = hv.Dimension("F", label="F̄", unit="10⁻³")
-AREA = hv.Dimension("A", label="Ā", unit="10⁻³")
+FORCE = Quantity("F", "F̄", "10⁻³")
+AREA = Quantity("A", "Ā", "10⁻³")
+DEPTH = Quantity("delta_bar", "δ̄")
 THOUSAND = 1000.0
 NONE = "–"  # in a table
 
@@ -39,7 +39,7 @@ def compose():
     runs = rendered(
         "arealaws_runs",
         [
-            curve("runs", FORCE, AREA, "delta_bar", said=said, line_width=2),
+            curve("runs", FORCE, AREA, DEPTH, said=said, line_width=2),
             curve("fits", FORCE, AREA, line_width=2, line_dash="dashed"),
             dots("onsets", FORCE, AREA, marker="circle", size=8),
         ],
@@ -48,7 +48,7 @@ def compose():
     lines, points, beyond, colours = [], [], [], {}
     for k, (marker, _, colour, dash) in enumerate(MARKS):
         lines.append(curve(f"line{k}", FORCE, AREA, line_width=2, line_dash=dash))
-        points.append(dots(f"points{k}", FORCE, AREA, "delta_bar", said=said, marker=marker, size=9))
+        points.append(dots(f"points{k}", FORCE, AREA, DEPTH, said=said, marker=marker, size=9))
         beyond.append(dots(f"beyond{k}", FORCE, AREA, marker="x", size=9))
         colours |= dict.fromkeys((f"line{k}", f"points{k}", f"beyond{k}"), colour)
     threshold = rendered("arealaws_threshold", [*lines, *points, *beyond], colours)

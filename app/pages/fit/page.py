@@ -7,13 +7,12 @@ the browser (page.js), so that a hand can try before the machine does.
 import re
 from random import randrange
 
-import holoviews as hv
 import numpy as np
 
 from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
-from app.views.plots import curve, dots, rendered
+from app.views.plots import Quantity, curve, dots, level, rendered
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
 FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
@@ -33,8 +32,8 @@ LONG = 120.0  # s that a fit may take
 SEEDS = 2**32  # of made-up measurements, each another one
 LOST = "it could not be computed; try again"
 ROOM = 0.08  # of a curve, above and below it
-PLACE, FORCE = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm"), hv.Dimension("F", unit="N/m")
-OFF = hv.Dimension("off", label="off by, in noise")
+PLACE, FORCE = Quantity("U_x", "displacement of the top Uₓ", "nm"), Quantity("F", "F", "N/m")
+OFF = Quantity("off", "difference", "noise")
 
 
 def compose():
@@ -47,8 +46,7 @@ def compose():
         curve("fitted", PLACE, FORCE, line_width=3),
         curve("fitted_load", PLACE, FORCE, line_width=3),
     ]
-    zero = hv.HLine(0.0, label="zero").opts(line_width=1)
-    off = [zero, curve("line", PLACE, OFF, line_width=1), dots("residuals", PLACE, OFF, size=4)]
+    off = [level("zero"), curve("line", PLACE, OFF, line_width=1), dots("residuals", PLACE, OFF, size=4)]
     return [
         rendered("fit_curve", curves, COLOURS),
         rendered("fit_residuals", off, {"zero": "--grid", "line": "--grid", "residuals": "--cut"}, y=(-5.0, 5.0)),

@@ -5,17 +5,16 @@ Slip distance s: how far the node is ahead of the nearest lattice site; all repe
 T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
 """
 
-import holoviews as hv
 import numpy as np
 
 from app.pages import Sheet
 from app.schema import RIDERS
-from app.views.plots import curve, dots, picture, rendered
+from app.views.plots import Quantity, curve, dots, level, picture, rendered
 from solver.mechanics import cohesive_law
 
 TITLE, ORDER, FIGURES = "Interface law", 1, ("shear_map", "normal_map", "shear_law", "normal_law")
-OFFSET = hv.Dimension("s", label="slip distance from the nearest site", unit="nm")
-GAP = hv.Dimension("gap", label="gap", unit="nm")
+OFFSET = Quantity("s", "slip distance from the nearest site", "nm")
+GAP = Quantity("gap", "gap", "nm")
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # gaps shown, in delta_n
 
@@ -31,13 +30,13 @@ def _colours(**more):
 def _map(name, symbol):
     """A traction over slip distance and gap, nodes riding on it."""
     hover = [("s", "$x{0.00} nm"), ("gap", "$y{0.00} nm"), (symbol, "@image{0.000} GPa")]
-    return rendered(name, [picture("map", OFFSET, GAP, "T", hover), *_riders(OFFSET, GAP)], _colours())
+    return rendered(name, [picture("map", OFFSET, GAP, hover), *_riders(OFFSET, GAP)], _colours())
 
 
 def _law(name, x, value, span):
     """A factor of the law, the same for one spring, nodes riding on it."""
     elements = [
-        hv.HLine(0.0, label="zero").opts(line_width=1),
+        level("zero"),
         curve("spring", x, value, line_width=2, line_dash="dotted"),
         curve("law", x, value, line_width=2),
         *_riders(x, value),
@@ -46,8 +45,8 @@ def _law(name, x, value, span):
 
 
 def compose():
-    shear = hv.Dimension("value", label="Tₜ exp(gap/δₙ) δₜ/φₜ")
-    normal = hv.Dimension("value", label="Tₙ δₙ/(φₙ Σ)")
+    shear = Quantity("value", "Tₜ exp(gap/δₙ) δₜ/φₜ")
+    normal = Quantity("value", "Tₙ δₙ/(φₙ Σ)")
     return [
         _map("law_shear_map", "Tₜ"),
         _map("law_normal_map", "Tₙ"),

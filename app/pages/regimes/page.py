@@ -7,14 +7,14 @@ as soon as the points around it are known, and what one visitor has asked for is
 import pickle
 from math import dist, inf
 
-import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
+from bokeh.palettes import cividis
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
 from app.service import tasks
-from app.views.plots import curve, dots, picture, rendered
+from app.views.plots import Quantity, curve, dots, picture, rendered, texts
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
 from solver.analysis.maps.grid import corners
@@ -40,7 +40,8 @@ QUANTITIES = {  # of a Point: what the page calls it, its unit, and the paramete
 }
 TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
 ASIDE = 2.0  # columns and rows that the name of a regime keeps from the edges
-COLUMN, ROW = hv.Dimension("i", label="x"), hv.Dimension("j", label="y")
+COLUMN, ROW = Quantity("i", "x"), Quantity("j", "y")
+NAME = Quantity("name", "regime")
 
 
 def compose():
@@ -49,9 +50,9 @@ def compose():
     figure = rendered(
         "regimes_map",
         [
-            picture("map", COLUMN, ROW, "value", bounds=bounds, cmap="cividis"),
+            picture("map", COLUMN, ROW, bounds=bounds, palette=cividis(256)),
             curve("outline", COLUMN, ROW, line_width=3),
-            hv.Labels(([], [], []), [COLUMN, ROW], "name", label="names").opts(text_color="white"),
+            texts("names", COLUMN, ROW, NAME, text_color="white", text_align="center", text_baseline="middle"),
             dots("own", COLUMN, ROW, marker="diamond", size=14),
         ],
         {"outline": "--cut", "own": "--cut"},

@@ -1,20 +1,19 @@
 """The page "Inside the solid": the stress in the layer, drawn by the browser (page.js)."""
 
-import holoviews as hv
 from bokeh.palettes import cividis
 
 from app.pages import Sheet
 from app.schema import STRESSES
-from app.views.plots import picture, rendered
+from app.views.plots import Quantity, picture, rendered
 
 TITLE, ORDER, FIGURES = "Inside the solid", 4, ("field",)
-NODE = hv.Dimension("x", label="x in the punch, undeformed", unit="nm")  # where it was in the undeformed layer
+NODE = Quantity("x", "x in the punch, undeformed", "nm")  # where it was in the undeformed layer
 
 
 def compose():
     """The picture."""
-    z = hv.Dimension("z", label="height z in the layer", unit="nm")
-    image = picture("field", NODE, z, "stress", [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000} GPa")])
+    z = Quantity("z", "height z in the layer", "nm")
+    image = picture("field", NODE, z, [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000} GPa")])
     return [rendered("solid_field", [image], {}, x=(-250, 250), y=(0, 250))]
 
 

@@ -5,15 +5,15 @@ Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
 
 from contextlib import suppress
 
-import holoviews as hv
 import numpy as np
 from bokeh.models import FixedTicker
+from bokeh.palettes import cividis
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
 from app.schema import FLATS
 from app.service import tasks
-from app.views.plots import curve, dots, picture, rendered
+from app.views.plots import Quantity, band, curve, dots, level, picture, rendered
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
@@ -25,12 +25,12 @@ ROWS = 120  # of the map
 RATIOS = 200  # points of the curve of mean friction
 MEASURED = 9  # runs beside it
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
-U_X = hv.Dimension("U_x", label="displacement of the top Uₓ", unit="nm")
-FORCE = hv.Dimension("F", label="F/(w·70 GPa)", unit="10⁻³")
-RATIO = hv.Dimension("ratio", label="E/τₘₐₓ")
-MEAN = hv.Dimension("mean", label="⟨F⟩/(w τₘₐₓ)")
-LOG_E = hv.Dimension("E", label="E", unit="GPa")
-LOG_PHI = hv.Dimension("phi_t", label="φₜ", unit="N/m")
+U_X = Quantity("U_x", "displacement of the top Uₓ", "nm")
+FORCE = Quantity("F", "F/(w·70 GPa)", "10⁻³")
+RATIO = Quantity("ratio", "E/τₘₐₓ")
+MEAN = Quantity("mean", "⟨F⟩/(w τₘₐₓ)")
+LOG_E = Quantity("E", "E", "GPa")
+LOG_PHI = Quantity("phi_t", "φₜ", "N/m")
 
 
 def compose():
@@ -38,9 +38,9 @@ def compose():
     forces = rendered(
         "stickslip_forces",
         [
-            hv.HLine(0.0, label="zero").opts(line_width=1),
+            level("zero"),
             *(curve(name, U_X, FORCE, line_width=2, line_dash=flat.dash) for name, flat in FLATS.items()),
-            curve("own", U_X, FORCE, said=said, hover_mode="vline", line_width=3),
+            curve("own", U_X, FORCE, said=said, mode="vline", line_width=3),
         ],
         {name: flat.colour for name, flat in FLATS.items()} | {"own": "--text", "zero": "--grid"},
         x=(0, END),
@@ -49,13 +49,15 @@ def compose():
     mean = rendered(
         "stickslip_mean",
         [
-            hv.VSpan(1.0, 2.0, label="low").opts(alpha=0.18, line_alpha=0),
-            curve("exact", RATIO, MEAN, said=said, hover_mode="vline", line_width=2, logx=True),
+            band("low"),
+            curve("exact", RATIO, MEAN, said=said, mode="vline", line_width=2),
             dots("runs", RATIO, MEAN, marker="circle", size=9),
             dots("own", RATIO, MEAN, marker="diamond", size=14),
         ],
         {"low": "--shear", "exact": "--soft", "runs": "--text", "own": "--slip"},
+        x=(1.0, 1e3),
         y=(-0.05, 1.0),
+        x_axis_type="log",
     )
     return [forces, mean, _map()]
 
@@ -67,7 +69,7 @@ def _map():
     figure = rendered(
         "stickslip_map",
         [
-            picture("map", LOG_E, LOG_PHI, "mean", said, bounds, cmap="cividis"),
+            picture("map", LOG_E, LOG_PHI, said, bounds, cividis(256)),
             curve("boundary", LOG_E, LOG_PHI, line_width=3),
             dots("presets", LOG_E, LOG_PHI, marker="circle", size=9),
             dots("own", LOG_E, LOG_PHI, marker="diamond", size=14),
