@@ -50,9 +50,8 @@ def test_a_painting_asks_for_no_style_of_the_page_and_leaves_style_sheets_as_the
             const watch = new MutationObserver((changes) => { written += changes.length })
             for (const sheet of sheets) watch.observe(sheet, { childList: true, characterData: true })
             const before = pixels()
-            await bokeh.paintedTogether(Object.values(figures), () => {
-                bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] })
-            })
+            bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] })
+            await bokeh.bokehPainted()
             await screen2()
             CSSStyleDeclaration.prototype.getPropertyValue = ask
             return pixels() === before ? null : [asked, written]
@@ -61,41 +60,24 @@ def test_a_painting_asks_for_no_style_of_the_page_and_leaves_style_sheets_as_the
     assert asked == 0 and written < 5  # and not one for each of some 30 things that are drawn
 
 
-def test_changes_of_a_paused_view_are_painted_at_once_when_it_goes_on(still):
+def test_a_change_is_painted_once_and_that_can_be_awaited(still):
     painted = still.evaluate(
         """async () => {
             const before = pixels()
-            await bokeh.paintedTogether([figures.forces], () => {
-                bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [1, 0, 1] })
-                if (pixels() !== before) throw new Error("painted too early")
-            })
-            const at_once = pixels()
+            let times = { forces: 0, area: 0 }
+            for (const name in times) {
+                const view = bokeh.viewOf(figures[name]), was = view.paint
+                view.paint = (...given) => { times[name]++; return was.apply(view, given) }
+            }
+            bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [1, 0, 1] })
+            bokeh.fill(parts.forces.L, { U_x: [0, 20, 40], value: [0, 1, 0] })
+            await bokeh.bokehPainted()
+            const awaited = pixels()
             await screen2()
-            return [at_once !== before, at_once === pixels()]
+            return [awaited !== before, awaited === pixels(), times.forces, times.area]
         }"""
     )
-    assert painted == [True, True]  # all that was to be painted was painted: CHAIN is long enough
-
-
-def test_data_alone_paint_their_figure_and_axes_are_measured_only_where_a_range_has_changed(still):
-    called = still.evaluate(
-        """async () => {
-            const called = [], { forces, area } = figures
-            for (const figure of [forces, area]) for (const how of ["paint", "repaint"]) {
-                const view = bokeh.viewOf(figure), was = view[how]
-                view[how] = (...given) => { called.push(`${figure.name} ${how}`); return was.apply(view, given) }
-            }
-            const said = async (change) => {
-                called.length = 0
-                await bokeh.paintedTogether([forces, area], change)
-                return called.join()
-            }
-            const data = await said(() => bokeh.fill(parts.forces.F, { U_x: [0, 40], value: [1, 0] }))
-            const range = await said(() => bokeh.set(forces.y_range, { end: 2 * forces.y_range.end + 1 }))
-            return [data, range, await said(() => {})]
-        }"""
-    )
-    assert called[0] == "forces paint" and called[1].startswith("forces repaint") and called[2] == ""
+    assert painted == [True, True, 1, 0]
 
 
 def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(still):
@@ -130,17 +112,6 @@ def test_every_part_of_a_figure_is_found_by_its_name_and_takes_its_colour(still)
 def test_an_image_is_of_the_kind_that_came_from_the_server_and_has_its_shape(still):
     shape = still.evaluate("bokeh.image(parts.map.map, new Float32Array(6), [2, 3])[0].shape")
     assert list(shape) == [2, 3]
-
-
-def test_how_a_part_is_drawn_can_be_read_from_it_and_it_can_be_hidden(still):
-    still.evaluate("bokeh.tint(parts.forces.F, '#123456')")
-    line = still.evaluate("bokeh.lookOf(parts.forces.F)")
-    assert line | {"x": "U_x", "y": "value", "stroke": "#123456", "width": 2, "dash": []} == line
-    assert still.evaluate("bokeh.lookOf(parts.forces.L).dash") == [6]
-    dots = still.evaluate("bokeh.lookOf(parts.punch.adhering)")
-    assert (dots["marker"], dots["size"]) == ("inverted_triangle", 5) and dots["fill"]
-    assert still.evaluate("bokeh.lookOf(parts.map.map).mapper.palette.length") > 1
-    assert still.evaluate("parts.forces.F.visible") is True
 
 
 def test_what_a_part_has_drawn_can_be_read_from_it(still):

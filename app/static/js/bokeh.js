@@ -12,6 +12,7 @@ export function viewOf(model) {
   if (view?.el?.isConnected) return view
   const found = index.find_one(model)
   known.set(model, found)
+  if (found?.canvas_view) prepare(found)
   return found
 }
 export const isDrawn = (model) => Boolean(viewOf(model)?.has_finished())
@@ -61,6 +62,11 @@ export function image(renderer, values, shape) {
 // It also leaves half a pixel at the top and the left as it was, and strokes the ticks painted last with the outline.
 const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary" // methods of a visual, a style sheet, a plot
 let unburdened = false
+function prepare(view) {
+  view.canvas_view.events_el.tabIndex = -1 // no key does anything there
+  if (!unburdened) unburden(view)
+}
+
 function unburden(view) {
   const [renderer] = view.renderer_views.values()
   const visual = own(view.visuals?.outline_line, STYLES), sheet = own(renderer?.position, REWRITE)
@@ -83,43 +89,10 @@ function own(object, method) {
   return object
 }
 
-// Make several changes, then paint each figure that has any: once, and before the next frame instead of after it.
-// Bokeh takes new data in through a short chain of promises, which must have come to its end.
-export const CHAIN = 64
-export async function paintedTogether(figures, change) {
-  const views = figures.map(viewOf).filter((view) => view?.canvas_view)
-  if (!unburdened && views.length) unburden(views[0])
-  for (const view of views) {
-    view.canvas_view.events_el.tabIndex = -1 // nothing to be done there with keys
-    view.pause()
-  }
-  try {
-    change()
-    for (let i = 0; i < CHAIN; i++) await null
-  } finally {
-    for (const view of views) view.unpause(true)
-    for (const view of views) paintChanged(view)
-  }
-}
-
-// Bokeh notes what has changed; unless that is everything, axes and their room are as they were, and need not be measured
-const ALL = "_invalidate_all", SOME = "_invalidated_painters"
-function paintChanged(view) {
-  if (!view.is_displayed && view.has_finished()) return // it is painted once it is
-  if (view[ALL] !== false) view.repaint()
-  else if (view[SOME].size) view.paint()
-}
-
-const DASHES = { solid: [], dashed: [6], dotted: [2, 4], dotdash: [2, 4, 6, 4], dashdot: [6, 4, 2, 4] }
-
-// How a renderer draws: {x, y: columns, stroke, width, dash, fill, alpha, marker, size}, or {mapper} of an image
-export function lookOf({ glyph }) {
-  const plainly = (name) => (name in glyph ? glyph[name]?.value ?? glyph[name] : null)
-  if (glyph.color_mapper) return { mapper: glyph.color_mapper }
-  const dash = plainly("line_dash"), stroke = plainly("line_alpha") === 0 ? null : plainly("line_color")
-  const [fillColour, alpha, marker, size, width] = ["fill_color", "fill_alpha", "marker", "size", "line_width"].map(plainly)
-  return { x: glyph.x.field, y: glyph.y.field, stroke, width, dash: DASHES[dash] ?? dash ?? [], fill: fillColour, alpha, marker, size }
-}
+// Bokeh paints a change in the next animation frame, once per figure. This resolves in that frame, after Bokeh: a task
+// comes after the promises in which Bokeh takes data in. (`view.ready` would do, but it never resolves again once a late
+// timer has made Bokeh's throttle drop a promise, as happens on a busy machine.)
+export const bokehPainted = () => new Promise((resolve) => setTimeout(() => requestAnimationFrame(resolve)))
 
 // The colour of what a renderer, a band or a line draws
 export function tint(part, value) {

@@ -1,9 +1,10 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
-import { fill as fillRenderer, frameBox, image as imageFor, isDrawn, namedParts, paintedTogether, set, stretch, thicken, tint } from "./bokeh.js"
+import {
+  bokehPainted, fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint,
+} from "./bokeh.js"
 import { colour, nice, shades, theme } from "./colours.js"
-import { by, digits, make, minus, say, tell } from "./dom.js"
-import { drawSketches, put, wipe } from "./sketch.js"
+import { by, digits, minus, say, tell } from "./dom.js"
 import { declared, me } from "./state.js"
 import { explain } from "./terms.js"
 import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
@@ -32,49 +33,17 @@ export function forget(name) {
   delete parts[name]
 }
 
-// While a hand moves a slider: of these views what changes is sketched, the run before stays, and the rest is not drawn
-const SKETCHED = [...CURVES, "traction", "punch"]
-const STAYS = /^(ghost_|pins$|sites$)/, GOES = /^(ways|unrested|branch|band_.)$/ // of these, what stays; what no picture has
-let sketching = false, hidden = false
-const fresh = new Set() // views whose sketches are over
-
-export function fill(view, label, columns) {
-  const part = parts[view][label], sketched = SKETCHED.includes(view)
-  if (sketching && sketched && !label.startsWith("ghost_")) {
-    if (!STAYS.test(label) && !GOES.test(label)) put(view, label, columns)
-    return
-  }
-  if (sketched && part.visible === false) {
-    set(part, { visible: true })
-    fresh.add(view)
-  }
-  fillRenderer(part, columns)
-}
-
-// Sketch from now on, or let Bokeh draw again
-export function sketch(on) {
-  sketching = on
-  hidden = hidden && on
-}
-
-function hide() {
-  hidden = true
-  for (const view of SKETCHED) {
-    for (const label in parts[view]) if (parts[view][label].glyph && !STAYS.test(label)) set(parts[view][label], { visible: false })
-  }
-}
+export const fill = (view, label, columns) => fillRenderer(parts[view][label], columns)
 
 export const fillImage = (view, label, values, shape, place) => (
   fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place }))
 
+// Make changes, and wait until Bokeh has painted them
 export async function painted(change) {
-  if (sketching && hidden) change()
-  else await paintedTogether(Object.values(figures), () => { if (sketching) hide(); change() })
-  placeBars()
-  drawSketches(figures, parts)
-  for (const view of fresh) wipe(view)
-  fresh.clear()
+  change()
+  await bokehPainted()
 }
+
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
 // A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
@@ -255,26 +224,8 @@ export function drawFrame(run, k) {
     fill("traction", "T_n", { x, T: T_n })
     fill("traction", "T_t", { x, T: T_t })
   }
-  here = run.curves[run.part(run.approaching(k)).abscissa][k]
-  for (const view of CURVES) set(parts[view].cursor, me.playing ? { visible: false } : { visible: true, location: here })
-}
-
-// The increment on screen, in the curves: a line of Bokeh's at rest; one of the page while a run is played, as moving that
-// paints nothing anew
-const bars = {}
-let here = 0
-function placeBars() {
-  for (const view of CURVES) {
-    const box = me.playing && figureShown(view) && frameBox(figures[view]), bar = (bars[view] ??= barOver(view))
-    bar.hidden = !box
-    if (box) bar.style.cssText = `top:${box.top}px; height:${box.height}px; transform:translateX(${box.X(here)}px)`
-  }
-}
-
-function barOver(view) {
-  const bar = make("i", { className: "cursor" })
-  document.querySelector(`.view[data-view="${view}"]`).append(bar)
-  return bar
+  const location = run.curves[run.part(run.approaching(k)).abscissa][k]
+  for (const view of CURVES) set(parts[view].cursor, { location })
 }
 
 // What is not in sight is not drawn
@@ -321,13 +272,21 @@ export function fitFrames(run) {
   const { flat } = run.head, half = reach(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
-  if (others) shareAxis() // other views are in sight
+  if (others) {
+    shareAxis() // other views are in sight
+    for (const view of punches()) showGlyphs(view, !flat)
+  }
   set(figures.map.y_range, { start: -half, end: half })
   const all = [run, ...overlays.punches(run, 0).map(([, of]) => of)], wide = Math.max(...all.map(seen))
   setPunches("x_range", { start: -wide, end: wide })
   setPunches("y_range", { start: Math.min(BELOW, ...all.map((of) => 1.15 * of.lowest)) })
   fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)
+}
+
+// The nodes of a flat surface are drawn by lens.js alone, enlarged
+function showGlyphs(view, visible) {
+  for (const part of Object.values(parts[view])) if (part.glyph) set(part, { visible })
 }
 
 // The vertical exaggerations as they are on this screen now

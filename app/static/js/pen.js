@@ -1,6 +1,7 @@
 // Drawing on a canvas above a figure: text, arrows, and the colours of style.css.
 
 import { colour } from "./colours.js"
+import { make } from "./dom.js"
 
 let asked = null // pixels of a canvas for each of the page, where it is drawn for a picture to take away
 export const sharpen = (times) => { asked = times }
@@ -17,6 +18,14 @@ export function cleared(canvas) {
   pen.setTransform(ratio, 0, 0, ratio, 0, 0)
   pen.clearRect(0, 0, width, height)
   return pen
+}
+
+// A canvas over a view, under the text that is written there
+export function over(view) {
+  const canvas = make("canvas", { className: "story" })
+  const place = document.querySelector(`.view[data-view="${view}"]`) ?? document.getElementById(`${view}-view`)
+  place.insertBefore(canvas, place.querySelector(".story"))
+  return canvas
 }
 
 // A line through places, px

@@ -3,7 +3,7 @@
 import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
 import { by, digits, fixed, tell } from "./dom.js"
-import { drawCurves, drawFrame, drawMap, fitFrames, painted, sketch, tellStretch } from "./figures.js"
+import { drawCurves, drawFrame, drawMap, fitFrames, painted, tellStretch } from "./figures.js"
 import { paceAt } from "./pace.js"
 import { framePage } from "./pages.js"
 import { Run } from "./run.js"
@@ -22,8 +22,6 @@ export function receive(chunk) {
   if (me.following) me.at = me.run.length - 1
   else if (me.place) toPlace()
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
-  const time = performance.now()
-  if (me.run.sheared >= 0 && me.begun !== me.run.number && time - me.freshAt > QUIET) painted(() => drawFresh(time))
 }
 
 // Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is held
@@ -67,7 +65,6 @@ function begin(run) {
     me.place ??= me.run.place(now())
   }
   me.run = run
-  sketch(Boolean(run.followed))
   if (me.status.run === run.number) run.scene = me.status.scene
   checkTruth()
   me.bornAt = performance.now()
@@ -89,8 +86,7 @@ function toPlace() {
   if (there !== null) Object.assign(me, { at: there, place: null })
 }
 
-function drawFresh(time) {
-  Object.assign(me, { fresh: false, freshAt: time })
+function showFresh() {
   if (me.run.sheared >= 0) {
     fitFrames(me.run)
     drawPart(me.run)
@@ -102,28 +98,59 @@ function drawFresh(time) {
   if (me.run.sheared >= 0 || me.following) showFrame()
 }
 
-// The dearest of the views, in a picture of the screen of its own
-function drawLate(time) {
-  drawMap(me.run, me.drawn)
-  Object.assign(me, { mapped: true, stage: me.run.stageOfMap(me.drawn), mappedAt: time })
+async function drawFresh(time) {
+  Object.assign(me, { fresh: "drawing", freshAt: time })
+  await drawPicture(showFresh)
+  if (me.fresh === "drawing") me.fresh = false // nothing came meanwhile
 }
 
-export function show() {
-  painted(showFrame)
+// The map takes longest: it is painted in an animation frame of its own
+async function drawLate(time) {
+  Object.assign(me, { stage: me.run.stageOfMap(me.drawn), mappedAt: time })
+  await drawPicture(() => drawMap(me.run, me.drawn))
+  me.mapped = true
+}
+
+let moved = false // another increment is to be shown
+let painting = false // Bokeh has changes that are not on screen
+let onCanvases = null // {run, k, ofPage: whether it is the increment of the page} that the canvases do not show yet
+
+export const show = () => { moved = true }
+export const isPainting = () => painting
+
+// Make changes; once Bokeh has painted them, draw what lies on canvases over and under its figures
+export async function drawPicture(change) {
+  painting = true
+  try {
+    await painted(change)
+    if (onCanvases) drawCanvases(onCanvases)
+  } finally {
+    painting = false
+    onCanvases = null
+  }
+}
+
+function drawCanvases({ run, k, ofPage }) {
+  if (ofPage) me.drawn = k
+  drawFringes(run, k)
+  drawStory(run, k)
+  drawBands(run, k)
+  if (!ofPage) return
+  framePage()
+  frameDrawn(run, k)
 }
 
 function showFrame() {
   const { run } = me
   if (!run?.length) return
   const k = shown()
+  moved = false
   drawIncrement(run, k)
-  me.drawn = k
+  onCanvases.ofPage = true
   if (run.sheared >= 0 && me.begun === run.number) {
     if (me.approach !== run.approaching(k)) drawPart(run)
     if (me.stage !== run.stageOfMap(k)) me.mapped = false
   }
-  framePage()
-  frameDrawn(run, k)
   by("scrub").value = k
   tellStretch()
 }
@@ -131,9 +158,7 @@ function showFrame() {
 // All that shows frame k of a run, or of a motion through a slip
 export function drawIncrement(run, k) {
   drawFrame(run, k)
-  drawFringes(run, k)
-  drawStory(run, k)
-  drawBands(run, k)
+  onCanvases = { run, k, ofPage: false }
   tellNow(run, k)
   tellFrame(run, k)
 }
@@ -166,12 +191,22 @@ function under(run, k) {
 
 let before = 0
 export function tick(time) {
-  const passed = Math.min((time - before) / 1000, 0.1), since = (then) => me.run.whole || time - then > QUIET
+  const passed = Math.min((time - before) / 1000, 0.1)
   before = time
-  if (me.fresh && (me.begun !== me.run.number || since(me.freshAt))) painted(() => drawFresh(time))
-  else if (!me.mapped && me.begun === me.run.number && since(Math.max(me.mappedAt, me.bornAt))) painted(() => drawLate(time))
-  if (me.playing && !me.dragging && (!me.stale || me.lost || me.run.stored) && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null) advance(passed, time)
+  if (isPlayed()) advance(passed, time)
+  if (!painting && me.run?.length) drawDue(time)
   requestAnimationFrame(tick)
+}
+
+const isPlayed = () => me.playing && !me.dragging && (!me.stale || me.lost || me.run?.stored) && !me.run?.followed && !me.following
+  && me.run?.sheared >= 0 && me.preview === null
+
+// What is not on screen yet, one thing in an animation frame
+function drawDue(time) {
+  const { run } = me, since = (then) => run.whole || time - then > QUIET
+  if (me.fresh === true && (me.begun !== run.number || since(me.freshAt))) drawFresh(time)
+  else if (!me.mapped && me.begun === run.number && since(Math.max(me.mappedAt, me.bornAt))) drawLate(time)
+  else if (moved) drawNext()
 }
 
 let seen = 0 // number of the run that has been played to its end
@@ -185,15 +220,20 @@ function advance(passed, time) {
     seen = me.run.number
     me.at = me.run.beginning
   }
-  if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && performance.now() > next && time > me.quiet) showNext()
+  if (Math.min(Math.floor(me.at), last) !== Math.min(me.drawn, last) && time > Math.max(next, me.quiet)) show()
 }
 
 let next = 0 // ms, when another picture may be drawn
-async function showNext() {
+async function drawNext() {
   const begun = performance.now()
-  await painted(showFrame)
+  let changed = begun, woken = begun // when the changes were made, and when Bokeh began to paint them, ms
+  await drawPicture(() => {
+    requestAnimationFrame(() => { woken = performance.now() })
+    showFrame()
+    changed = performance.now()
+  })
   const done = performance.now()
-  next = done + REST * (done - begun)
+  next = done + REST * (changed - begun + done - woken)
 }
 
 export function play(on) {

@@ -3,12 +3,11 @@
 import { frameBox, set } from "../bokeh.js"
 import { order, take } from "../channel.js"
 import { by } from "../dom.js"
-import { figures, painted } from "../figures.js"
-import { cleared, inks, line, size, write } from "../pen.js"
-import { drawIncrement, goto, show } from "../player.js"
+import { figures } from "../figures.js"
+import { cleared, inks, line, over, size, write } from "../pen.js"
+import { drawIncrement, drawPicture, goto, isPainting, show } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
-import { over } from "../sketch.js"
 import { me, now, onFrame } from "../state.js"
 import { forceUnit } from "../words.js"
 
@@ -66,10 +65,10 @@ function step(time) {
   const { frames, k } = film, passed = (time - film.begun) / 1000
   if (passed > SECONDS + REST) return end()
   const at = Math.max(k, Math.min(frames.length - 1, k + Math.floor((passed / SECONDS) * (frames.length - k))))
-  if (at !== film.at) {
+  if (at !== film.at && !isPainting()) {
     film.at = at
-    painted(() => {
-      drawIncrement(frames, at)
+    drawPicture(() => drawIncrement(frames, at)).then(() => {
+      if (film?.frames !== frames) return
       drawTrace(frames, k, at)
       tell("slow motion")
       by("slip").hidden = true
