@@ -43,7 +43,7 @@ def answered(session):
             done += 1
             regime = lambda i: REGIMES[slips if i <= COLUMNS // 2 else slips - 2]  # noqa: E731
             points = [Point(i=i, j=j, regime=regime(i), F_s=1e-4) for (i, j), _ in call[1].asked]
-            page.sweep._take(call, [(point, None) for point in points])
+            page.sweep._answered(call, [(point, None) for point in points])
     return done
 
 

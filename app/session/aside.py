@@ -59,7 +59,7 @@ class Layer(Requests):
             self.cancel()
         known = self._ask(call, lambda made: self._made(made, head))
         if known is not None:
-            self._take(call, known)
+            self._answered(call, known)
 
     def _made(self, made, head):
         if not isinstance(made, Exception):  # otherwise nothing is drawn
