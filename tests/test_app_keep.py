@@ -110,6 +110,16 @@ def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, mon
 
 
 @pytest.mark.slow
+def test_the_server_keeps_nothing_of_the_bytes_it_has_sent(page):
+    page.order("hello")
+    page.until("finished")
+    page.order("layer", rows=16, modes=16, depth=100.0)
+    while page.session.layer.waiting:
+        page.calls.get(timeout=PATIENCE)()
+    assert len(page.chunks) > 0 and page.session.wire.message is None
+
+
+@pytest.mark.slow
 def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_alone(page):
     page.order("hello")
     page.until("finished")

@@ -39,6 +39,51 @@ def test_a_full_class_lets_in_who_waits(browser, monkeypatch):
         full.stop()
 
 
+FORBIDDEN = """for (const name of ["localStorage", "sessionStorage"]) {
+    Object.defineProperty(window, name, { get() { throw new DOMException("forbidden", "SecurityError") } })
+}"""
+
+
+def test_a_browser_that_forbids_storage_shows_and_keeps_the_page_for_its_visit(server, browser):
+    page = patient(browser.new_page())
+    problems = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.add_init_script(FORBIDDEN)
+    page.goto(server.address)
+    finished(page)
+    page.locator("#fringes-on").evaluate("(box) => box.click()")
+    page.keyboard.press("l")
+    page.wait_for_function("document.documentElement.dataset.view === 'lab'")
+    assert not problems
+    page.close()
+
+
+def test_a_page_whose_websocket_is_refused_says_so_and_shows_why_the_server_refuses_it(server, browser):
+    page = patient(browser.new_page())
+    page.clock.install()
+    page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
+    page.goto(server.address)
+    page.clock.run_for(9_000)
+    assert page.locator("#lost").is_hidden()
+    page.clock.run_for(2_000)
+    page.get_by_role("alert").filter(has_text="its websocket does not open").wait_for()
+    page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
+    page.get_by_role("button", name="Try now").click()
+    page.get_by_text("The class is full").wait_for()
+    page.close()
+
+
+def test_a_page_that_is_refused_since_it_was_sent_gives_way_to_the_reason(server, browser):
+    page = patient(browser.new_page())
+    page.clock.install()
+    page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
+    page.goto(server.address)
+    page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
+    page.clock.run_for(11_000)
+    page.get_by_text("The class is full").wait_for()
+    page.close()
+
+
 @pytest.fixture
 def elsewhere(server):
     """Address of a page on another origin that shows the app in a frame."""

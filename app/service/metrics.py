@@ -3,7 +3,7 @@
 import os
 from time import monotonic
 
-from prometheus_client import CollectorRegistry, Counter, Gauge, disable_created_metrics, generate_latest
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, disable_created_metrics, generate_latest
 
 KNOWN = {  # counted since the start
     "pages": "pages sent",
@@ -59,27 +59,26 @@ def memory():
 
 
 class Pulse:
-    """How late the server's loop comes to what is due: `beat` is to be called every EVERY seconds."""
+    """How late the server's loop comes to what is due: call `beat` every EVERY seconds."""
 
     EVERY = 0.05  # s
+    BUCKETS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # s
 
-    def __init__(self):
-        self.last, self.latest = None, 0.0
+    def __init__(self, registry=None):
+        said = "how late the server's loop came to what was due"
+        self.last, self.lags = (
+            None,
+            Histogram("contact_loop_lag_seconds", said, registry=registry, buckets=self.BUCKETS),
+        )
 
     def beat(self):
-        """The loop has come to it."""
+        """Count the time since the last beat, less what it should be."""
         now = monotonic()
         if self.last is not None:
-            self.latest = max(self.latest, now - self.last - self.EVERY)
+            self.lags.observe(max(0.0, now - self.last - self.EVERY))
         self.last = now
 
-    def worst(self):
-        """Seconds, the most since this was last asked."""
-        worst, self.latest = self.latest, 0.0
-        return worst
 
-
-pulse = Pulse()
-gauge("loop_lag_seconds", "by which the server's loop was late, at most, since this was last asked", pulse.worst)
+pulse = Pulse(_registry)
 gauge("uptime_seconds", "since the server was started", lambda: monotonic() - _begun)
 gauge("memory_bytes", "of the server's process", memory)

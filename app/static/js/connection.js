@@ -1,10 +1,12 @@
-// The connection with the server. Once it is lost, orders wait; when the server answers again the page is opened anew
-// as it was: parameters and what was asked for since in its address, the increment shown and playing beside it.
+// The connection with the server. Once it is lost, changes of the scene wait, and pages are locked; when the server answers
+// the page is loaded again as it was: parameters and what was asked for since in its address, the increment shown beside it.
 
 import { silence, waiting } from "./channel.js"
-import { by, on } from "./dom.js"
+import { by } from "./dom.js"
+import { warn } from "./opening.js"
 import { me, now } from "./state.js"
 import { checkTruth } from "./status.js"
+import { keepForTab, takeFromTab } from "./storage.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there
@@ -39,8 +41,7 @@ async function answers() {
 async function lost() {
   if (me.lost) return
   me.lost = true
-  by("lost").hidden = false
-  document.querySelector(".page").dataset.lost = "true"
+  for (const button of document.querySelectorAll("nav button, [data-ask]")) button.disabled = true // the server makes pages
   checkTruth()
   let attempts = 0
   do await pause(PAUSES[attempts++] ?? PAUSES.at(-1))
@@ -51,7 +52,7 @@ async function lost() {
 // So many ms, or until the visitor wants it now
 const pause = (time) => new Promise((go) => {
   setTimeout(go, time)
-  on("retry", "click", go)
+  warn("Connection lost:", "you can play and scrub; what you change takes effect when the server answers. Trying again … ", go)
 })
 
 // The scene last told by the server, then what was asked for since
@@ -67,15 +68,14 @@ function openAnew() {
     for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.searchParams.set(name, value)
   }
   const { playing, speed, run } = me, shown = run?.length ? run.place(now()) : null
-  sessionStorage.setItem(AS_IT_WAS, JSON.stringify({ playing, speed, shown, carry: by("carry").checked }))
+  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown, carry: by("carry").checked }))
   history.replaceState(history.state, "", address)
   location.reload()
 }
 
 // What a page opened anew has from the one before; it is used once
 export function restore() {
-  const kept = sessionStorage.getItem(AS_IT_WAS)
-  sessionStorage.removeItem(AS_IT_WAS)
+  const kept = takeFromTab(AS_IT_WAS)
   if (!kept) return
   const { playing, speed, shown, carry } = JSON.parse(kept)
   Object.assign(me, { playing, place: shown })

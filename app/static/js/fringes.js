@@ -5,6 +5,7 @@ import { by, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor } from "./inside.js"
 import { cleared } from "./pen.js"
+import { keep, kept } from "./storage.js"
 
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
 const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels each
@@ -18,9 +19,9 @@ const sheet = document.createElement("canvas")
 let image = null
 
 export function connectFringes(redraw) {
-  by("fringes-on").checked = localStorage.getItem("fringes") !== "plain"
+  by("fringes-on").checked = kept("fringes") !== "plain"
   on("fringes-on", "change", ({ target }) => {
-    localStorage.setItem("fringes", target.checked ? "on" : "plain")
+    keep("fringes", target.checked ? "on" : "plain")
     redraw()
   })
 }

@@ -12,6 +12,7 @@ import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
+import { opened } from "./opening.js"
 import * as player from "./player.js"
 import { declared, embedded, me } from "./state.js"
 import * as status from "./status.js"
@@ -54,6 +55,7 @@ export function start({ wire, figures, slots, told, index }) {
   player.play(me.playing)
   units.connect()
   connection.connect()
+  opened()
   requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()

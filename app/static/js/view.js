@@ -5,6 +5,7 @@ import { CURVES, paint } from "./figures.js"
 import { openPage } from "./pages.js"
 import { show } from "./player.js"
 import { embedded } from "./state.js"
+import { keep } from "./storage.js"
 
 let before = "hero" // how one looked before
 
@@ -16,7 +17,7 @@ export function look(wanted) {
   const next = wanted !== view() ? wanted : wanted === "projector" ? before : "hero"
   before = isLab() ? "lab" : "hero"
   document.documentElement.dataset.view = next
-  if (next !== "projector" && !embedded) localStorage.setItem("view", next)
+  if (next !== "projector" && !embedded) keep("view", next)
   readdress((address) => (next === "hero" ? address.delete("view") : address.set("view", next)))
   if (next === "projector" && document.querySelector(".page").dataset.page) openPage("")
   arrange()

@@ -1,0 +1,27 @@
+// Whether the page gets its connection: the server may refuse it after it has sent the page. Loaded before Bokeh.
+
+import { by, on } from "./dom.js"
+
+const PATIENCE = 10_000 // ms until the visitor reads why there is nothing yet
+
+const late = setTimeout(async () => {
+  const answer = await fetch(location.href, { cache: "no-store" }).catch(() => null)
+  if (answer && !answer.ok) location.reload() // to the server's page that says why
+  else warn("Not connected:", "the page has come, but its websocket does not open. A proxy may block it. ", () => location.reload())
+}, PATIENCE)
+
+export function opened() {
+  clearTimeout(late)
+  by("lost").hidden = true
+}
+
+// A line at the top of the page; retry is what its button does from now on
+let tryNow = null
+export function warn(title, text, retry) {
+  if (!tryNow) on("retry", "click", () => tryNow())
+  tryNow = retry
+  const [name, said] = by("lost").children
+  name.textContent = title
+  said.textContent = text
+  by("lost").hidden = false
+}
