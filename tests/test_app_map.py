@@ -9,9 +9,11 @@ from visitor import order
 
 from app.pages.regimes.page import COLUMNS, ROWS, outlines
 from app.service import tasks
-from solver import Scene
+from app.service.skeletons import Skeletons, pickled
+from solver import Scene, follow
 from solver.analysis.maps import REGIMES, Axis, Map, Point
 from solver.analysis.maps.run import computed
+from solver.following.from_run import skeleton_of
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 
@@ -27,6 +29,7 @@ def test_a_tile_that_gives_way_after_every_point_is_what_exact_runs_tell(monkeyp
                 parts, made = parts + 1, tasks.map_tile(tile, made.kept)
             assert parts == len(tile.asked)
             known |= {(point.i, point.j): (point, skeleton) for point, skeleton in made}
+            assert all(skeleton is None or isinstance(skeleton, bytes) for _, skeleton in made)
     points = [point for point, _ in known.values()]
     assert len(points) == grid.size and any(point.followed for point in points)
     for point in points[::3]:
@@ -62,14 +65,40 @@ def test_a_visitor_gets_the_map_from_coarse_to_fine_and_all_of_it(session):
     assert told["busy"] is None and told["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
-def test_a_leap_over_the_map_goes_on_from_what_the_map_is_made_of(session):
+def test_a_leap_over_the_map_goes_on_from_what_the_map_is_made_of(session, monkeypatch):
     order(session, "page", page="regimes")
     page, scene = session.pages.page, session.scene
-    page.known = {(8, 12): (Point(), "far"), (28, 20): (Point(), "near"), (29, 20): (Point(), None)}
+    places = {"far": (8, 12), "near": (28, 20), "dropped": (27, 21)}
+    scenes = {name: page.grid.tile(0, ((place, ()),), {}).scene_at(place) for name, place in places.items()}
+    page.known = {places[name]: (Point(), scene) for name, scene in scenes.items()} | {(29, 20): (Point(), None)}
+    kept = {scenes[name]: name.encode() for name in ("far", "near")}
+    monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
     there = page.grid.tile(0, (((27, 20), ()),), {}).scene_at((27, 20))
-    assert pickle.loads(page.nearer(there, scene)) == pickle.loads(page.nearer(there, None)) == "near"
+    assert page.nearer(there, scene) == page.nearer(there, None) == b"near"
     assert page.nearer(there, there) is None  # what is on screen is nearer
     assert page.nearer(there.changed(nodes=512), None) is None
+
+
+def test_the_skeletons_of_all_maps_together_stay_below_a_bound(session, monkeypatch):
+    kept = Skeletons(capacity=10_000)
+    monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
+    for E in ("70", "80", "90"):
+        session.change({"E": E})
+        order(session, "page", page="regimes")
+        page = session.pages.page
+        for task in [task for task in session.pool.tasks if task.call[0] is tasks.map_tile and not task.done()]:
+            task.set_result([(Point(i=i, j=j), bytes(1000)) for (i, j), _ in task.call[1].asked])
+        assert len(page.known) == 9
+    assert kept.currsize <= 10_000
+
+
+def test_a_map_is_followed_from_pickles_of_half_the_size_as_from_what_they_were():
+    skeleton = skeleton_of(SMALL)
+    small = pickled(skeleton)
+    assert len(small) < 0.65 * len(pickle.dumps(skeleton))
+    U_x = np.linspace(0.0, SMALL.u_x_max, 50)
+    one, other = (follow(each, SMALL.changed(delta_bar=0.02)).curve(U_x)[0] for each in (skeleton, pickle.loads(small)))
+    np.testing.assert_allclose(one, other, atol=1e-4 * np.abs(one).max())
 
 
 def test_force_is_that_of_the_stiffness_at_each_place(session):

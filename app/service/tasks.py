@@ -1,5 +1,6 @@
 """What the pages ask of a worker: each a pure function of picklable arguments that returns small arrays or numbers."""
 
+import pickle
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -12,6 +13,7 @@ import segno
 
 from app.service import packing, worker
 from app.service.packing import Frames
+from app.service.skeletons import pickled
 from solver import NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, search_on
@@ -129,12 +131,13 @@ def what_matters(scene):
 
 
 def map_tile(tile, kept=()):
-    """[(Point, Skeleton or None)] of a Tile of a map, or Part of it."""
+    """[(Point, its Skeleton as of `skeletons.pickled`, or None)] of a Tile whose `known` are such; or Part of it."""
     begun, kept = perf_counter(), list(kept)
     there = {(point.i, point.j) for point, _ in kept}
     asked = tuple(one for one in tile.asked if one[0] not in there)
-    for found in points_of(replace(tile, asked=asked, known=(*tile.known, *kept), keep=True)):
-        kept.append(found)
+    known = tuple((point, skeleton and pickle.loads(skeleton)) for point, skeleton in (*tile.known, *kept))
+    for point, skeleton in points_of(replace(tile, asked=asked, known=known, keep=True)):
+        kept.append((point, skeleton and pickled(skeleton)))
         if perf_counter() - begun > SLICE and len(kept) < len(tile.asked):
             return Part(tuple(kept))
     return [(point, skeleton if tile.keep else None) for point, skeleton in kept]

@@ -4,7 +4,7 @@ The map is made of tiles (solver/analysis/maps), each a call for the workers, fr
 as soon as the points around it are known, and what one visitor has asked for is there for all (requests.py).
 """
 
-import pickle
+from dataclasses import replace
 from math import dist, inf
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
 from app.service import tasks
+from app.service.skeletons import skeletons
 from app.views.plots import Quantity, curve, dots, picture, rendered, texts
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
@@ -70,7 +71,7 @@ class Page(Sheet):
     def __init__(self, *given):
         super().__init__(*given)
         self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
-        self.grid, self.known = None, {}  # {(i, j): (Point, Skeleton or None)}
+        self.grid, self.known = None, {}  # {(i, j): (Point, Scene whose Skeleton was kept, or None)}
         self.left = []  # (level, cell, its corners) not asked for yet
         self.asking = False
 
@@ -102,10 +103,10 @@ class Page(Sheet):
         if not self._holds(scene):
             return None
         here = self._place_of(scene)
-        known = [(dist(place, here), skeleton) for place, (_, skeleton) in self.known.items() if skeleton is not None]
+        known = [(dist(place, here), key) for place, (_, key) in self.known.items() if key in skeletons]
         off, nearest = min(known, key=lambda one: one[0], default=(inf, None))
         held = origin is not None and self._holds(origin)
-        return pickle.dumps(nearest) if off < (dist(self._place_of(origin), here) if held else inf) else None
+        return skeletons[nearest] if off < (dist(self._place_of(origin), here) if held else inf) else None
 
     def _around(self, scene):
         """The Map that a scene is on: the parameters of its axes are anything; raises SceneError."""
@@ -135,13 +136,24 @@ class Page(Sheet):
         self.asking = True
         while ready := [one for one in self.left if one[2] <= self.known.keys()]:
             self.left = [one for one in self.left if one not in ready]
-            self.sweep.add([(tasks.map_tile, self.grid.tile(level, cell, self.known)) for level, cell, _ in ready])
+            self.sweep.add([(tasks.map_tile, self._tile(level, cell)) for level, cell, _ in ready])
         self.asking = False
+
+    def _tile(self, level, cell):
+        """The Tile of a Cell, with the pickled Skeletons around it that are kept."""
+        tile = self.grid.tile(level, cell, self.known)
+        return replace(tile, known=tuple((point, skeletons.get(key)) for point, key in tile.known))
 
     def take(self, call, result):
         """A tile is back from the workers."""
-        pairs = self.grid.lost(call[1], str(result)) if isinstance(result, Exception) else result
-        self.known |= {(point.i, point.j): (point, skeleton) for point, skeleton in pairs}
+        tile, known = call[1], result
+        if isinstance(result, Exception):
+            known = self.grid.lost(tile, str(result))
+        for point, skeleton in known:
+            key = skeleton and tile.scene_at((point.i, point.j))
+            if skeleton:
+                skeletons.put(key, skeleton)
+            self.known[point.i, point.j] = point, key
         if not self.asking:
             self._ask()
             self._draw()
