@@ -119,20 +119,21 @@ class Requests:
         return 1.0 - len(self.waiting) / self.count if self.waiting else None
 
     def add(self, calls):
-        """Ask for calls = [(function, *arguments)], in the background; a result is an Exception where the call failed.
-
-        What is known already is taken at once.
-        """
+        """Ask for calls = [(function, *arguments)], in the background."""
         for call in calls:
-            known = self._ask(call, partial(self._take_each, call), rank=LATER)
-            if known is not None:
-                self._answered(call, known)
+            self.also(call, partial(self._take_each, call), rank=LATER)
+
+    def also(self, call, take, **how):
+        """Ask for one call more, then take(result), an Exception where it failed; at once if it is known.
+
+        A call that is waited for goes on. how: rank and seconds, as of `Pool.submit`.
+        """
+        known = self._ask(call, take, **how)
+        if known is not None:
+            self._answered(call, known)
 
     def ask(self, call, take, **how):
-        """Ask for one call in place of all before, then take(result), None where it failed.
-
-        how: rank and seconds, as of `Pool.submit`.
-        """
+        """Ask for one call in place of all before, then take(result), None where it failed."""
         self.cancel()
         known = self._ask(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
         if known is not None:

@@ -57,9 +57,7 @@ class Layer(Requests):
         call = tasks.layer_table, scene, depth, rows, modes
         if len(self.waiting) >= TABLES and call not in self.waiting:
             self.cancel()
-        known = self._ask(call, lambda made: self._made(made, head))
-        if known is not None:
-            self._answered(call, known)
+        self.also(call, lambda made: self._made(made, head))
 
     def _made(self, made, head):
         if not isinstance(made, Exception):  # otherwise nothing is drawn
