@@ -18,10 +18,11 @@ def _blas() -> ThreadpoolController:
 @contextmanager
 def one_thread() -> Iterator[None]:
     """BLAS has one thread within this context and its former number afterwards; also a decorator."""
-    if all(
-        library.num_threads == 1 for library in _blas().lib_controllers
-    ):  # as in workers: setting nothing takes 2 us, not 10
+    changed = [(library, count) for library in _blas().lib_controllers if (count := library.num_threads) != 1]
+    try:
+        for library, _ in changed:
+            library.set_num_threads(1)
         yield
-    else:
-        with _blas().limit(limits=1, user_api="blas"):
-            yield
+    finally:
+        for library, count in changed:
+            library.set_num_threads(count)

@@ -297,7 +297,7 @@ def test_a_run_that_its_skeleton_does_not_describe_is_refused():
     states[k] = states[k]._replace(v=states[k].v + 0.02 * np.random.default_rng(0).normal(size=states[k].v.size))
     wrong = replace(trace, branches=(replace(first, states=tuple(states)), *others))
     with pytest.raises(NotFollowed):
-        skeleton_from(SMALL, replace(checkpoint, state=checkpoint.state._replace(trace=wrong)))
+        skeleton_from(SMALL, checkpoint._replace(state=checkpoint.state._replace(trace=wrong)))
 
 
 def test_frames_of_a_skeleton_carry_their_residuals(skeleton):

@@ -214,7 +214,7 @@ def _ahead(scene, checkpoint):
         return 0
     load_steps = checkpoint.load_steps or load_steps_of(scene)
     place = next(k for k, step in enumerate(load_steps) if step.stage == checkpoint.stage)
-    return sum(step.increments + 1 for step in load_steps[place:]) - checkpoint.index
+    return sum(step.increments + 1 for step in load_steps[place:]) - checkpoint.increment
 
 
 def _width(scene, frame):

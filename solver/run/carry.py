@@ -45,7 +45,7 @@ def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
     rest = _rest(frame.stage, changed, load_of(frame, frame.stage))
     press = _press(frame, changed)
     ahead = rest if press is None else (press, *rest)
-    return replace(standing(frame, ahead, unsure=True), carried=True)
+    return standing(frame, ahead, unsure=True)._replace(carried=True)
 
 
 def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:

@@ -1,10 +1,9 @@
 """The experiment as a sequence of Frames along the load steps of its path; from Checkpoints in between."""
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter, thread_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,12 +25,11 @@ BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the fi
 BUSY = 10.0  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
 
 
-@dataclass(frozen=True)
-class Checkpoint:
+class Checkpoint(NamedTuple):
     """Where a run stands between two slices; picklable."""
 
     stage: str = "approach"
-    index: int = 0  # of the next increment
+    increment: int = 0  # the next one, within its stage
     patch: tuple[int, int] | None = None  # (first node, nodes) of the patch
     state: State | None = None
     done: bool = False
@@ -68,7 +66,7 @@ def until(
 
 def extended(checkpoint: Checkpoint) -> Checkpoint:
     """The Checkpoint of a run at its end as one of a Scene with a larger u_x_max, but else the same."""
-    return replace(checkpoint, done=False, index=checkpoint.index + 1, load_steps=None)
+    return checkpoint._replace(done=False, increment=checkpoint.increment + 1, load_steps=None)
 
 
 def deadline(limit: float, busy: float = BUSY) -> Callable[[], None] | None:
@@ -118,8 +116,8 @@ class Run:
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.observe = observe
         before = stepper.problem.evaluations
-        state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.index))
-        index, done = self._increment(step, checkpoint.index, state)
+        state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
+        index, done = self._increment(step, checkpoint.increment, state)
         problem = stepper.problem
         events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
         numbers = step.stage, index, done.residual, problem.evaluations - before
@@ -129,7 +127,7 @@ class Run:
         after = self._after(checkpoint, load_steps, step, index, done) | {"patch": where}
         if step.stage == "approach" and done.slips:
             after["jumps"] = *checkpoint.jumps, *((slip._replace(after=None), where) for slip in done.slips)
-        return frame, replace(checkpoint, **after)
+        return frame, checkpoint._replace(**after)
 
     def _increment(self, step, index, state):
         """(its index, the Increment) to the next increment of `step`, from `index` on, at whose load the surface rests.
@@ -174,17 +172,17 @@ class Run:
         problem, state, last = self._stepper.problem, done.state, index >= step.increments
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
-        progress = {"index": index + 1, "state": state, "load_steps": load_steps, "carried": False}
+        progress = {"increment": index + 1, "state": state, "load_steps": load_steps, "carried": False}
         if not last:
             return progress
         following = load_steps[load_steps.index(step) + 1 :]
         if not following:
-            return progress | {"index": index, "done": True}
+            return progress | {"increment": index, "done": True}
         pressure = checkpoint.pressure
         if not step.held:
             pressure = problem.contact.pressure(problem.traction(state.v, state.active)[1])
         state = _turned(problem, state, step.held, following[0])
-        return progress | {"stage": following[0].stage, "index": 0, "state": state, "pressure": pressure}
+        return progress | {"stage": following[0].stage, "increment": 0, "state": state, "pressure": pressure}
 
     def _free(self, step, problem, state):
         """Whether a retraction ends: the layer is undeformed, to FREE, or the top at HIGHEST."""

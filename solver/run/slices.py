@@ -1,7 +1,6 @@
 """A run in slices: a few Frames at a time, each slice from the Checkpoint of the one before."""
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from math import inf
 from threading import local
 from time import perf_counter
@@ -38,13 +37,13 @@ def advance(
             if perf_counter() > end:
                 break
     except NotConverged as failure:
-        checkpoint = replace(checkpoint, done=True, failure=str(failure), late=isinstance(failure, OutOfTime))
+        checkpoint = checkpoint._replace(done=True, failure=str(failure), late=isinstance(failure, OutOfTime))
     return frames, checkpoint
 
 
 def in_time(checkpoint) -> Checkpoint:
     """The Checkpoint before the increment that ran out of time, from one with `late` set."""
-    return replace(checkpoint, done=False, failure=None, late=False)
+    return checkpoint._replace(done=False, failure=None, late=False)
 
 
 _kept = local()  # of each thread: its last Run, whose buffers are expensive to make, and the arguments of that Run
