@@ -117,3 +117,23 @@ def test_the_computed_run_takes_the_place_of_a_stored_one_at_the_same_increment_
     assert page.evaluate("[punch.run.stored ?? false, punch.drawn]") == [False, 300]
     assert page.evaluate(RANGES) == pytest.approx(before, rel=0.02)
     page.close()
+
+
+@pytest.mark.slow
+def test_before_a_run_is_on_screen_figures_and_play_are_not_offered(server, browser):
+    page = browser.new_page(reduced_motion="reduce")
+    stored_runs, computed = [], HeldBack(page)
+    page.route("**/static/runs/**", lambda route: stored_runs.append(route))
+    page.goto(server.address)
+    page.wait_for_function(
+        "document.getElementById('status').dataset.state === 'opening' && window.punch", timeout=PATIENCE
+    )
+    offered = """['play', 'grab', 'chosen', 'punch-view'].map((id) => document.getElementById(id))
+        .map((e) => e.checkVisibility({ visibilityProperty: true }) && !e.disabled)"""
+    assert page.evaluate(offered) == [False] * 4
+    for route in stored_runs:
+        route.abort()
+    computed.release()
+    finished(page)
+    assert page.evaluate(offered) == [True] * 4
+    page.close()

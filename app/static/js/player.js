@@ -66,6 +66,7 @@ function begin(run) {
   }
   me.run = run
   if (me.status.run === run.number) run.scene = me.status.scene
+  by("play").disabled = false
   checkTruth()
   me.bornAt = performance.now()
   me.preview = null
@@ -131,6 +132,7 @@ export async function drawPicture(change) {
 }
 
 function drawCanvases({ run, k, ofPage }) {
+  if (ofPage && me.drawn < 0) document.querySelector(".page").dataset.drawn = "" // figures come into sight
   if (ofPage) me.drawn = k
   drawFringes(run, k)
   drawStory(run, k)
