@@ -25,6 +25,10 @@ PATHS = {
 DAMPING = "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped"
 UNDERDAMPED = "with less, waves of the contact flutter and never come to rest"
 RESIDUAL = "largest residual max |U + C T(u) - u| of a converged frame"
+LAWS = {
+    "np1": "the paper's, whose resistance to shear grows with overclosure",
+    "xu-needleman": "with a potential for phi_ratio 1; its resistance to shear falls with overclosure",
+}
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
 
 
@@ -57,6 +61,7 @@ class Scene:
     seed: int = number(1, 0, 999999, "", "seed of the rough profile's phases, a whole number", SURFACE, whole=True)
     measured: Profile | None = None  # of surface 'measured'
 
+    law: str = word("np1", LAWS, "cohesive law of a spring", INTERFACE)
     phi_n: float = number(2.0, 1e-3, 1e3, "N/m", "normal work of separation of one spring", INTERFACE)
     phi_ratio: float = number(1.0, 0.0, 100.0, "", "tangential over normal work of separation", INTERFACE)
     delta_n: float = number(1.0, 1e-2, 1e2, "nm", "normal characteristic length of the interface", INTERFACE)

@@ -44,7 +44,7 @@ class Plain:
         mean, spread = 0.5 * (xx + zz), np.hypot(0.5 * (xx - zz), c)
         self.k_min, self.k_max = float((mean - spread).min()), float((mean + spread).max())
         lengths = scene.delta_n, scene.delta_t, scene.spacing, scene.window_t * scene.delta_t
-        self.law = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t, *lengths
+        self.law = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t, *lengths, scene.law == "xu-needleman"
         self.u, self.T = pyfftw.zeros_aligned((2, self.n)), pyfftw.zeros_aligned((2, self.n))
         self.spectrum = pyfftw.zeros_aligned((2, self.n // 2 + 1), dtype=complex)
         plan = {"axes": (1,), "flags": ("FFTW_ESTIMATE",)}  # measured plans, hence round-off, differ from run to run
@@ -169,7 +169,7 @@ def stiffness(scene):
 @njit(cache=True)
 def springs(u, gap, inside, law, T):
     """Fill T (2, nodes) with the NP1 tractions; the largest row sum of |dT/du| of a node, GPa/nm."""
-    normal, sideways, delta_n, delta_t, a, reach = law
+    normal, sideways, delta_n, delta_t, a, reach, potential = law
     steepest, T[:] = 0.0, 0.0
     for i in np.flatnonzero(inside):
         dn, s0, s1, s2 = (gap[i] + u[1, i]) / delta_n, 0.0, 0.0, 0.0
@@ -178,8 +178,9 @@ def springs(u, gap, inside, law, T):
             g = exp(-dt * dt)
             s0, s1, s2 = s0 + g, s1 + dt * g, s2 + dt * dt * g
         e = exp(-dn)
-        T[0, i], T[1, i] = sideways * s1 * e, -normal * dn * s0 * e
-        x_stiff = sideways * e * (abs(s0 - 2.0 * s2) / delta_t + abs(s1) / delta_n)
+        open_x, open_z = (1.0 + dn, dn) if potential else (1.0, 1.0)
+        T[0, i], T[1, i] = sideways * s1 * open_x * e, -normal * dn * s0 * e
+        x_stiff = sideways * e * (abs((s0 - 2.0 * s2) * open_x) / delta_t + abs(s1 * open_z) / delta_n)
         z_stiff = normal * e * (abs(2.0 * dn * s1) / delta_t + abs((1.0 - dn) * s0) / delta_n)
         steepest = max(steepest, x_stiff, z_stiff)
     return steepest

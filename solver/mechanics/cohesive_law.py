@@ -1,11 +1,12 @@
-"""The NP1 cohesive law (paper Eq. 2-5; McGarry et al. 2014), summed over the lattice sites in the window.
+"""The cohesive laws, NP1 (paper Eq. 2-5; McGarry et al. 2014) and another, summed over the lattice sites in the window.
 
-A spring from a surface node to a lattice site has the tangential gap dt and the normal gap dn and carries
+With NP1 a spring from a surface node to a lattice site, at tangential gap dt and normal gap dn, carries
 
     T_x =  2 phi_t/delta_t (dt/delta_t) exp(-dn/delta_n) exp(-dt^2/delta_t^2)
     T_z = - phi_n/delta_n  (dn/delta_n) exp(-dn/delta_n) exp(-dt^2/delta_t^2)
 
-as traction on the layer. Both lattices have the period a, so the sum over sites depends on u_x only through its
+as traction on the layer. The law of Xu & Needleman (1993, q = 1, r = 0) has one factor more in T_x, 1 + dn/delta_n; for
+phi_t = phi_n it has a potential. Both lattices have the period a, so the sum over sites depends on u_x only through its
 distance r to the nearest site, and the Gaussians of all sites follow from exp(-r^2) and exp(2 a r) by recurrence.
 Loops over nodes hold no branch and no call, so that they compile to vector instructions.
 """
@@ -16,6 +17,7 @@ import numpy as np
 from numba import njit
 
 DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count as this deep; exp(50) is finite
+OPENING = {"np1": 0.0, "xu-needleman": 1.0}  # c in the factor 1 + c dn of T_x
 TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: round-off for |r| <= ln(2)/2
 ALIKE = 1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: round-off is 1e-13
 WORK = 10  # rows of the scratch array `work`
@@ -24,12 +26,14 @@ _fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
 
 
 def law_constants(scene) -> np.ndarray:
-    """`law` of the kernels, (6,): phi_n/delta_n, 2 phi_t/delta_t (GPa), delta_n, delta_t (nm), a/delta_t, window_t.
+    """`law` of the kernels, (7,): phi_n/delta_n, 2 phi_t/delta_t (GPa), delta_n, delta_t (nm), a/delta_t, window_t, c.
 
+    T_x has the factor 1 + c dn: c is 0 for NP1, 1 for Xu-Needleman.
     An array, as unpacking a NamedTuple takes numba as long as a tenth of an evaluation.
     """
     strengths = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t
-    return np.array([*strengths, scene.delta_n, scene.delta_t, scene.spacing / scene.delta_t, scene.window_t])
+    lengths = scene.delta_n, scene.delta_t, scene.spacing / scene.delta_t, scene.window_t
+    return np.array([*strengths, *lengths, OPENING[scene.law]])
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
@@ -95,11 +99,11 @@ def window_sums(u_x, u_z, profile, law, work) -> None:
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def _tractions(work, active, law, T_x, T_z):
-    normal, shear = law[0], law[1]
+    normal, shear, c = law[0], law[1], law[6]
     e, s0, s1, dn = work[0], work[1], work[3], work[5]
     for i in range(active.size):
         force = e[i] if active[i] else 0.0
-        T_x[i] = shear * s1[i] * force
+        T_x[i] = shear * s1[i] * (1.0 + c * dn[i]) * force
         T_z[i] = -normal * dn[i] * s0[i] * force
 
 
@@ -115,12 +119,12 @@ def tractions(u, profile, active, law, work, out) -> None:
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def _tangents(work, active, law, out):
-    normal, shear, delta_n, delta_t = law[0], law[1], law[2], law[3]
+    normal, shear, delta_n, delta_t, c = law[0], law[1], law[2], law[3], law[6]
     e, s0, s1, s2, dn = work[0], work[1], work[3], work[4], work[5]
     for i in range(active.size):
         force = e[i] if active[i] else 0.0
-        out[0, i] = -shear * (s0[i] - 2.0 * s2[i]) * force / delta_t
-        out[1, i] = -shear * s1[i] * force / delta_n
+        out[0, i] = -shear * (s0[i] - 2.0 * s2[i]) * (1.0 + c * dn[i]) * force / delta_t
+        out[1, i] = -shear * s1[i] * (1.0 - c + c * dn[i]) * force / delta_n
         out[2, i] = -normal * dn[i] * 2.0 * s1[i] * force / delta_t
         out[3, i] = -normal * (1.0 - dn[i]) * s0[i] * force / delta_n
 
@@ -128,7 +132,7 @@ def _tangents(work, active, law, out):
 def tangents(u, profile, active, law, work, out) -> None:
     """Fill out (4, m), rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z, with tangents, GPa/nm; else as `tractions`.
 
-    They are not symmetric: NP1 has no potential.
+    They are not symmetric, as NP1 has no potential; those of Xu-Needleman with phi_t = phi_n are.
     """
     window_sums(u[0], u[1], profile, law, work)
     _tangents(work, active, law, out)

@@ -50,17 +50,19 @@ def springs(scene: Scene, ux, gap, active) -> tuple[np.ndarray, np.ndarray]:
     """
     count, shear, _, size = _sums(scene, ux)
     dn, t, n = _strengths(scene, gap, active)
-    gross = 2 * t * np.maximum(size, 1) + n * (np.abs(dn) + 1) * np.maximum(count, 1)
-    return np.array([2 * t * shear, -n * dn * count]), gross
+    c = _opening(scene)
+    gross = 2 * t * (1 + c * np.abs(dn)) * np.maximum(size, 1) + n * (np.abs(dn) + 1) * np.maximum(count, 1)
+    return np.array([2 * t * (1 + c * dn) * shear, -n * dn * count]), gross
 
 
 def tangent(scene: Scene, ux, gap, active) -> np.ndarray:
     """dT_c/du_d of each node, (2, 2, m) GPa/nm; arguments as in `springs`."""
     count, shear, turn, _ = _sums(scene, ux)
     dn, t, n = _strengths(scene, gap, active)
-    d_t, d_n = LONG(scene.delta_t), LONG(scene.delta_n)
+    d_t, d_n, c = LONG(scene.delta_t), LONG(scene.delta_n), _opening(scene)
+    t_x, t_z = t * (1 + c * dn), t * (1 - c + c * dn)
     return np.array(
-        [[2 * t * turn / d_t, -2 * t * shear / d_n], [-2 * n * dn * shear / d_t, n * (dn - 1) * count / d_n]]
+        [[2 * t_x * turn / d_t, -2 * t_z * shear / d_n], [-2 * n * dn * shear / d_t, n * (dn - 1) * count / d_n]]
     )
 
 
@@ -72,6 +74,11 @@ def _sums(scene, ux):
     dt = (sites * a - ux) / LONG(scene.delta_t)
     bell = np.where(np.abs(dt) <= scene.window_t, np.exp(-dt * dt), LONG(0))
     return np.array([(factor * bell).sum(axis=0) for factor in (1, dt, 2 * dt * dt - 1, np.abs(dt) + 1)])
+
+
+def _opening(scene):
+    """c in the factor 1 + c dn/delta_n of T_x."""
+    return LONG(1 if scene.law == "xu-needleman" else 0)
 
 
 def _strengths(scene, gap, active):

@@ -1,0 +1,79 @@
+"""The law of Xu & Needleman (q = 1, r = 0): it has a potential for phi_t = phi_n, and overclosure weakens its shear."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from plain_gfmd import run
+
+from solver import Scene, load_path, simulate
+from solver.mechanics.cohesive_law import tangent, traction
+from solver.validation import extended
+
+XN = Scene(law="xu-needleman")
+SMALL = XN.changed(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x_max=6.0)
+U_X, GAP = np.meshgrid(np.linspace(-3.0, 3.0, 41), np.linspace(-2.0, 6.0, 41))
+
+
+def test_its_tangent_is_symmetric_for_equal_works_of_separation_and_that_of_np1_is_not():
+    """To round-off of the sums; delta_n and delta_t may differ."""
+    for scene in (XN, XN.changed(delta_t=2.0, delta_n=0.7)):
+        _, xz, zx, _ = tangent(scene, U_X, GAP)
+        largest = np.abs(tangent(scene, U_X, GAP)).max()
+        assert np.abs(xz - zx).max() < 1e-14 * largest
+        _, xz, zx, _ = tangent(scene.changed(law="np1"), U_X, GAP)
+        assert np.abs(xz - zx).max() > 1e-3 * largest
+
+
+def test_its_work_around_a_closed_path_vanishes():
+    """By Gauss-Legendre quadrature on the sides of a rectangle, with a window beyond whose edge nothing is left."""
+    wide = XN.changed(window_t=8.0)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+
+    def work(scene, start, end):
+        middle, half = 0.5 * (end + start), 0.5 * (end - start)
+        T = traction(scene, *(middle[:, None] + half[:, None] * nodes))
+        return float((T * half[:, None] * weights).sum())
+
+    corners = np.array([[0.1, -1.0], [1.1, -1.0], [1.1, 2.0], [0.1, 2.0], [0.1, -1.0]])
+    around = {
+        law: sum(work(wide.changed(law=law), *side) for side in pairwise(corners)) for law in ("np1", "xu-needleman")
+    }
+    assert abs(around["xu-needleman"]) < 1e-12 < 0.1 < abs(around["np1"])  # N/m
+
+
+def test_its_resistance_to_shear_falls_under_overclosure_and_turns_round_below_minus_delta_n():
+    """The reason why the paper takes NP1, whose resistance grows."""
+    ahead = 0.5  # nm beyond a site
+    gaps = np.array([0.0, -0.5, -0.9, -1.0, -1.5])
+    resistance = -traction(XN, ahead, gaps)[0]
+    assert (np.diff(resistance) < 0.0).all() and resistance[0] > 0.0 > resistance[-1]
+    assert abs(resistance[3]) < 1e-14 * resistance[0]
+    assert (np.diff(-traction(XN.changed(law="np1"), ahead, gaps)[0]) > 0.0).all()
+
+
+@pytest.mark.parametrize("law", ["np1", "xu-needleman"])
+def test_the_kernels_agree_with_extended_precision(law):
+    """Round-off of double precision, over the size of the springs."""
+    scene, active = XN.changed(law=law), np.ones(U_X.size, bool)
+    T, gross = extended.springs(scene, U_X.ravel(), GAP.ravel(), active)
+    assert (np.abs(traction(scene, U_X.ravel(), GAP.ravel()) - T) < 1e-13 * gross).all()
+    J = extended.tangent(scene, U_X.ravel(), GAP.ravel(), active)
+    assert np.abs(tangent(scene, U_X.ravel(), GAP.ravel()).reshape(2, 2, -1) - J).max() < 1e-13 * np.abs(J).max()
+
+
+def test_a_run_follows_an_explicit_gfmd_with_its_own_law():
+    """F, L and A to 1e-5 of their largest: the GFMD comes to rest within its tolerance only."""
+    frames = [frame for frame in load_path(SMALL.changed(du_x=0.5, du_z=0.5)) if frame.stage == "shear"]
+    plain = [record for record in run(SMALL.changed(du_x=0.5, du_z=0.5)) if record.stage == "shear"]
+    assert len(frames) == len(plain)
+    for name in ("F_bar", "L_bar", "A_bar"):
+        ours, theirs = (np.array([getattr(each, name) for each in one]) for one in (frames, plain))
+        assert np.abs(ours - theirs).max() < 1e-5 * np.abs(theirs).max()
+
+
+def test_no_state_of_it_can_flutter():
+    """With a symmetric tangent the safe damping vanishes, however weak the damping."""
+    frames = simulate(SMALL.changed(damping=0.2, nodes=256, width=640.0, u_x_max=3.0)).frames
+    assert max(frame.safe_damping for frame in frames[::10]) == 0.0
+    assert not any(event.kind == "flutter" for frame in frames for event in frame.slips)
