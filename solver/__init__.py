@@ -23,7 +23,7 @@ plots, results                  a run as tables and plots, first slips of many s
 cautions                        sentences on choices that affect a result
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
 validation/                     independent calculations of the same, accuracy over run time
-cli                             the command line, with command, mapping, derivatives, reports, files
+cli                             the command line, with command, mapping, derivatives, reports, verify, files
 """
 
 from .analysis.energy_balance import Work, work_of

@@ -37,6 +37,7 @@ from .run.load_steps import load_steps_of
 from .run.shortcuts import account
 from .scene import CHOICES, PARAMETERS
 from .threads import one_thread
+from .verify import add_verify
 
 # These small runs stick and slip: they load or compile every kernel before the clock starts. The patch of the first is
 # a part of the cell, that of the second all of it: arrays of another layout, for which Numba compiles again.
@@ -87,17 +88,7 @@ def parser(program: str = "python -m solver", more: Sequence[Callable[[Any], Non
     parser = Parser(prog=program, description="Adhesive contacts under mixed-mode loading.")
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for add in (
-        add_run,
-        add_accuracy,
-        add_stability,
-        add_map,
-        add_flats,
-        add_sensitivities,
-        add_fit,
-        add_spread,
-        *more,
-    ):
+    for add in (*COMMANDS, *more):
         add(commands)
     for name, listing in (("parameters", parameter_table), ("presets", preset_table)):
         listed = commands.add_parser(name, help=f"list all {name}", description=f"Lists all {name}.")
@@ -155,7 +146,7 @@ def run(arguments: argparse.Namespace) -> int:
     print(described(report, len(frames)))
     after = [frame for frame in frames if frame.stage != "approach"]
     write(arguments.csv, write_csv, after)
-    write(arguments.npz, write_npz, scene, after)
+    write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
     write(arguments.html if after else None, _save_plot, scene, after)
     if failure is not None:
@@ -225,4 +216,14 @@ def described(report: dict[str, Any], increments: int) -> str:
     )
 
 
-COMMANDS = add_run, add_accuracy, add_stability, add_map, add_flats, add_sensitivities, add_fit, add_spread
+COMMANDS = (
+    add_run,
+    add_verify,
+    add_accuracy,
+    add_stability,
+    add_map,
+    add_flats,
+    add_sensitivities,
+    add_fit,
+    add_spread,
+)

@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from functools import cache
 from math import inf, isfinite, nan
 from os import PathLike
@@ -11,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import __version__
 from .run.frame import Frame
-from .run.summary import changing
+from .run.summary import changes, changing
 from .scene import Scene
 
 SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
@@ -47,11 +49,20 @@ def number(value: Any) -> float:
     return float(value) if isinstance(value, (float, np.floating)) else int(value)
 
 
-def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame]) -> None:
-    """Writes curves, stage and changing parameters (frames,), x (m,) nm, u (nm) and T (GPa) (frames, 2, m).
+def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], method: str = "fast") -> None:
+    """Writes curves, stage and changing parameters of all Frames after the approach, with the arrays of `fields_of`.
 
-    At nodes outside a frame's patch u is nan and T is 0.
+    `report` is JSON text: schema, version, commit, scene, method, and what changes along the run.
     """
+    after = [frame for frame in frames if frame.stage != "approach"]
+    curves = {name: np.array(values, str if name == "stage" else None) for name, values in curves_of(after).items()}
+    report = {"method": method, "scene": asdict(scene), "changes": changes(frames) if changing(frames) else None}
+    with open(file, "wb") as out:  # NumPy would append .npz to a name
+        np.savez_compressed(out, **fields_of(scene, after), **curves, report=json.dumps(plain(origin() | report)))
+
+
+def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
+    """x (m,) nm, u (nm) and T (GPa) (frames, 2, m). At nodes outside a frame's patch u is nan and T is 0."""
     first = min((frame.first for frame in frames), default=0)
     last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
     u = np.full((len(frames), 2, last - first), nan)
@@ -59,16 +70,18 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame]) -> No
     for k, frame in enumerate(frames):
         patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
         u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    curves = {name: np.array(values, str if name == "stage" else None) for name, values in curves_of(frames).items()}
-    with open(file, "wb") as out:  # NumPy would append .npz to a name
-        np.savez_compressed(out, x=np.arange(first, last) * scene.spacing, u=u, T=T, **curves)
+    return {"x": np.arange(first, last) * scene.spacing, "u": u, "T": T}
+
+
+def origin() -> dict[str, Any]:
+    """What writes a file: schema, version and commit."""
+    return {"schema": SCHEMA, "version": __version__, "commit": commit()}
 
 
 def write_json(file: str | PathLike, report: dict[str, Any]) -> None:
     """Writes strict JSON with schema, version and commit; nan becomes null, infinity "inf", as `--set` takes it."""
-    origin = {"schema": SCHEMA, "version": __version__, "commit": commit()}
     with open(file, "w", encoding="utf-8") as out:
-        json.dump(plain(origin | report), out, indent=2, allow_nan=False)
+        json.dump(plain(origin() | report), out, indent=2, allow_nan=False)
         out.write("\n")
 
 

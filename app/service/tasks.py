@@ -237,7 +237,7 @@ def file_of_run(legs, kind):
     with TemporaryDirectory() as folder:
         file = Path(folder, "run")
         if kind == "npz":
-            write_npz(file, scene, [frame for frame in frames if frame.stage != "approach"])
+            write_npz(file, scene, frames)
         else:
             write_json(file, report_of(scene, frames, "fast", perf_counter() - begun, failure))
         return file.read_bytes()

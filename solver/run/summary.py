@@ -55,7 +55,7 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     if retraction := [f.L_bar for f in after if f.stage == "unload"]:
         summary["L_min"] = min(retraction)
     if names:
-        summary |= {"E_s": first.get("E", scene.E) if first else None, "changes": _changes(frames, names)}
+        summary |= {"E_s": first.get("E", scene.E) if first else None, "changes": changes(frames)}
     return summary
 
 
@@ -72,7 +72,8 @@ def _values(frame, names):
     return {name: getattr(frame.scene, name) for name in names}
 
 
-def _changes(frames, names):
-    """[{increment, stage, U_x and the parameters of these names}] of the first Frame and each one where they change."""
+def changes(frames: Sequence[Frame]) -> list[dict[str, Any]]:
+    """[{increment, stage, U_x and the changing parameters}] of the first Frame and each one where they change."""
+    names = changing(frames)
     first = (k for k, f in enumerate(frames) if k == 0 or f.scene != frames[k - 1].scene)
     return [{"increment": k, "stage": frames[k].stage, "U_x": frames[k].U_x} | _values(frames[k], names) for k in first]

@@ -1,0 +1,153 @@
+"""The command `verify`: computes the run of a file anew, and reports what differs."""
+
+import argparse
+import json
+import zipfile
+from collections.abc import Iterator, Sequence
+from math import inf, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import Frame, Profile, Scene, SceneError, __version__, carried_path, load_path, summarize
+from .command import NOT_CONVERGED, InputError
+from .continuation.state import NotConverged
+from .files import SCHEMA, commit, fields_of, plain
+
+SAME = 1e-6  # of the largest of its kind: ends of branches are located to 1e-6 nm
+TOLERANCES = 100.0  # over the tolerance of the run, in delta_n or delta_t: error of F and L at the default, or less
+FIRST = ("A_0", "U_s", "F_s", "A_s", "L_min", "slips")  # of a summary
+NUMBERS = ("U_x", "delta", "F_bar", "L_bar", "A_bar")  # of an event
+HOLDS = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
+
+
+class Recorded(NamedTuple):
+    """What a file holds: legs as of `carried_path`, the method, what wrote it, and {quantity: values}."""
+
+    legs: list[tuple[Scene, int | None]]
+    method: str
+    origin: str
+    values: dict[str, Any]
+
+
+class Difference(NamedTuple):
+    """The largest difference of a quantity, over the largest value of its kind; inf: not of the same shape."""
+
+    quantity: str
+    recorded: float
+    computed: float
+    relative: float
+
+
+def add_verify(commands: Any) -> None:
+    """Adds `verify` to the subcommands."""
+    text = "Computes the run of a JSON or NPZ file anew. Exit code 0: the same; 1: something differs, which is listed."
+    parser = commands.add_parser("verify", help="compute a file's run anew and compare", description=text)
+    parser.add_argument("file", metavar="FILE", help="a JSON or NPZ file of a run")
+    parser.set_defaults(command=verify)
+
+
+def verify(arguments: argparse.Namespace) -> int:
+    """Computes and compares; prints the verdict; returns the exit code."""
+    recorded = read(arguments.file)
+    scene = recorded.legs[-1][0]
+    frames, failure = _computed(recorded)
+    allowed = max(SAME, TOLERANCES * scene.tolerance / min(scene.delta_n, scene.delta_t))
+    differences = list(compared(recorded.values, values_of(scene, frames, recorded.values)))
+    residual = max((frame.residual for frame in frames), default=nan)
+    print(f"file: {recorded.origin}; here: version {__version__}, commit {commit() or 'unknown'}")
+    print(f"tolerance {scene.tolerance:.3g} nm, largest residual here {residual:.3g} nm")
+    if failure:
+        print(f"here the run ends early: {failure}")
+    off = [each for each in differences if not each.relative <= allowed]
+    worst = max((each.relative for each in differences), default=0.0)
+    if not off:
+        print(f"same: {len(differences)} quantities agree to {allowed:.0e} of their largest; worst {worst:.1e}")
+        return 0
+    print(f"differs: {len(off)} of {len(differences)} quantities, by more than {allowed:.0e} of their largest")
+    for each in off:
+        print(f"  {each.quantity:12} file {each.recorded:.10g}, here {each.computed:.10g} ({each.relative:.1e})")
+    return NOT_CONVERGED
+
+
+def read(file: str) -> Recorded:
+    """What a file holds. Raises InputError for anything that `run` or the app did not write."""
+    try:
+        if zipfile.is_zipfile(file):
+            with np.load(file) as held:
+                arrays = {name: held[name] for name in held.files}
+            report = json.loads(str(arrays.pop("report")))
+            values = {name: array for name, array in arrays.items() if name != "stage"}
+        else:
+            with open(file, encoding="utf-8") as text:
+                report = json.load(text)
+            values = report
+        if report["schema"] > SCHEMA:
+            raise InputError(f"{file!r}: schema {report['schema']}; allowed: up to {SCHEMA}; use a newer version")
+        origin = f"schema {report['schema']}, version {report['version']}, commit {report['commit'] or 'unknown'}"
+        return Recorded(_legs(report), report["method"], origin, values)
+    except OSError as error:
+        raise InputError(f"{file!r}: {error.strerror}; {HOLDS}") from None
+    except (KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
+        raise InputError(f"{file!r}: not a run ({type(error).__name__}: {error}); {HOLDS}") from None
+
+
+def _legs(report):
+    """The legs of the run, as `carried_path` takes them."""
+    given = {name: inf if value == "inf" else value for name, value in report["scene"].items()}
+    if measured := given.pop("measured", None):
+        given["measured"] = Profile(measured["length"], measured["heights"], tuple(measured["notes"]))
+    scene, changes = Scene(**given), report.get("changes") or [{"increment": 0}]
+    starts = [change["increment"] for change in changes]
+    counts = [*np.diff(starts).tolist(), None]
+    names = [{n: v for n, v in change.items() if n not in ("increment", "stage", "U_x")} for change in changes]
+    return [(scene.changed(**parameters), count) for parameters, count in zip(names, counts, strict=True)]
+
+
+def _computed(recorded) -> tuple[list[Frame], str | None]:
+    """(Frames of the run computed anew, why it ended early or None)."""
+    frames: list[Frame] = []
+    legs = recorded.legs
+    try:
+        run = carried_path(legs) if len(legs) > 1 else load_path(legs[0][0], method=recorded.method)
+        frames.extend(run)
+    except NotConverged as failure:
+        return frames, str(failure)
+    return frames, None
+
+
+def values_of(scene: Scene, frames: Sequence[Frame], like: dict[str, Any]) -> dict[str, Any]:
+    """The values of Frames under the names of a file, whose values these are to be compared with."""
+    if "events" in like:
+        return plain(summarize(scene, frames))
+    after = [frame for frame in frames if frame.stage != "approach"]
+    return fields_of(scene, after) | {name: np.array([getattr(f, name) for f in after]) for name in NUMBERS}
+
+
+def compared(recorded: dict[str, Any], computed: dict[str, Any]) -> Iterator[Difference]:
+    """Yields a Difference for every number of a summary with its events, or every array of fields."""
+    if "events" not in recorded:
+        for name in (*NUMBERS, "u", "T"):
+            yield _difference(name, recorded[name], computed[name])
+        return
+    for name in FIRST:
+        if recorded.get(name) is not None or computed.get(name) is not None:
+            yield _difference(name, [recorded.get(name)], [computed.get(name)])
+    for name in NUMBERS:
+        pair = ([event[name] for event in each["events"] if name in event] for each in (recorded, computed))
+        yield _difference(f"events: {name}", *pair)
+
+
+def _difference(name, recorded, computed):
+    """The Difference of two lists or arrays; None and nan are equal to each other only."""
+    a, b = np.array(recorded, float), np.array(computed, float)
+    if a.shape != b.shape:
+        return Difference(f"{name}: count", a.size, b.size, inf)
+    if a.size == 0:
+        return Difference(name, 0.0, 0.0, 0.0)
+    if (np.isnan(a) != np.isnan(b)).any():
+        k = int(np.argmax(np.isnan(a) != np.isnan(b)))
+        return Difference(name, a.flat[k], b.flat[k], inf)
+    off = np.nan_to_num(np.abs(a - b))
+    k, largest = int(np.argmax(off)), float(np.nanmax(np.abs(a), initial=0.0))
+    return Difference(name, a.flat[k], b.flat[k], float(off.flat[k]) / (largest or 1.0))

@@ -1,0 +1,90 @@
+"""`verify` computes the run of a file anew: it says that it is the same, or what differs, and refuses other files."""
+
+import json
+
+import numpy as np
+import pytest
+
+import solver.cli as cli
+from solver import Profile, Scene, carried_path
+from solver.files import write_json, write_npz
+
+SMALL = ("--set", "nodes=64", "width=160", "radius=0.6", "delta_bar=0.1", "E=40", "u_x_max=8")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("verify")
+    named = {kind: folder / f"run.{kind}" for kind in ("json", "npz")}
+    assert cli.main(["run", *SMALL, *(str(x) for kind, file in named.items() for x in (f"--{kind}", file))]) == 0
+    return named
+
+
+@pytest.mark.parametrize("kind", ["json", "npz"])
+def test_a_run_is_the_same_when_computed_anew(files, capsys, kind):
+    assert cli.main(["verify", str(files[kind])]) == 0
+    out = capsys.readouterr().out
+    assert "same: " in out and "version" in out and "residual" in out
+
+
+def test_a_changed_number_is_named_with_its_size(files, tmp_path, capsys):
+    report = json.loads(files["json"].read_text())
+    report["F_s"] *= 1.001
+    report["events"].pop()
+    (tmp_path / "changed.json").write_text(json.dumps(report))
+    assert cli.main(["verify", str(tmp_path / "changed.json")]) == 1
+    out = capsys.readouterr().out
+    assert "F_s " in out and "(1.0e-03)" in out and "events: U_x: count" in out
+
+
+def test_a_changed_field_is_found(files, tmp_path, capsys):
+    with np.load(files["npz"]) as held:
+        arrays = dict(held)
+    arrays["T"][-1, 1] *= 1.01
+    np.savez(tmp_path / "changed.npz", **arrays)
+    assert cli.main(["verify", str(tmp_path / "changed.npz")]) == 1
+    out = capsys.readouterr().out
+    assert "  T " in out and "  u " not in out
+
+
+@pytest.mark.parametrize("kind", ["json", "npz"])
+def test_a_run_that_was_carried_on_is_computed_with_all_its_parameters(tmp_path, kind):
+    scene = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x_max=6.0)
+    frames = list(carried_path([(scene, 130), (scene.changed(E=60.0), None)]))
+    last, file = frames[-1].scene, tmp_path / f"run.{kind}"
+    if kind == "npz":
+        write_npz(file, last, frames)
+    else:
+        write_json(file, cli.report_of(last, frames, "fast", 0.0, None))
+    assert cli.main(["verify", str(file)]) == 0
+
+
+def test_a_measured_surface_is_read_back(tmp_path):
+    x = np.linspace(0.0, 160.0, 128, endpoint=False)
+    profile = Profile(160.0, 5.0 * np.exp(-(((x - 80.0) / 30.0) ** 2)))
+    scene = Scene(surface="measured", measured=profile, nodes=64, width=160.0, u_x_max=2.0)
+    frames = list(carried_path([(scene, None)]))
+    write_json(tmp_path / "run.json", cli.report_of(scene, frames, "fast", 0.0, None))
+    assert cli.main(["verify", str(tmp_path / "run.json")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "not a run"),
+        ("{}", "not a run"),
+        ('{"schema": 99}', "newer version"),
+        ('{"schema": 1, "version": "0", "commit": null, "method": "fast", "scene": {"E": -1}}', "not a run"),
+    ],
+    ids=["empty", "no scene", "a later schema", "an invalid scene"],
+)
+def test_other_files_are_refused_in_one_line(tmp_path, capsys, content, words):
+    (tmp_path / "file").write_text(content)
+    assert cli.main(["verify", str(tmp_path / "file")]) == 2
+    err = capsys.readouterr().err
+    assert words in err and len(err.splitlines()) == 1
+
+
+def test_a_missing_file_is_named(tmp_path, capsys):
+    assert cli.main(["verify", str(tmp_path / "none.json")]) == 2
+    assert "none.json" in capsys.readouterr().err
