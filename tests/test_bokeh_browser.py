@@ -154,15 +154,8 @@ def test_no_canvas_is_a_stop_of_the_tab_key(still):
     assert still.evaluate("Object.values(figures).every((f) => bokeh.viewOf(f).canvas_view.events_el.tabIndex === -1)")
 
 
-def test_a_figure_becomes_a_picture_with_something_on_it_and_an_svg_with_its_words(still):
-    width, colours, svg = still.evaluate(
-        """() => {
-            const canvas = bokeh.pictureOf(figures.forces)
-            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
-            return [canvas.width, new Set(new Uint32Array(data.buffer)).size, bokeh.svgOf(figures.forces)]
-        }"""
-    )
-    assert width > 100 and colours > 10
+def test_a_figure_becomes_an_svg_with_its_words(still):
+    svg = still.evaluate("bokeh.svgOf(figures.forces)")
     assert svg.startswith("<svg") and "displacement of the top" in svg
 
 

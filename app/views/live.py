@@ -17,6 +17,7 @@ FRAME = {
     **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 40},
 }
 ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
+SLIP = {"marker": "diamond", "size": 8, "fill_alpha": 0, "line_width": 1.5}  # hollow: it hides no peak
 AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
 POSITION = "x on the substrate, from the middle (nm)"  # where a node is
 UNDEFORMED = "x, undeformed (nm)"  # where it was
@@ -84,7 +85,7 @@ def contact_map(x):
     draw(made, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
     draw(made, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # edges, on the way that is not shown
     _pins(made)
-    draw(made, "scatter", "slips_map", "--slip", "U_x", "x", marker="diamond", size=8)
+    draw(made, "scatter", "slips_map", "--slip", "U_x", "x", **SLIP)
     _cursor(made)
     return made
 
@@ -96,7 +97,7 @@ def _along(made, unit, *names):
         ghost = {"line_width": 3, "line_dash": CURVES[name].dash}
         draw(made, "line", f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
     _curves(made, "U_x", "value", "Uₓ", unit, *names)
-    draw(made, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", marker="diamond", size=8)
+    draw(made, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", **SLIP)
     _cursor(made)
     heads = {"angle": "angle", "marker": "triangle", "size": 11}  # of arrows along the curve
     draw(made, "scatter", "ways", "--text", "U_x", "value", more=["angle"], **heads)

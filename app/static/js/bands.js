@@ -1,6 +1,7 @@
 // Under the punch, over the same places: the tractions as two bands, so that what holds and what slips is seen where it happens.
 
 import { frameBox } from "./bokeh.js"
+import { isShown } from "./colours.js"
 import { by, minus } from "./dom.js"
 import { figures } from "./figures.js"
 import { cleared, inks, line, size, within, write } from "./pen.js"
@@ -9,7 +10,7 @@ const GAP = 10 // px between both
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 
 export function drawBands(run, k) {
-  const canvas = by("bands"), box = frameBox(figures.punch), pen = box && canvas.checkVisibility() ? cleared(canvas) : null
+  const canvas = by("bands"), box = frameBox(figures.punch), pen = box && isShown(canvas) ? cleared(canvas) : null
   if (!pen) return
   const { x, T_n, T_t } = run.frame(k), ink = inks(), { start, end } = figures.punch.x_range
   const row = 1.35 * size(), high = canvas.clientHeight - row - 4
@@ -22,7 +23,7 @@ export function drawBands(run, k) {
     drawBand(view, { ...band, top, scale }, x)
     top += (band.up - band.low) * scale + GAP
   }
-  drawScale(view, GAP / 2, scale, row)
+  drawScale(view, GAP / 2, scale, row, high)
   drawPlaces(view, start, end, high + 2, row)
 }
 
@@ -45,11 +46,15 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
   if (says[1]) write(view, says[1], box.left + 8, Y(0) + 1.15 * size(), { of: under, align: "left", scale: 0.95 })
 }
 
-// A bar for so many GPa, beside both bands
-function drawScale({ pen, ink, box }, top, scale, row) {
-  const nice = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((GPa) => GPa * scale > 1.5 * row) ?? 200, x = box.left - 10
-  line(pen, [[x, top], [x, top + nice * scale]], ink.soft, 2)
-  write({ pen, ink }, `${nice} GPa`, x - 5, top + 0.5 * nice * scale, { of: ink.soft, align: "right", scale: 0.9 })
+const NICE = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200] // GPa
+
+// A bar for so many GPa beside both bands, which ends above the numbers of the places
+function drawScale({ pen, ink, box }, top, scale, row, bottom) {
+  const fitting = NICE.filter((GPa) => top + GPa * scale < bottom - 0.5 * row), x = box.left - 10
+  const bar = fitting.find((GPa) => GPa * scale > 1.5 * row) ?? fitting.at(-1)
+  if (!bar) return
+  line(pen, [[x, top], [x, top + bar * scale]], ink.soft, 2)
+  write({ pen, ink }, `${bar} GPa`, x - 5, top + 0.5 * bar * scale, { of: ink.soft, align: "right", scale: 0.9 })
 }
 
 function drawPlaces({ pen, ink, box: { X } }, start, end, y, row) {

@@ -1,8 +1,22 @@
-// Colours, all of them from style.css, and the shades of maps.
+// Colours, all of them from style.css, what of the page is visible, and the shades of maps.
 
 const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
 
-export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim()
+let read = {}, shown = new WeakMap() // variables of the page's styles, and whether elements are visible
+
+// Read them again: the theme, the size, or what is shown, has changed
+export function readAgain() {
+  read = {}
+  shown = new WeakMap()
+}
+
+export const colour = (name) => (read[name] ??= getComputedStyle(document.documentElement).getPropertyValue(name).trim())
+
+export function isShown(element) {
+  if (!shown.has(element)) shown.set(element, element.checkVisibility())
+  return shown.get(element)
+}
+
 export const theme = () => document.documentElement.dataset.theme
 
 // Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a whole

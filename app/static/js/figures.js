@@ -3,22 +3,20 @@
 import {
   bokehPainted, fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint,
 } from "./bokeh.js"
-import { colour, nice, shades, theme } from "./colours.js"
+import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
 import { by, digits, minus, say, tell } from "./dom.js"
-import { declared, me } from "./state.js"
+import { me } from "./state.js"
 import { explain } from "./terms.js"
 import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
 export const CURVES = ["forces", "area", "map"]
-const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
-const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+export const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const SIGHT = 0.9 // of a curve must be in sight while a slider is held
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it, so that it stays for a while
 const TO_SCALE = 0.02 // a difference that nobody sees
-const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 const THICK = 2.5 // times, for a projector
 const LONG = 11 // times the size of the text: as high as a view must be for a long title of its axis
 const SHORT = 5 // the same for one of a few letters
@@ -48,7 +46,7 @@ export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
 // A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
 // too small, and shrinks only when far too large
-function fit(range, low, high, curves = [[low, high]], room = 0.08) {
+export function fit(range, low, high, curves = [[low, high]], room = 0.08) {
   const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
   if (me.dragging) { // what moves is seen against what stays, as long as it is in sight
     const { start, end } = range, lost = ([a, b]) => Math.min(b, end) - Math.max(a, start) < SIGHT * (b - a)
@@ -209,85 +207,11 @@ export function shade(view, label, low, high) {
 }
 
 // Ranges of all punches, which are the same
-const punches = () => ["punch", "twin"].filter((view) => figures[view])
-const setPunches = (which, values) => punches().forEach((view) => set(figures[view][which], values))
-
-export function drawFrame(run, k) {
-  const { x, T_n, T_t } = run.frame(k)
-  const drawing = [["punch", run, k], ...overlays.punches(run, k)]
-    .map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
-  const lowest = drawing.map(({ frame }) => Math.min(...frame.gap))
-  const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
-  if (!me.dragging) setPunches("y_range", { end: top })
-  for (const punch of drawing) drawPunch(punch, top)
-  if (figureShown("traction")) {
-    fill("traction", "T_n", { x, T: T_n })
-    fill("traction", "T_t", { x, T: T_t })
-  }
-  const location = run.curves[run.part(run.approaching(k)).abscissa][k]
-  for (const view of CURVES) set(parts[view].cursor, { location })
-}
+export const punches = () => ["punch", "twin"].filter((view) => figures[view])
+export const setPunches = (which, values) => punches().forEach((view) => set(figures[view][which], values))
 
 // What is not in sight is not drawn
-const figureShown = (view) => document.querySelector(`.view[data-view="${view}"]`).checkVisibility()
-
-function drawPunch({ view, run, frame }, top) {
-  const { x, gap, T_n, T_t } = frame, n = x.length
-  const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
-  for (let i = 0; i < n; i++) {
-    outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
-    outline.y[i] = gap[i]
-    outline.y[2 * n - 1 - i] = Math.max(top + 1, gap[i])
-  }
-  fill(view, "body", outline)
-  fill(view, "surface", { x, gap })
-  const found = Object.groupBy(x.keys(), frame.state)
-  for (const label in declared.nodes) {
-    const pick = (list) => Float32Array.from(found[label] ?? [], (i) => list[i])
-    fill(view, label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
-  }
-  if (!run.head.flat || view !== "punch") return
-  const { mark, said } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
-  by("flat-mark").className = mark
-  by("flat-state").textContent = said
-}
-
-let sites = "" // how many are drawn on either side of the middle, and in which figures
-function drawSites({ spacing, middle }) {
-  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2, wanted = [half, ...punches()].join()
-  if (wanted === sites) return
-  sites = wanted
-  const first = Math.round(middle / spacing)
-  const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
-  for (const view of punches()) fill(view, "sites", { x, gap: x.map(() => 0) })
-}
-
-// How far from the middle the map of a run reaches, and its punch is seen, nm
-const reach = ({ head: { flat, nodes, spacing }, reach: acting }) => (flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((acting * 1.05) / 50)))
-const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spacing) : reach(run))
-
-// What stays the same while a run is played: ranges that hold all of its frames
-export function fitFrames(run) {
-  if (me.dragging || run.followed) return
-  const { flat } = run.head, half = reach(run)
-  const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
-  dataset.flat = flat
-  if (others) {
-    shareAxis() // other views are in sight
-    for (const view of punches()) showGlyphs(view, !flat)
-  }
-  set(figures.map.y_range, { start: -half, end: half })
-  const all = [run, ...overlays.punches(run, 0).map(([, of]) => of)], wide = Math.max(...all.map(seen))
-  setPunches("x_range", { start: -wide, end: wide })
-  setPunches("y_range", { start: Math.min(BELOW, ...all.map((of) => 1.15 * of.lowest)) })
-  fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
-  drawSites(run.head)
-}
-
-// The nodes of a flat surface are drawn by lens.js alone, enlarged
-function showGlyphs(view, visible) {
-  for (const part of Object.values(parts[view])) if (part.glyph) set(part, { visible })
-}
+export const figureShown = (view) => isShown(document.querySelector(`.view[data-view="${view}"]`))
 
 // The vertical exaggerations as they are on this screen now
 export function tellStretch() {
@@ -301,6 +225,7 @@ export function tellStretch() {
 
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
 export function paint() {
+  readAgain()
   const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
   const size = parseFloat(colour("--plot-text")), large = size > 15 // for a projector
   for (const name in figures) {
@@ -323,9 +248,9 @@ export function paint() {
 }
 
 // Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
-function shareAxis() {
+export function shareAxis() {
   const lab = document.documentElement.dataset.view === "lab"
-  const stacked = CURVES.filter(figureShown), banded = by("bands").checkVisibility()
+  const stacked = CURVES.filter(figureShown), banded = isShown(by("bands"))
   for (const view of stacked) set(figures[view].below[0], { visible: lab || view === stacked.at(-1) })
   for (const view of punches()) set(figures[view].below[0], { visible: lab || !banded })
 }

@@ -1,7 +1,8 @@
 // Photoelastic fringes inside the punch: lines of equal shear stress.
 
 import { frameBox } from "./bokeh.js"
-import { by, on } from "./dom.js"
+import { isShown } from "./colours.js"
+import { by, digits, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor } from "./inside.js"
 import { cleared } from "./pen.js"
@@ -10,8 +11,7 @@ import { keep, kept } from "./storage.js"
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
 const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels each
 const WAVES = 9 // of the shortest mode in half of the width shown
-const ORDERS = 3 // fringes that the strongest traction of a run makes, in a material chosen for that
-const LEAST = 0.02 // GPa a fringe: weaker stress is not blown up
+const ORDERS = 3 // fringes in the key
 const BAR = 9 // px, as the top is drawn by story.js
 const CHANNELS = [1.1, 1, 0.91] // of red, green and blue: orders over that of green, as their waves are longer and shorter
 
@@ -24,6 +24,27 @@ export function connectFringes(redraw) {
     keep("fringes", target.checked ? "on" : "plain")
     redraw()
   })
+  by("fringe").value = kept("fringe") ?? by("fringe").value
+  on("fringe", "change", ({ target }) => {
+    keep("fringe", target.value)
+    redraw()
+  })
+}
+
+const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only the user changes it
+
+// The key: the colours of the first orders, and the stress at which they end
+let keyed = ""
+function drawKey() {
+  const { theme } = document.documentElement.dataset, wanted = `${theme} ${perFringe()}`
+  if (wanted === keyed) return
+  keyed = wanted
+  const bar = by("fringe-bar"), inks = inksOf(theme)
+  Object.assign(bar, { width: ORDERS * SHADES, height: 1 })
+  const pen = bar.getContext("2d"), pixels = pen.createImageData(bar.width, 1)
+  new Uint32Array(pixels.data.buffer).set(inks.subarray(0, bar.width))
+  pen.putImageData(pixels, 0, 0)
+  by("fringe-most").textContent = `${digits(ORDERS * perFringe(), 2)} GPa`
 }
 
 // The table for what is shown of a run, once it is there
@@ -33,8 +54,9 @@ function tableNow({ head: { scene } }, half) {
 }
 
 export function drawFringes(run, k, canvas = by("fringes"), figure = figures.punch) {
-  const box = canvas.checkVisibility() ? frameBox(figure) : null, pen = box && cleared(canvas)
+  const box = isShown(canvas) ? frameBox(figure) : null, pen = box && cleared(canvas)
   if (!pen || !by("fringes-on").checked || run.head.flat || run.apart) return
+  drawKey()
   const table = tableNow(run, figure.x_range.end)
   if (!table) return
   paintSheet(run, k, figure, ordersIn(run, k, table, figure.x_range.end), (box.height - BAR) / box.height)
@@ -78,12 +100,6 @@ function inksOf(theme) {
 
 // Fringe orders (rows, COLUMNS) from the tractions of frame k, the row at the surface first
 function ordersIn(run, k, table, half) {
-  const [apart, sheared] = sumsIn(run, k, table, middles(COLUMNS, half), [APART, SHEARED]), per = perFringe(run)
+  const [apart, sheared] = sumsIn(run, k, table, middles(COLUMNS, half), [APART, SHEARED]), per = perFringe()
   return apart.map((a, i) => Math.sqrt(a * a + sheared[i] * sheared[i]) / per)
-}
-
-// GPa: a round number, the same for all of a run
-function perFringe(run) {
-  const most = Math.max(run.T_most, -run.T_least) / ORDERS, size = 10 ** Math.floor(Math.log10(Math.max(most, LEAST)))
-  return size * ([5, 2, 1].find((one) => one * size <= most) ?? 1)
 }

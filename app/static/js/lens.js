@@ -130,18 +130,9 @@ export function drawLattice(view) {
   const stretch = run.curves.U_x[k] - run.least(k)
   for (const at of frame.x) {
     if (at < from - 3 * spacing || at > to + 3 * spacing) continue
-    line(pen, zigzag([X(at), low - APART * scale], [X(at + stretch), box.top + 9]), ink.body, 2)
+    line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + 9]], ink.body, 2)
   }
   drawAtoms(view, X, (y) => low - y * scale, scale, from, to)
-}
-
-// An elastic line with ten turns
-function zigzag([x, y], [to, top]) {
-  const turns = Array.from({ length: 11 }, (_, turn) => {
-    const t = 0.15 + (0.7 * turn) / 10, side = turn === 0 || turn === 10 ? 0 : turn % 2 ? 5 : -5
-    return [x + (to - x) * t + side, y + (top - y) * t]
-  })
-  return [[x, y], ...turns, [to, top]]
 }
 
 export function connectLens(redraw) {
