@@ -76,14 +76,14 @@ function drawForces(view) {
     back: `moved back to ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `moved ${fixed(U_x, 1)} nm`
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
-  const [begins] = write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, ${(pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"} by `}F = ${newtons(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
+  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, ${(pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"} by `}F = ${newtons(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
   if (none(L) || run.apart) return
   const deep = (Math.abs(L) / full) * long, at = box.left + (narrow ? 0.06 : LENS) * box.width
-  const from = begins < at + 10 ? y + 0.8 * row : box.top + BAR + 3 // under the text, if that reaches so far
+  const from = y + 0.8 * row // under the key and the text of F
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
   const text = narrow ? `L = ${newtons(L)}` : `load L = ${newtons(L)}, ${L > 0 ? "presses" : "holds it up"}`
-  write(view, text, at + 12, from + Math.max(2.1 * row, 0.5 * deep), { of: ink.normal, align: "left" })
+  write(view, text, at + 12, from + Math.max(0.6 * row, 0.5 * deep), { of: ink.normal, align: "left" })
 }
 
 // Under the surface: friction on the punch, a bracket for each stretch that is repelled, and how far either edge has peeled
