@@ -1,4 +1,4 @@
-"""What is made of frames: stress inside the layer, laws of friction and area, energies. Not needed to run anything.
+"""Evaluations of frames and skeletons. No run needs them.
 
 interior                       stress and displacement inside the layer, mode by mode
 friction_laws, area_laws       onset of sliding, critical moduli, force curves of flats; fits of Eqs. 8 and 9

@@ -5,34 +5,34 @@ from math import sqrt
 
 import numpy as np
 
-EARLY, LATE = 0.5, 0.9  # of the largest F^2: the first half and the last tenth of a branch
+EARLY, LATE = 0.5, 0.9  # of the largest F^2: `rise` compares the first half and the last tenth of a branch
 
 
 @dataclass(frozen=True)
 class QuadraticLaw:
-    """A_bar = A_0 - zeta F_bar^2 (Eq. 8): the fit, and how far it holds."""
+    """A fit of A_bar = A_0 - zeta F_bar^2 (Eq. 8), and measures of its misfit."""
 
     A_0: float
     zeta: float
     zeta_error: float  # standard error
     r2: float  # of A_bar about its mean
     worst: float  # largest |deviation| over A_0
-    last: float  # deviation at the last point over A_0; negative: less area than the law says
+    last: float  # deviation at the last point over A_0; negative: less area than by the law
     rise: float  # -dA/d(F^2) in the last tenth of F^2 over that in the first half; 1 where the law holds
     points: int
 
 
 def quadratic_law(F, A) -> QuadraticLaw:
-    """Least-squares fit of Eq. 8 to a branch from U_x = 0 on: forces F (k,), areas A (k,), the first is A_0.
+    """The QuadraticLaw of a branch from U_x = 0 on, by least squares: forces F (k,), areas A (k,), A[0] = A_0.
 
-    Uses the points in contact (A > 0). Raises ValueError with fewer than five of them, without contact at the first,
-    where F or A does not change, and for values that are not finite.
+    Uses the points in contact (A > 0). Raises ValueError for fewer than five of them, without contact at the first
+    point, for constant F or A, and for values that are not finite.
     """
     F, A, first = _in_contact("F", F, "A", A)
     if A.size < 5 or not np.ptp(F) > 0.0:
         raise ValueError(f"{A.size} points in contact: at least 5, at forces that differ; press deeper or shorten du_x")
     if first:
-        raise ValueError(f"A[0] = 0: no contact before shear, so no A_0, but at point {first} only; press deeper")
+        raise ValueError(f"A[0] = 0: no contact before point {first}; needed: A_0 at the first point; press deeper")
     if not np.ptp(A) > 0.0:
         raise ValueError(f"all areas A = {A[0]:g}: the law needs areas that differ; shear farther")
     x = F**2
@@ -53,7 +53,7 @@ def quadratic_law(F, A) -> QuadraticLaw:
 
 
 def _rise(x, A):
-    """Ratio of the late to the early rate -dA/dx, up to the largest x."""
+    """The late over the early rate -dA/dx, up to the largest x."""
     top = int(np.argmax(x)) + 1  # under tension the force passes a flat maximum before the slip
     x, A = x[:top], A[:top]
     half, late = (float(np.interp(part * x[-1], x, A)) for part in (EARLY, LATE))
@@ -63,7 +63,7 @@ def _rise(x, A):
 
 
 def _in_contact(x_name, x, A_name, A):
-    """(x, A, index of the first) of the points in contact, A > 0; raises ValueError for values that are no data."""
+    """(x, A, index of the first) of the points with A > 0; raises ValueError unless all values are finite."""
     x, A = np.asarray(x, float), np.asarray(A, float)
     if x.shape != A.shape:
         raise ValueError(f"{x_name} {x.shape} and {A_name} {A.shape}: give two arrays of one length")
@@ -88,9 +88,9 @@ class ThresholdLaw:
 
 
 def threshold_law(A_s, F_s) -> ThresholdLaw:
-    """Least-squares line through the points (A_s, F_s) with A_s > 0.
+    """The ThresholdLaw by least squares through the points (A_s, F_s) with A_s > 0.
 
-    Raises ValueError with fewer than three of them, where all A_s or all F_s are the same, or some are not finite.
+    Raises ValueError for fewer than three of them, for constant A_s or F_s, and for values that are not finite.
     """
     F, A, _ = _in_contact("F_s", F_s, "A_s", A_s)
     if A.size < 3 or not np.ptp(A) > 0.0:

@@ -5,9 +5,9 @@ The mode exp(i q x), y = q h, eta = q z, zeta = y - eta: displacements that vani
     (u_x / i, u_z) = (zeta cosh zeta + kappa sinh zeta, -zeta sinh zeta)
                  and (zeta sinh zeta, kappa sinh zeta - zeta cosh zeta)
 
-(Navier, plane strain, kappa = 3 - 4 nu). sigma_xz = -T_x and sigma_zz = -T_z at z = 0 give their amplitudes. Their
-products with those amplitudes cancel at depth to all digits; written with cosh and sinh of y + zeta and of eta they do
-not, and scaled by exp(-2 y) nothing overflows. q = 0 is the limit: stress uniform, displacement linear in z.
+(Navier, plane strain, kappa = 3 - 4 nu). sigma_xz = -T_x and sigma_zz = -T_z at z = 0 give their amplitudes. At depth
+these sums cancel to all digits. Written with cosh and sinh of y + zeta and of eta they do not, and scaled by exp(-2 y)
+they do not overflow. q = 0 is the limit: uniform stress, displacement linear in z.
 """
 
 from math import cosh, exp, expm1, sinh
@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-FAR = 50.0  # q (h - z): what the top sends back is exp(-2 FAR) (q h)^2 < 1e-29 of what comes
+FAR = 50.0  # q (h - z), beyond which the top is neglected: it reflects exp(-2 FAR) (q h)^2 < 1e-29
 
 
 def wavenumbers(scene, modes) -> NDArray[np.float64]:
@@ -26,7 +26,7 @@ def wavenumbers(scene, modes) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def shape_of(q, z, height, nu) -> tuple:
-    """(y, eta, zeta, r, P, p, C, S): the first three, r = 2 zeta y + 4 (1-nu)(1-2nu), and the functions of depth.
+    """(y, eta, zeta, r, P, p, C, S): as above, r = 2 zeta y + 4 (1-nu)(1-2nu), and functions of depth.
 
     P, p = kappa (cosh, sinh)(y + zeta)/(2B) and C, S = (cosh, sinh)(eta)/(2B); B = kappa cosh^2 y + y^2 + (1-2nu)^2.
     """
@@ -65,9 +65,9 @@ def lateral(shape) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True)
 def displacement(q, z, height, G, nu) -> tuple:
-    """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, above the top's; four numbers.
+    """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, less those of the top; four numbers.
 
-    With D_s, D_c = (sinh, cosh)(y + zeta) - (sinh, cosh)(eta), so that no digit is lost near the top.
+    D_s, D_c = (sinh, cosh)(y + zeta) - (sinh, cosh)(eta) keep all digits near the top.
     """
     if q == 0.0:
         return (height - z) / G, 0.0, (1.0 - 2.0 * nu) * (height - z) / (2.0 * (1.0 - nu) * G), 0.0
@@ -78,7 +78,7 @@ def displacement(q, z, height, G, nu) -> tuple:
     D_c = -expm1(-2.0 * y) * D_s
     D_s *= 1.0 + t
     less = 2.0 * zeta * C - D_s
-    if y < 1.0:  # it cancels, and is all that is left of u_z for nu -> 1/2
+    if y < 1.0:  # the difference cancels, and is all of u_z for nu -> 1/2
         less = 4.0 * t * scale * (cosh(y) * _less(zeta) - zeta * sinh(y) * sinh(zeta))
     x_even = 2.0 * zeta * y * S + kappa * eta * D_c - (2.0 - 2.0 * nu) * (2.0 * zeta * C + kappa * D_s)
     z_even = 2.0 * zeta * y * S - kappa * eta * D_c + (2.0 - 2.0 * nu) * (less - 2.0 * (1.0 - 2.0 * nu) * D_s)
@@ -102,8 +102,8 @@ def _less(zeta):
 def transfer(q, z, height, G, nu) -> NDArray[np.float64]:
     """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
 
-    Column 0, even: what u_x and sigma_xz have of T_x, the others of T_z; column 1, odd, times i: the other way round.
-    q in 1/nm, height in nm, G in GPa.
+    Column 0, even: the shares of T_x in u_x and sigma_xz, of T_z in the others. Column 1, odd, times i: the shares of
+    the other traction. q in 1/nm, height in nm, G in GPa.
     """
     out = np.empty((5, 2, z.size, q.size))
     for r in range(z.size):

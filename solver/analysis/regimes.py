@@ -1,4 +1,4 @@
-"""The map of regimes, flat on flat at zero gap: where it sticks and slips, over stiffness and strength (Figs. 4, 5)."""
+"""The map of regimes of flat on flat at zero gap, over stiffness and strength (Figs. 4, 5)."""
 
 from math import inf
 from typing import Any
@@ -10,26 +10,26 @@ from ..run.loadpath import load_path
 from ..scene import Scene, SceneError
 from .friction_laws import friction, friction_force, tau_max
 
-MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m
-END = 40.0  # nm, of a run that shows curves
-STEP = 0.2  # delta_t, increments of one that gives the friction: slips are located whatever they are
-LIMIT = 600.0  # s for one run
+MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m: the line of E_c crosses the map
+END = 40.0  # nm, of a run that shows curves: 16 lattice periods of the default
+STEP = 0.2  # delta_t, increments of a run that gives the friction: slips are located, however long the increments
+LIMIT = 600.0  # s for one run, which takes seconds
 COLUMNS = "E", "phi_t", "slips", "F_s", "F_k", "mean", "exact", "reason"
 
 
 def flat(scene) -> Scene:
-    """The scene, flat on flat at zero gap, overdamped as in the paper's Fig. 4."""
+    """The scene as flat on flat at zero gap, overdamped as in the paper's Fig. 4."""
     return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
 
 
 def sliding(scene, E) -> Scene:
-    """The flat with that E, GPa, over two periods of steady sliding; raises SceneError."""
+    """The flat at modulus E, GPa, sheared over two periods of steady sliding; raises SceneError."""
     end = 2.5 * tau_max(scene) * 2 * (1 + scene.nu) / E * scene.height * scene.width + 3 * scene.spacing
     return scene.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
 
 
 def points(scene, count) -> list[tuple[Scene, float, float]]:
-    """[(the scene as a flat, E, phi_t)], count x count, over the map."""
+    """[(the scene as a flat, E, phi_t)] of count x count points of the map."""
     base = flat(scene)
     return [
         (base, float(E), float(phi_t))
@@ -39,7 +39,7 @@ def points(scene, count) -> list[tuple[Scene, float, float]]:
 
 
 def regime(point) -> dict[str, Any]:
-    """COLUMNS of a point as a dict: from its run, forces over wE, means over w tau_max, `exact` in closed form."""
+    """{column: value} of a point: forces over wE and means over w tau_max, from its run and in closed form."""
     base, E, phi_t = point
     row = dict.fromkeys(COLUMNS, "") | {"E": E, "phi_t": phi_t}
     try:
@@ -47,8 +47,8 @@ def regime(point) -> dict[str, Any]:
         over = scene.E / tau_max(scene)
         row["exact"] = friction(scene).mean * over
         frames = list(load_path(scene))
-        found = friction_force(scene, frames)
+        measured = friction_force(scene, frames)
     except (SceneError, NotConverged, ValueError) as error:
         return row | {"reason": str(error)}
     slips = sum(len(frame.slips) for frame in frames)
-    return row | {"slips": slips, "F_s": found.F_s, "F_k": found.F_k, "mean": found.mean * over}
+    return row | {"slips": slips, "F_s": measured.F_s, "F_k": measured.F_k, "mean": measured.mean * over}
