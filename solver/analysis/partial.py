@@ -1,7 +1,7 @@
 """Derivatives of a state's equations by the parameters of its Scene at fixed displacements.
 
-Central differences of the law and of the layer's compliance, which are smooth: right to some ten digits. Active nodes
-stay active: the edge of the window is a cut, not physics.
+They are central differences of the law and of the layer's compliance, which are smooth, and right to some ten digits.
+Active nodes stay active: the edge of the window is a cut, not physics.
 """
 
 from collections.abc import Callable
@@ -19,9 +19,9 @@ Floats = NDArray[np.float64]
 STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
 ONE_SIDED = 1e-7  # the same at the end of a range
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
-LAYER = ("E", "nu", "height", "width")  # what the layer's compliance depends on
-NOT_OF_THE_LAW = ("E", "nu", "height", "delta_bar")  # which neither it nor the profile depends on
-IN_STEPS = ("cut_off",)  # of which a profile is a step function
+LAYER = ("E", "nu", "height", "width")  # parameters of the layer's compliance
+NOT_OF_THE_LAW = ("E", "nu", "height", "delta_bar")  # without effect on the law and on the profile
+IN_STEPS = ("cut_off",)  # the profile depends on them in steps
 
 
 def continuous(scene: Scene) -> tuple[str, ...]:
@@ -37,7 +37,7 @@ def continuous(scene: Scene) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Change:
-    """Of a parameter: the Scenes on both sides of its value, `span` apart, and what they change.
+    """The change by a parameter: the Scenes on both sides of its value, `span` apart, and what they change.
 
     profiles: of both, (2, nodes) nm, or None where the law is the same; compliance: the change of C per unit,
     (3, nodes//2 + 1) nm/GPa as of `layer.Modes`, or None.
@@ -52,9 +52,9 @@ class Change:
 
     @staticmethod
     def of(scene: Scene, name: str) -> "Change":
-        """That of one of the `continuous` parameters; the tolerance, of no effect here, at its highest."""
-        value, known = getattr(scene, name), LIMITS[name]
-        size = abs(value) or min(1.0, known.high)
+        """The Change by one of the `continuous` parameters; raises SceneError."""
+        value = getattr(scene, name)
+        size = abs(value) or min(1.0, LIMITS[name].high)
         for low, high in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
             try:
                 low, high = (scene.changed(**{name: value + part * size}) for part in (low, high))
@@ -102,8 +102,8 @@ class States:
     def __init__(self, linearised, T, first):
         """linearised: k Linearised of the states."""
         self.first, self.T = first, np.array(T)
-        self.x, self.z = np.array([here.u for here in linearised]).swapaxes(0, 1)
-        self.active = np.array([here.active for here in linearised])
+        self.x, self.z = np.array([each.u for each in linearised]).swapaxes(0, 1)
+        self.active = np.array([each.active for each in linearised])
 
 
 class Pulled:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..following.branch import place
+from ..following.branch import position_between
 from .sensitivities import Sensitivities, passed
 
 Floats = NDArray[np.float64]
@@ -88,7 +88,7 @@ class Predicted:
         curve = Curve(np.empty(shape), np.empty(shape), np.empty((len(names), *shape)))
         segment = np.minimum(segment, len(self.segments) - 1)
         for k, passes in enumerate(self.segments):
-            ends = [self._end(*one) for one in passes[:-1]]
+            ends = [self._end(*branch_pass) for branch_pass in passes[:-1]]
             position = np.where(segment == k, np.searchsorted(ends, U_x), -1)
             for j in np.unique(position[position >= 0]):
                 mine = position == j
@@ -130,7 +130,7 @@ def _without_end(branch, loads, names):
 def _to_a_fold(branch, loads, names):
     """The Curve on a branch to a fold, interpolated in t, in which it is smooth."""
     start, end = branch.values[0, 0], branch.values[0, -1]
-    t = place(start, end, loads)
+    t = position_between(start, end, loads)
     weights = branch.branch.weights_at(t).T
     inside = np.clip(t, END, 1.0 - END)
     change = branch.branch.weights_at(inside, 1)

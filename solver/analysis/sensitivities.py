@@ -154,7 +154,7 @@ def _ahead(solutions, t, fold):
 class _State(NamedTuple):
     """A state solved to the tolerance: its tangent, solves with it, and its tractions (2, m), GPa."""
 
-    here: Linearised
+    linearised: Linearised
     solves: Solves
     T: Floats
 
@@ -168,7 +168,7 @@ class _Differentiator:
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)
         self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta))
         self.problem.tolerance = FINE
-        loose = scene.changed(tolerance=LIMITS["tolerance"].high)
+        loose = scene.changed(tolerance=LIMITS["tolerance"].high)  # without effect on Changes, but not on valid scenes
         self.changes = [Change.of(loose, name) for name in (continuous(scene) if names is None else names)]
         self.pressure_by = np.zeros(len(self.changes))
         self.pressure_nodes = np.zeros(skeleton.nodes)  # by the strength of each node of the patch
@@ -195,10 +195,10 @@ class _Differentiator:
         """The _State next to v by Newton's steps; raises NotFollowed where they do not reach the tolerance, nm."""
         problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
         for _ in range(NEWTON):
-            here = problem.linearised(v, active)
+            linearised = problem.linearised(v, active)
             if problem.residual(v, active, load, r) <= tolerance:
-                return _State(here, Solves(here, accuracy=accuracy), problem.traction(v, active))
-            v = v - Solves(here, accuracy=CORRECTED)(r)
+                return _State(linearised, Solves(linearised, accuracy=accuracy), problem.traction(v, active))
+            v = v - Solves(linearised, accuracy=CORRECTED)(r)
         raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
 
     def duals(self, state, gradients, guess=(None, None, None)) -> tuple[Floats, Floats]:
@@ -206,14 +206,14 @@ class _Differentiator:
 
         guess: of x (k, size).
         """
-        sides = [-state.here.by_unknowns(gradient) for gradient in gradients]
+        sides = [-state.linearised.by_unknowns(gradient) for gradient in gradients]
         x = np.array([state.solves(b, True, start) for b, start in zip(sides, guess, strict=False)])
-        parts = (state.here.by_traction(part) for part in x)
+        parts = (state.linearised.by_traction(part) for part in x)
         return np.array([gradient + part for gradient, part in zip(gradients, parts, strict=True)]), x
 
     def parts(self, states) -> list[tuple[Floats, Floats]]:
         """[(dT (k, 2, m), the change of R beside C dT (k, size))] by every parameter, at k _States."""
-        at = States([state.here for state in states], [state.T for state in states], self.first)
+        at = States([state.linearised for state in states], [state.T for state in states], self.first)
         out, pulled = [], Pulled(at.T, self.first, self.contact)
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
             rest = np.zeros_like(at.T) + change.complied(pulled)
@@ -258,20 +258,24 @@ class _Differentiator:
         if fold is None:
             raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
         at = Bordered(problem, fold.v, fold.active, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
-        state = _State(at.here, at.solves, problem.traction(fold.v, fold.active))
+        state = _State(at.linearised, at.solves, problem.traction(fold.v, fold.active))
         outputs, pull = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
-        rises = np.array([at.here.by_unknowns(gradient) for gradient in pull])
+        rises = np.array([at.linearised.by_unknowns(gradient) for gradient in pull])
         back = (rises @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold
         sides = np.append(back[:, None] * at.slopes - rises, np.zeros((3, 1)), axis=1)
         x = np.array([at.solves(side, True)[:-1] for side in sides])
-        duals = pull + np.array([at.here.by_traction(part) for part in x])
-        bent, left = at.here.pull(at.phi), at.here.by_traction(at.psi)
+        duals = pull + np.array([at.linearised.by_traction(part) for part in x])
+        bent, left = at.linearised.pull(at.phi), at.linearised.by_traction(at.psi)
         speed = at.psi @ problem.direction
-        by, states, bending = {}, States([at.here], [state.T], self.first), Pulled(bent[None], self.first, self.contact)
+        by, states, bending = (
+            {},
+            States([at.linearised], [state.T], self.first),
+            Pulled(bent[None], self.first, self.contact),
+        )
         for change, ((dT,), (rest,)) in zip(self.changes, self.parts([state]), strict=True):
             load = -(np.sum(left * dT) + at.psi @ rest) / speed
             (dJ,) = change.stiffness(states)
-            turned = np.sum(left * at.here.pull(at.phi, dJ))
+            turned = np.sum(left * at.linearised.pull(at.phi, dJ))
             turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
             moved = (duals * dT).sum(axis=(1, 2)) + x @ rest - back * turned
             by[change.name] = np.array([load, *(moved + explicit(scene, outputs, change))])

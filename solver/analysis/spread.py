@@ -1,6 +1,6 @@
 """Uncertain parameters: a band around the curves of a run, and intervals of its slips."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..following.skeleton import Skeleton
 from ..scene import Scene, SceneError
 from .outputs import over_own
 from .partial import continuous
-from .sensitivities import Sensitivities, passed, sensitivities
+from .sensitivities import Sensitivities, sensitivities
 
 WIDE = 1.96  # standard deviations on both sides of the mean: 95 % of a normal distribution
 ENDS = (2.5, 97.5)  # per cent, of the draws, for the same
@@ -73,27 +73,12 @@ class Spread:
             lines.append(f"{self.lost} draws are runs of another kind, and not among these")
         return lines
 
-    def laid_out(self) -> Iterator[NDArray[np.float64]]:
-        """(7, n) of each branch, as often as it repeats: U_x (nm), F_bar, L_bar, A_bar, and deviations of these three.
-
-        From where the branch before ends; between two states on a straight line.
-        """
-        skeleton, end = self.sensitivities.skeleton, -np.inf
-        for index, turns in passed(skeleton):
-            if end > skeleton.scene.u_x_max:
-                return
-            rows = np.vstack([self.sensitivities.branches[index].values, self.band[index][1:]])
-            rows[0] += turns * (skeleton.period or 0.0)
-            U_x = np.append(max(end, rows[0, 0]), rows[0, rows[0] > max(end, rows[0, 0])])
-            yield np.array([U_x, *(np.interp(U_x, rows[0], row) for row in rows[1:])])
-            end = rows[0, -1]
-
     def rows(self) -> list[list[float]]:
         """Branch, U_x, F_bar, L_bar, A_bar and deviations of the last three, of every state."""
         rows = []
-        for k, (one, band) in enumerate(zip(self.sensitivities.branches, self.band, strict=True), 1):
+        for k, (branch, band) in enumerate(zip(self.sensitivities.branches, self.band, strict=True), 1):
             rows += [
-                [k, *map(float, state), *map(float, sd)] for state, sd in zip(one.values.T, band[1:].T, strict=True)
+                [k, *map(float, state), *map(float, sd)] for state, sd in zip(branch.values.T, band[1:].T, strict=True)
             ]
         return rows
 

@@ -57,27 +57,27 @@ class Fold:
 class Bordered:
     """The tangent at v, bordered by R_s and by c = phi, with both null vectors.
 
-    Attributes: here, the Linearised; solves, with the bordered matrix; phi, psi (size,) and g, as above, with phi of
+    Attributes: linearised; solves, with the bordered matrix; phi, psi (size,) and g, as above, with phi of
     length 1 and g as of R_s of length 1; slopes (size,), the derivative of <psi, A phi> by the state.
     """
 
     def __init__(self, problem: Problem, v, active, phi, psi=None, options: FoldOptions = FoldOptions()):
         """phi, psi: guesses, any length; psi None: the one of a symmetric interaction."""
-        self.v, self.here = v.copy(), problem.linearised(v, active)
+        self.v, self.linearised = v.copy(), problem.linearised(v, active)
         c = phi / np.linalg.norm(phi)
-        psi = self.here.mirrored(c) if psi is None else psi
+        psi = self.linearised.mirrored(c) if psi is None else psi
         self.load = problem.direction / np.linalg.norm(problem.direction)
         psi = psi / (psi @ self.load)
-        self.solves = Solves(self.here, self.load, c, options.accuracy, options.products)
+        self.solves = Solves(self.linearised, self.load, c, options.accuracy, options.products)
         unit, lefts = np.append(np.zeros(v.size), 1.0), options.accuracy * np.linalg.norm(psi)
         right, rest = self.solves.reduced(unit, guess=np.append(c, 0.0))
         self.psi = self.solves(unit, True, np.append(psi, 0.0), lefts)[:-1]
         self.phi, self.g = right[:-1], right[-1] + self.psi @ rest[:-1]  # its error is the product of both vectors'
-        self.slopes = self.here.slopes(self.phi, self.psi)
+        self.slopes = self.linearised.slopes(self.phi, self.psi)
 
-    def turned(self, here, phi) -> tuple[np.ndarray, float]:
-        """(phi, g) of another Linearised nearby, from the last phi; one product."""
-        change = here.tangent(phi)
+    def turned(self, linearised, phi) -> tuple[np.ndarray, float]:
+        """(phi, g) of another Linearised nearby, by one step from the last phi."""
+        change = linearised.tangent(phi)
         g = -(self.psi @ change)
         x = self.solves(np.append(change + g * self.load, 0.0))  # x[-1] vanishes where psi is exact
         return phi - x[:-1], g - x[-1]

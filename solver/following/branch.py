@@ -73,7 +73,7 @@ class Branch:
         """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch those of its ends."""
         if self.periodic:
             return self.weights_at((np.asarray(load) - self.start) / (self.end - self.start) % 1.0)
-        return self.weights_at(place(self.start, self.end, load))
+        return self.weights_at(position_between(self.start, self.end, load))
 
     def weights_at(self, t: ArrayLike, derivative: int = 0) -> NDArray[np.float64]:
         """Of the states in those at t (k,), (k, n + 1), or in a derivative of these by t."""
@@ -94,7 +94,7 @@ class Branch:
         return self.weights(load) @ (self.v - self.loads[:, None] * moving) + load[:, None] * moving
 
 
-def place(start: float, end: float, load: ArrayLike) -> NDArray[np.float64]:
+def position_between(start: float, end: float, load: ArrayLike) -> NDArray[np.float64]:
     """t of loads on a branch; 0 or 1 beyond its ends."""
     part = np.clip((np.asarray(load, float) - start) / (end - start), 0.0, 1.0)
     return np.arcsin(np.sqrt(part)) * (2.0 / np.pi)

@@ -13,7 +13,7 @@ from ..run.load_steps import vertical
 from ..run.loadpath import Checkpoint, until
 from ..scene import Scene
 from ..threads import one_thread
-from .branch import Branch, NotFollowed, place
+from .branch import Branch, NotFollowed, position_between
 from .follow import moved
 from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
@@ -127,7 +127,7 @@ def _branch(scene, first, branch: TracedBranch, repeats):
     states = _filled(branch.states, scene.du_x * scene.delta_t)
     loads, v, active = (np.array(column) for column in zip(*states, strict=True))
     start, end, periodic = float(loads[0]), float(loads[-1]), branch.end is None and repeats
-    t = (loads - start) / (end - start) if periodic else place(start, end, loads)
+    t = (loads - start) / (end - start) if periodic else position_between(start, end, loads)
     fold = Fold.of(end, v[-1], active[-1], v[-1] - branch.at(end - BEFORE).v) if branch.end else None
     return thinned(scene, first, Branch(start, end, v, active, fold, periodic, t))
 

@@ -33,6 +33,6 @@ def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
 
 def _stiffens(problem, v, active):
     """Whether the pressure rises with the indentation: else the state is a saddle under a held load."""
-    here, lower = problem.linearised(v, active), np.repeat([0.0, 1.0], problem.nodes)
-    lowered = Solves(here)(lower, accuracy=ACCURACY)  # by a unit of indentation
-    return problem.contact.pressure(here.pull(lowered)[1]) > 0.0
+    linearised, lower = problem.linearised(v, active), np.repeat([0.0, 1.0], problem.nodes)
+    lowered = Solves(linearised)(lower, accuracy=ACCURACY)  # by a unit of indentation
+    return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0
