@@ -1,7 +1,7 @@
-"""The states that carry a branch, dense towards its ends, and what lies between them.
+"""The states that describe a branch, dense towards its ends, and interpolation between them.
 
-A branch reaches its fold with the root of the distance in load, and may begin near another fold. So states stand
-evenly in t from 0 to 1, load = start + (end - start) sin^2(pi t/2), and are smooth in t.
+Towards its fold, a branch moves as the root of the distance in load, and it may begin near another fold. States are
+smooth in t from 0 to 1, with load = start + (end - start) sin^2(pi t/2), and are stored at even t.
 """
 
 from dataclasses import dataclass, field, replace
@@ -14,15 +14,15 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from ..continuation.fold import Fold
 
-TOLERANCE = 1e-5  # nm, of residuals: followed runs are looked at, not kept. Forces are right to 1e-4
+TOLERANCE = 1e-5  # nm, of residuals: the forces of followed runs are right to 1e-4
 PADDED = 12  # states before and after a period: the ends of a quintic spline act on the next state 0.43 times as much
 DEGREE = 5  # of splines through the states; with 3 a branch needs twice as many states for the same forces
 
 
 class NotFollowed(Exception):
-    """The run of other parameters does not continue that of the skeleton, or cannot be got from it.
+    """The run of the other scene does not continue that of the skeleton; the message gives the reason.
 
-    The message says why. Compute it from its start. nearer: smaller changes of the parameters might lead there.
+    Compute that run from its start. nearer: smaller changes of the parameters might lead there.
     """
 
     def __init__(self, reason: str, nearer: bool = False) -> None:
@@ -36,9 +36,9 @@ class Crowded(NotFollowed):
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """n + 1 states from load `start` to `end`, nm, at even t, or at t where they are needed.
+    """n + 1 states from load `start` to `end`, nm, at even t, or at uneven t.
 
-    periodic: smooth sliding over one period: t goes with the load, v less the load is periodic.
+    periodic: smooth sliding over one period: t is linear in the load, and v less the load is periodic.
     """
 
     start: float
@@ -56,12 +56,12 @@ class Branch:
 
     @property
     def t(self) -> NDArray[np.float64]:
-        """Of the states, (n + 1,)."""
+        """t of the states, (n + 1,)."""
         return np.linspace(0.0, 1.0, self.intervals + 1) if self.uneven is None else self.uneven
 
     @property
     def loads(self) -> NDArray[np.float64]:
-        """Of the states, (n + 1,) nm."""
+        """Loads of the states, (n + 1,) nm."""
         return self.load_at(self.t)
 
     def load_at(self, t: ArrayLike) -> NDArray[np.float64]:
@@ -70,17 +70,17 @@ class Branch:
         return self.start + (self.end - self.start) * part
 
     def weights(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the states in those at loads (k,), (k, n + 1); beyond the ends of the branch those of its ends."""
+        """Weights (k, n + 1) of the states in those at loads (k,); beyond the ends of the branch, of its ends."""
         if self.periodic:
             return self.weights_at((np.asarray(load) - self.start) / (self.end - self.start) % 1.0)
         return self.weights_at(position_between(self.start, self.end, load))
 
     def weights_at(self, t: ArrayLike, derivative: int = 0) -> NDArray[np.float64]:
-        """Of the states in those at t (k,), (k, n + 1), or in a derivative of these by t."""
+        """Weights (k, n + 1) of the states in those at t (k,), or in a derivative of these by t."""
         return _spline(tuple(self.t), self.periodic)(np.atleast_1d(np.asarray(t, float)), derivative)
 
     def without(self, out: NDArray[np.intp]) -> "Branch":
-        """The same without some of its states."""
+        """The same Branch without the states `out`."""
         if not out.size:
             return self
         halved = self.uneven is None and 2 * out.size == self.intervals
@@ -102,13 +102,11 @@ def position_between(start: float, end: float, load: ArrayLike) -> NDArray[np.fl
 
 @lru_cache(maxsize=64)
 def _spline(t: tuple[float, ...], periodic: bool) -> BSpline:
-    """Of t: the weights of values at these t in their spline; of a period the last one is zero, as the first counts."""
+    """The spline of the weights of values at these t; over a period the last weight is zero, as the first counts."""
     n, at, weights = len(t) - 1, np.array(t), np.eye(len(t))
     if periodic:
         weights[-1] = weights[0]
         few = min(PADDED, n)
         at = np.concatenate([at[-few - 1 : -1] - 1.0, at, at[1 : few + 1] + 1.0])
         weights = np.concatenate([weights[-few - 1 : -1], weights, weights[1 : few + 1]])
-    return make_interp_spline(
-        at, weights, min(DEGREE, n - 1 + n % 2)
-    )  # an odd degree, for which there are states enough
+    return make_interp_spline(at, weights, min(DEGREE, n - 1 + n % 2))  # an odd degree, up to the number of states

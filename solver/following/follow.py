@@ -1,4 +1,4 @@
-"""A slider is a continuation parameter: the skeleton of a run followed to other parameters of its scene."""
+"""The skeleton of a run, followed to other parameters of its scene."""
 
 from dataclasses import replace
 
@@ -19,30 +19,30 @@ from .refinement import refined
 from .skeleton import Skeleton
 from .solver import Solver
 
-SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # not continuous
+SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # parameters that are not continuous
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
-HALVES = 2  # how often a move is halved where states or folds were too far
+HALVES = 2  # how often a move is halved where states or folds moved too far, to quarters
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
-WIDER = 3  # how often the patch grows in one move
+WIDER = 3  # how often the patch grows in one move: each time by a quarter or more
 
 
 @one_thread()
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     """The Skeleton of a scene that differs from that of `skeleton` in continuous parameters.
 
-    Raises NotFollowed where its run does not continue that of the skeleton. It cannot see that a slip lands elsewhere.
+    Raises NotFollowed where its run does not continue that of the skeleton. It does not check where slips land.
     """
     for name in SAME:
         if getattr(skeleton.scene, name) != getattr(scene, name):
             raise NotFollowed(f"{name} does not change continuously")
     if scene.path != "shear":
-        raise NotFollowed(f"path {scene.path!r} is computed")
+        raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
     spent = [0]
     return replace(_in_parts(skeleton, scene, HALVES, spent), evaluations=spent[0])
 
 
 def _in_parts(skeleton, scene, halves, spent):
-    """The Skeleton of the scene, in one go or by way of scenes in between; adds its evaluations to spent[0]."""
+    """The Skeleton of the scene, directly or through scenes in between; adds its evaluations to spent[0]."""
     try:
         return moved(skeleton, scene, spent)
     except NotFollowed as failure:
@@ -63,13 +63,13 @@ def _between(old, new, failure):
 
 
 def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
-    """The Skeleton of the scene, in one go, on a patch wide enough; adds its evaluations to spent[0]."""
+    """The Skeleton of the scene, directly, on a patch that is wide enough; adds its evaluations to spent[0]."""
     for _ in range(WIDER):
         try:
             return _moved(skeleton, scene, spent)
         except Crowded as failure:
             last, skeleton = failure, widened(skeleton)
-        except NotConverged as failure:  # under a held load the surfaces come apart
+        except NotConverged as failure:  # a pull-off under a held load
             raise NotFollowed(str(failure)) from None
     raise last
 
@@ -116,7 +116,7 @@ def _branches(contact, skeleton):
         problem = Equilibrium(contact, sideways(1.0, 0.0), pressure)
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
-    start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # 0: states of the same run
+    start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # 0: of the same run
     if period and folds[-1] and not skeleton.home:  # the states in which slips land belong to the first branch
         start = min(0.0, folds[-1].load - period)
     for k, (branch, fold) in enumerate(zip(old, folds, strict=True), 1):
@@ -125,5 +125,5 @@ def _branches(contact, skeleton):
         branches.append(refined(scene, skeleton.first, solver, new, k))
         start = new.end
     if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:
-        raise NotFollowed("the surface rests after a slip where it has not been before")
+        raise NotFollowed("a slip lands before the first state of the branch that should follow it")
     return held, tuple(branches), solver.residual

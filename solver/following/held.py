@@ -1,4 +1,4 @@
-"""The load that is held in shear: that of the equilibrium at the end of the approach, at the scene's indentation."""
+"""The equilibrium at the end of the approach, at the scene's indentation: its load is held in shear."""
 
 import numpy as np
 
@@ -11,15 +11,15 @@ from .skeleton import Held
 from .solver import Solver
 
 FINE = 1e-8  # nm, of the residual: derivatives of the pressure are asked for to 1e-5
-FARTHEST = 1.5  # units that it may move, beside the change of the indentation
-ACCURACY = 1e-3  # of a solve whose answer is a sign
+FARTHEST = 1.5  # units that it may move beside the change of the indentation: farther off, it is on another branch
+ACCURACY = 1e-3  # of a linear solve, of which only a sign is used
 WHAT = "the state whose load is held"
 
 
 def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
-    """The Held of a Contact's scene, from that of a scene nearby whose indentation was `moved` less, nm.
+    """The Held of a Contact's scene, from that of a scene nearby of an indentation smaller by `moved`, nm.
 
-    Raises NotFollowed where it rests under its load and did not before, or the other way round.
+    Raises NotFollowed where one of them is stable under its load and the other is not.
     """
     problem = Equilibrium(contact, sideways(1.0, -contact.scene.delta))
     solver = Solver(problem)
@@ -32,7 +32,7 @@ def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
 
 
 def _stiffens(problem, v, active):
-    """Whether the pressure rises with the indentation: else the state is a saddle under a held load."""
+    """Whether the pressure rises with the indentation; else the state is unstable under a held load."""
     linearised, lower = problem.linearised(v, active), np.repeat([0.0, 1.0], problem.nodes)
     lowered = Solves(linearised)(lower, accuracy=ACCURACY)  # by a unit of indentation
     return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0

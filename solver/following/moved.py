@@ -1,4 +1,4 @@
-"""A branch of a changed problem from that of the old one: its fold first, then the states before it, one by one."""
+"""A branch moved to a changed problem: its fold first, then the states before it, one by one."""
 
 from dataclasses import replace
 
@@ -10,11 +10,11 @@ from .branch import Branch, NotFollowed
 from .solver import SURPRISE, Solver
 
 NEAR = 3  # changes of states from which that of the next one is extrapolated; 2 and 4 take as many evaluations
-FIRST = 1.5  # units: the first state of a branch without a fold is followed that far; farther off, it is another one
+FIRST = 1.5  # units that the first state of a branch without a fold may move: farther off, it is on another branch
 
 
 def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[Fold | None]:
-    """The Folds that those of the old Branches become; each moves about as the one before."""
+    """The Folds of the new branches from those of the old; each is expected to move as the one before."""
     folds: list[Fold | None] = []
     change = np.zeros(old[0].v.shape[1])
     for k, branch in enumerate(old, 1):
@@ -29,9 +29,9 @@ def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[Fold | None]:
 def moved_branch(
     solver: Solver, old: Branch, start: float, end: float, fold: Fold | None, number: int, near: int = NEAR
 ) -> Branch:
-    """The Branch that `old` becomes from load `start` to `end`, nm, where its Fold is, or None.
+    """The Branch `old` moved to the solver's problem, from load `start` to `end`, nm, where its Fold is, or None.
 
-    near: changes of states from which that of the next one is extrapolated; 0: none is expected.
+    near: changes of states from which that of the next one is extrapolated; 0: no change is expected.
     """
     what = f"a state of branch {number}"
     if not end > start:
@@ -48,12 +48,12 @@ def moved_branch(
 
 
 def _solve(solver, new, old, order, what, most):
-    """Fill in the states of a new Branch in that order; the first is there. Each changes as those before let expect."""
+    """Solve for the states of a new Branch in that order, from extrapolated changes; the first one is solved for."""
     loads, changes = new.loads, [new.v[order[0]] - old.v[order[0]]]
     for i in order[1:]:
         near = changes[-most:] if most else [np.zeros(new.v.shape[1])]
         change = np.asarray(lagrange(range(-len(near), 0), 0)) @ np.asarray(near)
         gap = 0.0 if new.fold else np.abs(np.diff(old.v[max(i - 1, 0) : i + 2], axis=0)).max() / solver.problem.unit
-        surprise = max(SURPRISE, gap)  # smooth sliding may jerk, and that between other states than before
+        surprise = max(SURPRISE, gap)  # smooth sliding may jerk, between other states than before
         new.v[i], new.active[i] = solver.state(old.v[i] + change, old.active[i], loads[i], what, surprise)
         changes.append(new.v[i] - old.v[i])

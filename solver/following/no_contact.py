@@ -1,4 +1,4 @@
-"""Left of the jump-in: the surfaces slide past each other, drawn together but apart."""
+"""Sliding without contact, at indentations before the jump into contact: the surfaces attract each other."""
 
 import numpy as np
 
@@ -10,20 +10,20 @@ from .refinement import refined
 from .skeleton import Skeleton
 from .solver import Solver
 
-SAME = 0.1  # units: states farther apart are on different branches
-INTERVALS = 12  # between states of a lattice period: the force is nearly a sine
+SAME = 0.1  # units between states of one branch: with and without contact they differ by a unit or more
+INTERVALS = 12  # of a lattice period, at first: the force is nearly a sine, and `refined` adds states where needed
 
 
 def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skeleton:
-    """The Skeleton of a Contact's scene, whose approach ends before the jump-in, the last of `jumps`.
+    """The Skeleton of a Contact's scene where the approach ends before the last of `jumps`, the jump into contact.
 
-    The run comes from above: though surfaces in contact might still adhere at that indentation, it never gets there.
+    Surfaces in contact might still adhere at that indentation, but the run comes from above and stays without contact.
     """
     scene = contact.scene
     if len(jumps) > 1:
-        raise NotFollowed("it is left of a jump into contact, but not of the first")
+        raise NotFollowed("the approach ends between two jumps into contact")
     if scene.hold == "load":
-        raise NotFollowed("there is no contact whose load could be held")
+        raise NotFollowed("hold = 'load': there is no contact that carries a load")
     problem = Equilibrium(contact, sideways(1.0, -scene.delta))
     solver, states = Solver(problem), []
     loads = np.linspace(0.0, scene.spacing, INTERVALS + 1)
@@ -43,9 +43,9 @@ def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skele
 
 
 def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
-    """Raises NotFollowed where the surfaces may stay apart at the end of the approach, though the Skeleton has contact.
+    """Raises NotFollowed where the Skeleton has contact, but the surfaces may stay apart at the end of the approach.
 
-    They can if an equilibrium is found from the undeformed surface, and it is another one.
+    They may if the corrector leads from the undeformed surface to another equilibrium.
     """
     problem = Equilibrium(contact, sideways(1.0, -contact.scene.delta))
     size, v = problem.size, problem.undeformed(0.0)

@@ -1,4 +1,4 @@
-"""A skeleton on a wider patch: the nodes added are displaced by the tractions of the others."""
+"""A skeleton on a wider patch: tractions of the old nodes displace the added ones."""
 
 from dataclasses import replace
 
@@ -44,7 +44,7 @@ def _branch(problem, branch: Branch) -> Branch:
 
 
 def _fold(problem, fold: Fold) -> Fold:
-    """The Fold with more nodes, which do not move along phi: that is but a guess of the next one's."""
+    """The Fold with more nodes, which do not move along phi: it is only a guess of the next phi."""
     m, wide = problem.nodes, problem.contact.wider()
     before = problem.contact.first - wide.first
     phi = np.pad(fold.phi[: 2 * m].reshape(2, m), [(0, 0), (before, wide.size - m - before)]).ravel()

@@ -18,7 +18,7 @@ FEWEST = 12  # intervals, below which no states are left out
 
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
-    """The Branch with as many states as its forces need: solve for more, or leave some out."""
+    """The Branch with as many states as its forces need: more are solved for, or some left out."""
     while branch.intervals < FINEST:
         every = [_errors(scene, first, branch, begin) for begin in (1, 2)]
         poor = np.concatenate([out[errors > HALF * ERROR] for out, errors in every])

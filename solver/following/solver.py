@@ -12,18 +12,18 @@ from ..continuation.rest import Judge
 from ..continuation.state import State
 from .branch import TOLERANCE, Crowded, NotFollowed
 
-FEW = 3  # unknowns: one node stands for all, which does not show waves
-SURPRISE = 0.3  # units from its guess: a state farther off may lie on another branch, and is not taken
+FEW = 3  # unknowns of one node that represents all; it cannot represent waves
+SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
 # The load of a fold to the tolerance of states; its state such that F_s is right to 1e-5 (at 3e-3 units a weak one was
 # off by 1.3e-3). Looser solves save 4 % of a move's evaluations. Nodes may cross the window's edge three times.
 FOLDS = FoldOptions(load=TOLERANCE, state=1e-4, accuracy=3e-2, window=3)
 
 
 class Solver:
-    """Solves a problem, as `continuation.problem` defines one; its failures are NotFollowed.
+    """Solves a `continuation.problem.Problem`; its failures are NotFollowed.
 
-    Attributes: moving, the number of unknowns that move on with the load, which come first; residual, nm, the largest
-    of all solutions.
+    Attributes: moving, how many unknowns move on with the load, which come first; residual, nm, the largest of all
+    solutions.
     """
 
     def __init__(self, problem: Problem, damping: float = 1.0) -> None:
@@ -37,14 +37,14 @@ class Solver:
     def state(
         self, guess: np.ndarray, active: np.ndarray, load: float, what: str, surprise: float = SURPRISE
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(v, active) of the state at fixed load next to a guess; raises NotFollowed farther off than `surprise`."""
+        """(v, active) of the state at fixed load near a guess; raises NotFollowed beyond `surprise` units of it."""
         if not self._begun:
             self.corrector.begin(State.at_rest(load, guess, active))
             self._begun = True
         v = guess.copy()
         settled = self.corrector.settle(v, self.problem.active(v, load, active), load, self.secants)
         if settled is None:
-            raise NotFollowed(f"{what} is not found", nearer=True)
+            raise NotFollowed(f"the corrector fails at {what}", nearer=True)
         if np.abs(v - guess).max() > surprise * self.problem.unit:
             raise NotFollowed(f"{what} lies on another branch", nearer=True)
         self._check(v, settled, load, self.corrector.worst, what)
@@ -72,4 +72,4 @@ class Solver:
         if problem.grown(v, active, load) is not None:
             raise Crowded(f"{what} needs a wider patch")
         if problem.size <= FEW and Judge(self.damping).rightmost(problem, v, active).hidden:
-            raise NotFollowed(f"at {what} waves grow")
+            raise NotFollowed(f"a wave grows at {what}")
