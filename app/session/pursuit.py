@@ -16,18 +16,16 @@ can be followed the exact run starts at once.
 import logging
 import time
 from concurrent.futures import CancelledError
-from dataclasses import dataclass
 from functools import partial
 
 from cachetools import FIFOCache
 
 from app.limits import increments_of
-from app.service import metrics, worker
+from app.service import metrics
 from app.service.following import Followed, followed
-from app.service.pool import EXACT, HEAVY, SCREEN
+from app.service.pool import SCREEN
 from app.session.comparison import Comparison
-from app.session.run import Run
-from solver import Scene
+from app.session.run import ERROR, Run
 from solver.cautions import cautions
 
 log = logging.getLogger("app")
@@ -35,24 +33,8 @@ FIRST = 0.025  # s of work in the first slice: the approach and a little of the 
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one is seen to grow
 SOON = 1.0  # s that a run may still need to be finished while a slider is held: following continues from it
 PATIENCE = 0.5  # s that a newer wish waits for a slice: its budget, and the longest increment of most runs
-LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
 RUNS = 40  # of a visitor, from which another run may carry on
 WAITS = 1.0  # s in the queue, after which a visitor sees the position in it
-ERROR = "the server made an error, which is in its log. Press Reset to start again"
-
-
-@dataclass(frozen=True)
-class Wish:
-    """The Scene to show; after: (number of a run, frame) to carry on from.
-
-    held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order that asks for it.
-    """
-
-    scene: Scene
-    after: tuple | None = None
-    held: bool = False
-    at: float = 0.0
-    number: float | None = None
 
 
 class Pursuit:
@@ -142,7 +124,7 @@ class Pursuit:
         if self.run and self.run.state == "running":
             self.abandon()
             self.run.state = "skipped"
-            self._keep()
+            self._end()
             self.session.publish()
 
     # one call in flight
@@ -213,10 +195,7 @@ class Pursuit:
     # the exact run
 
     def _begin(self, scene, after=None, refines=False):
-        """Compute the run of a scene from its start, or from the frame `after`.
-
-        refines: it takes the place of a picture.
-        """
+        """Compute the run of a scene, from its start or from the frame `after`; refines: in place of a picture."""
         self.abandon()
         self.wanted = None
         if not self.held and not refines:
@@ -241,13 +220,10 @@ class Pursuit:
 
     def _slice(self, budget):
         """Submit the next slice of the run, with so many s of work."""
-        if self.task is not None:
-            return
-        run, self.budget = self.run, budget
-        rank = HEAVY if run.heavy else EXACT if run.refines else SCREEN
-        limit = worker.SLOW if run.heavy else worker.QUICK
-        call = (worker.compute, run.scene, run.kept, budget, run.history, limit)
-        self._submit(call, self._show_slice, rank=rank, seconds=worker.APPROACH * budget)
+        if self.task is None:
+            self.budget = budget
+            call, how = self.run.slice(budget)
+            self._submit(call, self._show_slice, **how)
 
     def _show_slice(self, piece):
         """Send a slice and submit the next one, unless a newer wish is taken up."""
@@ -259,7 +235,7 @@ class Pursuit:
         run.add(piece, time.monotonic())
         self._send(piece.blocks)
         if piece.done:
-            self._keep()
+            self._end()
         if self._gives_way():
             return self._take_up()
         if run.state == "running":
@@ -270,17 +246,14 @@ class Pursuit:
 
     def _gives_way(self):
         """Whether the run ends here for a newer wish; not if a slider is held and the run, at its pace, ends soon."""
-        run = self.run
-        ends = self.held and not run.heavy and run.seconds * (run.total - run.frames) <= SOON * run.frames
-        return self.wanted is not None and not (ends and run.state == "running")
+        ends = self.held and self.run.state == "running" and self.run.ends_within(SOON)
+        return self.wanted is not None and not ends
 
-    def _keep(self):
-        """A run that has ended goes on the shelf: for all, or, if it is no whole run of its scene, for this visitor."""
-        run = self.run
-        run.kept_as = run.scene if run.state == "finished" and not run.history else object()
-        self.session.shelf.put(run.kept_as, run.made)
-        self._ended(run.made)
-        run.leave()
+    def _end(self):
+        """Keep the run with the frames that it has."""
+        self.run.shelve(self.session.shelf)
+        self._ended(self.run.made)
+        self.run.leave()
 
     def _ended(self, whole):
         """The run has ended: compare it with the last picture, follow from it, and seek the marks of the sliders."""
@@ -293,6 +266,7 @@ class Pursuit:
         self.skeleton, self.shown = whole.skeleton, None
 
     def _send(self, blocks):
+        """Send packed frames of the run."""
         for block in blocks:
             self.session.wire.send("run", block, run=self.run.number)
 
@@ -300,22 +274,13 @@ class Pursuit:
 
     def _lost(self, lost):
         """A slice was lost with its worker: submit it again, unless that would be of no use."""
-        run, kind = self.run, getattr(lost, "kind", "closed")
-        run.lost += 1
-        if kind == "crash" and run.lost < LIVES:
-            self.session.notes = [
-                "A worker process ended unexpectedly. It was replaced, and its slice is computed again."
-            ]
-            if self._gives_way():
-                return self._take_up()
-            self._slice(self.budget)
-            return self.session.publish()
-        why = {
-            "error": ERROR,
-            "crash": f"lost {LIVES} workers; change a parameter or press Reset",
-            "hang": f"{lost}, so the worker was ended; what is computed stays. Change a parameter or press Reset",
-        }
-        self._fail(why.get(kind, f"{str(lost) or 'the server is being stopped'}. Press Reset to try again"))
+        if why := self.run.lose(lost):
+            return self._fail(why)
+        self.session.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
+        if self._gives_way():
+            return self._take_up()
+        self._slice(self.budget)
+        self.session.publish()
 
     def _fail(self, why):
         """The run ends here, with what it has."""

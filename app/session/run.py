@@ -1,10 +1,28 @@
-"""One computation of one scene, as far as it has come, and what the browser is told about it."""
+"""A wish, and one computation of one scene: how far it is, the next slice, and what the browser shows of it."""
 
 from dataclasses import dataclass, field, replace
 
-from app.service import packing
+from app.service import packing, worker
 from app.service.packing import Frames
+from app.service.pool import EXACT, HEAVY, SCREEN
 from solver import Scene
+
+LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
+ERROR = "the server made an error, which is in its log; press Reset to start again"
+
+
+@dataclass(frozen=True)
+class Wish:
+    """The Scene to show; after: (number of a run, frame) to carry on from.
+
+    held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order that asks for it.
+    """
+
+    scene: Scene
+    after: tuple | None = None
+    held: bool = False
+    at: float = 0.0
+    number: float | None = None
 
 
 @dataclass
@@ -13,12 +31,12 @@ class Run:
 
     number: int
     scene: Scene
-    total: int
+    total: int  # frames, as far as is known
     state: str
     started: float  # s, monotonic
     kept: bytes | None = None  # of the last slice, for the next
-    history: tuple = ()  # ((Scene, frames), ...) of the runs that this one goes on from
-    after: tuple = ()  # (number of the run, frame) from which this one goes on, as the browser knows them
+    history: tuple = ()  # ((Scene, frames), ...) of the runs that this one carries on
+    after: tuple = ()  # (number of a run, frame) from which this one carries on, as the browser knows them
     frames: int = 0  # with those before
     made: Frames = field(default_factory=Frames)  # its own, whose blocks are kept as long as it lasts
     seconds: float = 0.0
@@ -27,6 +45,13 @@ class Run:
     lost: int = 0
     why: str = ""
     kept_as: object = None  # under what the blocks are on the shelf since, as long as there is room
+
+    def slice(self, budget):
+        """(call, {"rank", "seconds"}) of the next slice, with so many s of work."""
+        rank = HEAVY if self.heavy else EXACT if self.refines else SCREEN
+        limit = worker.SLOW if self.heavy else worker.QUICK
+        call = worker.compute, self.scene, self.kept, budget, self.history, limit
+        return call, {"rank": rank, "seconds": worker.APPROACH * budget}
 
     def add(self, piece, now):
         """One more Slice is done; now: s, monotonic."""
@@ -43,10 +68,30 @@ class Run:
             self.state, self.why = ("failed", piece.failure) if piece.failure else ("finished", "")
             self.total = self.frames if self.state == "finished" else self.total
 
+    def ends_within(self, seconds):
+        """Whether, at its pace until now, the run ends within so many s."""
+        return not self.heavy and self.seconds * (self.total - self.frames) <= seconds * self.frames
+
+    def lose(self, lost):
+        """A slice was lost: why the run fails; empty where the slice is to be computed again, as it is pure."""
+        self.lost, kind = self.lost + 1, getattr(lost, "kind", "closed")
+        if kind == "crash" and self.lost < LIVES:
+            return ""
+        if kind == "crash":
+            return f"{LIVES} workers ended while they computed it; change a parameter or press Reset"
+        if kind == "hang":
+            return f"{lost}, so the worker was ended; what is computed stays. Change a parameter or press Reset"
+        return ERROR if kind == "error" else f"{str(lost) or 'the server is being stopped'}; press Reset to try again"
+
     def take_over(self, known):
         """All of it is known: its Frames."""
         self.state, self.kept_as, self.made = "finished", self.scene, replace(known, blocks=())
         self.total = self.frames = known.frames
+
+    def shelve(self, shelf):
+        """Go on the Shelf: for all visitors, or for this one alone where it is no whole run of its scene."""
+        self.kept_as = self.scene if self.state == "finished" and not self.history else object()
+        shelf.put(self.kept_as, self.made)
 
     def leave(self):
         """Another takes its place: keep what tells how frames of it came about, and nothing else."""

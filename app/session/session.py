@@ -14,7 +14,8 @@ from app.service.requests import Requests
 from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.aside import Film, Layer, Marks, Pinned
-from app.session.pursuit import Pursuit, Wish
+from app.session.pursuit import Pursuit
+from app.session.run import Wish
 from app.session.share import Share
 from app.session.wire import Wire
 from solver import SceneError
