@@ -187,9 +187,9 @@ def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
     """To 5e-4 of the largest stress: tractions come as int16, and modes that are not felt at a depth are left out."""
     frame, rows, half = run_of(tab, scene)[-1], 40, 60.0
     depth = min(half, scene.height * scene.width)
-    counts, body = tasks.layer_table(scene, depth, rows, scene.nodes // 2)
-    assert len(body) == 24 * sum(counts)
-    table = base64.b64encode(packing.headed({"counts": counts}, body)).decode()
+    counts, scale, body = tasks.layer_table(scene, depth, rows, scene.nodes // 2)
+    assert len(body) == 12 * sum(counts)
+    table = base64.b64encode(packing.headed({"counts": counts, "scale": scale}, body)).decode()
     made = tab.evaluate(
         """async (table) => {
             const { tableOf, sumsIn, middles, XX, ZZ, XZ, APART, SHEARED } = await import("http://scripts/js/inside.js")

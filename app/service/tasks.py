@@ -144,10 +144,10 @@ def map_tile(tile, kept=()):
 
 
 def layer_table(scene, depth, rows, modes):
-    """(counts, body): how modes of the tractions reach into the layer, at the middles of `rows` down to `depth`, nm.
+    """(counts, scale, body): how modes of the tractions reach into the layer, at the middles of `rows` down to `depth`.
 
-    body: float32 (sum of counts, 6), row by row the modes that are felt there, as many as `counts` says; of each
-    sigma_xx, sigma_zz and sigma_xz of `interior.transfer`, even and odd of one after the other.
+    depth: nm. body: int16 (sum of counts, 6) in units of scale, row by row the modes that are felt there, `counts` of
+    them; of each sigma_xx, sigma_zz and sigma_xz of `interior.transfer`, even and odd of one after the other.
     """
     q, z = wavenumbers(scene, modes), (np.arange(rows) + 0.5) * (depth / rows)
     counts = 1 + np.searchsorted(q[1:], DECAYED / z, "right")
@@ -155,7 +155,9 @@ def layer_table(scene, depth, rows, modes):
     parts = [
         transfer(q[:n], z[r : r + 1], height, 1.0, scene.nu)[2:, :, 0].reshape(6, n).T for r, n in enumerate(counts)
     ]
-    return counts.tolist(), np.concatenate(parts).astype("<f4").tobytes()
+    factors = np.concatenate(parts)
+    scale = float(np.abs(factors).max()) / 32767
+    return counts.tolist(), scale, np.rint(factors / scale).astype("<i2").tobytes()
 
 
 def slow_motion(scene, before, after):

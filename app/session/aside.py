@@ -61,8 +61,8 @@ class Layer(Requests):
 
     def _made(self, made, head):
         if not isinstance(made, Exception):  # otherwise nothing is drawn
-            counts, body = made
-            self.session.wire.send("layer", body, counts=counts, **head)
+            counts, scale, body = made
+            self.session.wire.send("layer", body, counts=counts, scale=scale, **head)
 
 
 class Pinned(Requests):

@@ -30,7 +30,7 @@ export function connectInside(redraw) {
 }
 
 export function tableOf({ head, buffer, start }) {
-  return { ...head, factors: new Float32Array(buffer.slice(start)) }
+  return { ...head, factors: Float32Array.from(new Int16Array(buffer, start), (value) => value * head.scale) }
 }
 
 const keyOf = (geometry, { rows, modes, depth }) => JSON.stringify([geometry, rows, modes, depth])
