@@ -35,10 +35,13 @@ class SlipOptions:
     # they reach other equilibria than the motion
     landing: float = 0.03
     near: float = 1e-4  # the same within `left`: below the residual at the start, about bend/2 times its square
-    # changes of a node at the edge of the window, after which it stays as it is, so that it cannot swing for ever
+    # changes of a node at the edge of the window, after which it stays as it is, so that it cannot swing for ever;
+    # 5 and 20 make no difference (tests/bench/constants.py)
     come_and_go: int = 10
-    patience: float = 8.0  # periods of the slowest mode, over a damping below one, after which a motion is restless
-    least: int = 4000  # steps of a restless motion, at least; ten times as many in the overdamped limit
+    # periods of the slowest mode, over a damping below one, after which a motion is restless: by then it has decayed by
+    # exp(-16 pi) at critical damping
+    patience: float = 8.0
+    least: int = 4000  # steps of a restless motion, at least, half of what the slowest slip of the slider box takes
     # part of the rise since the end of the branch by which each check raises the load of a restless motion; with ten
     # times as much the load rose 0.3 nm too far, because oscillations grow slowly at their onset
     raised: float = 1e-2
@@ -224,7 +227,7 @@ class Transient:
     def _restless(self):
         """Whether the motion has lasted so long that it may never rest."""
         if not isfinite(self.damping):
-            return self.steps > 10 * self.options.least
+            return self.steps > 10 * self.options.least  # without inertia, it comes to rest more slowly
         period = 4.0 * np.pi / (self.dynamics.critical * min(1.0, self.damping))
         return self.steps > self.options.least and self.elapsed > self.options.patience * period
 

@@ -50,7 +50,7 @@ class TracedBranch:
 
     def added(self, state: Passed) -> "TracedBranch":
         """The same with one more state, unless there is one at its load."""
-        i = bisect_left(self.states, state.load - OPTIONS.near, key=lambda known: known.load)
+        i = bisect_left(self.states, state.load - OPTIONS.near, key=lambda passed: passed.load)
         if i < len(self.states) and self.states[i].load <= state.load + OPTIONS.near:
             return self
         return TracedBranch((*self.states[:i], state, *self.states[i:]), self.end)
@@ -68,7 +68,7 @@ class TracedBranch:
 
     def at(self, load: float, stencil: int = OPTIONS.stencil) -> Passed:
         """The state at `load`, nm, interpolated over the root of the distance to the end, smooth at a fold."""
-        i = bisect_left(self.states, load, key=lambda known: known.load)
+        i = bisect_left(self.states, load, key=lambda passed: passed.load)
         low = min(max(i - stencil // 2, 0), max(len(self.states) - stencil, 0))
         near = self.states[low : low + stencil]
         weights = lagrange([self._arc(state.load) for state in near], self._arc(load))

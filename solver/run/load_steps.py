@@ -10,7 +10,9 @@ from math import inf
 from ..mechanics.equilibrium import Equilibrium
 from .loading import Loading, sideways, vertical
 
-HIGHEST = 5.0  # delta_0 above first touch, where a retraction ends even if the punch still adheres
+# delta_0 above first touch, where a retraction ends even if the punch still adheres: a punch on E = 0.5 GPa detaches at
+# 3.7 (phi_n 1, 128 nodes), softer layers would be stretched far beyond their linear range
+HIGHEST = 5.0
 
 
 @dataclass(frozen=True)

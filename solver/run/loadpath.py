@@ -20,9 +20,11 @@ from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 from .shortcuts import ALL
 
 METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
-FREE = 0.1  # delta_n; a layer that is deformed by no more than this is detached
-BULGE = 3.0  # delta_n; gap beyond the window up to which nodes belong to the first patch: adhesion draws them nearer
-BUSY = 10.0  # s on the clock that an increment may take beyond its limit of processor time, on a busy machine
+FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
+# delta_n beyond the window up to which nodes belong to the first patch, as adhesion draws them nearer. At 0, patches of
+# the slider box have to grow, which takes 2 % more evaluations; 1.5 and 6 take as many (tests/bench/constants.py)
+BULGE = 3.0
+BUSY = 10.0  # s beyond its limit of processor time that an increment may take, as other processes may need the cores
 
 
 class Checkpoint(NamedTuple):
