@@ -62,6 +62,19 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
         )  # 1/sqrt(2) for one spring, less for a lattice
 
 
+def test_the_interface_law_shows_both_laws_and_what_overlap_does_to_that_of_the_scene(session):
+    order(session, "page", page="law")
+    for name, words in (("np1", "grows where the surfaces overlap"), ("xu-needleman", "turns round below")):
+        order(session, "scene", law=name)
+        parts = session.pages.page.views["opening"].parts
+        shares = {part: np.asarray(parts[part].data_source.data["value"]) for part in ("np1", "xu-needleman", "law")}
+        assert np.array_equal(shares["law"], shares[name])
+        gap = np.asarray(parts["law"].data_source.data["gap"])
+        assert shares["np1"] == pytest.approx(np.exp(-gap), rel=1e-9)
+        assert shares["xu-needleman"] == pytest.approx((1.0 + gap) * np.exp(-gap), rel=1e-9, abs=1e-12)
+        assert words in json.loads(session.wire.page)["texts"]["law-numbers"]
+
+
 def test_the_tangential_law_has_its_peak_where_the_page_says(session):
     order(session, "page", page="law")
     peak = json.loads(session.wire.page)["law"]["peak"]

@@ -3,6 +3,8 @@
 import { by } from "../../static/js/dom.js"
 import { fill } from "../../static/js/figures.js"
 
+const FAINT = 1e-3 // share of the tangential traction below which its factor over s is not resolved
+
 let law = null // {spacing, peak: where sticking ends, nm} of the scene on screen
 
 export const told = (news) => { law = news.law }
@@ -16,7 +18,8 @@ export function frame(run, k) {
   for (let i = 0; i < x.length; i++) {
     const place = x[i] + middle
     s[i] = place - a * Math.round(place / a)
-    shear[i] = phi_t > 0 ? (T_t[i] * Math.exp(gap[i] / delta_n) * delta_t) / phi_t : 0
+    const left = (1 + law.opening * gap[i] / delta_n) * Math.exp(-gap[i] / delta_n) // of the tangential traction at gap 0
+    shear[i] = phi_t > 0 && Math.abs(left) > FAINT ? (T_t[i] * delta_t) / (phi_t * left) : NaN
     let sum = 0
     for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++) sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
     normal[i] = (T_n[i] * delta_n) / phi_n / sum

@@ -2,7 +2,8 @@
 
 The law is drawn here, once per scene; the dots that ride on it are set in the browser, which has the frames (page.js).
 Slip distance s: how far the node is ahead of the nearest lattice site; all repeats with the node spacing a. It factors:
-T_t = phi_t/delta_t S1(s) exp(-gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
+T_t = phi_t/delta_t S1(s) g(gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
+NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x).
 """
 
 import numpy as np
@@ -10,13 +11,25 @@ import numpy as np
 from app.pages import Sheet
 from app.schema import RIDERS
 from app.views.plots import Quantity, curve, dots, level, picture, rendered
+from solver import CHOICES
 from solver.mechanics import cohesive_law
 
-TITLE, ORDER, FIGURES = "Interface law", 1, ("shear_map", "normal_map", "shear_law", "normal_law")
+TITLE, ORDER, FIGURES = (
+    "Interface law",
+    1,
+    (
+        "shear_map",
+        "normal_map",
+        "shear_law",
+        "normal_law",
+        "opening",
+    ),
+)
 OFFSET = Quantity("s", "slip distance from the nearest site", "nm")
 GAP = Quantity("gap", "gap", "nm")
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # gaps shown, in delta_n
+OVERLAP = -1.6  # delta_n; beyond -1 the resistance to shear of Xu & Needleman's law turns round
 
 
 def _riders(x, y):
@@ -52,7 +65,17 @@ def compose():
         _map("law_normal_map", "Tₙ"),
         _law("law_shear_law", OFFSET, shear, (-1.1, 1.1)),
         _law("law_normal_law", GAP, normal, (-0.6, 1.2)),
+        _opening("law_opening"),
     ]
+
+
+def _opening(name):
+    """What is left of the tangential traction over the gap, by both laws; that of the scene is the solid line."""
+    left = Quantity("value", "Tₜ / Tₜ(0)")
+    elements = [level("zero"), curve("law", GAP, left, line_width=8)]
+    elements += [curve(law, GAP, left, line_width=2) for law in CHOICES["law"]]
+    colours = {"zero": "--grid", "law": "--grid", "np1": "--area", "xu-needleman": "--adhering"}
+    return rendered(name, elements, colours, y=(-3.0, 5.0))
 
 
 class Page(Sheet):
@@ -78,19 +101,44 @@ class Page(Sheet):
         force = -gap / d_n * np.exp(-gap / d_n)
         self.draw("normal_law", "law", gap=gap, value=force)
         self.draw("normal_law", "spring", gap=[], value=[])
+        below = np.linspace(OVERLAP * d_n, HIGHEST * d_n, FINE + 1)
+        for law in CHOICES["law"]:
+            share = _share(scene.changed(law=law, phi_ratio=1.0), below)
+            for part in [law, "law"] if law == scene.law else [law]:
+                self.draw("opening", part, gap=below, value=share)
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
-        self.publish(images=limits, law={"spacing": a, "peak": peak}, texts={"law-numbers": _said(scene)})
+        self.publish(
+            images=limits,
+            law={"spacing": a, "peak": peak, "opening": cohesive_law.OPENING[scene.law]},
+            texts={"law-numbers": _said(scene)},
+        )
 
     def _fit(self, scene, largest):
         half, d_n = 0.5 * scene.spacing, scene.delta_n
         for slot, view in self.views.items():
-            across = (LOWEST * d_n, HIGHEST * d_n) if slot == "normal_law" else (-half, half)
+            across = {"normal_law": (LOWEST * d_n, HIGHEST * d_n), "opening": (OVERLAP * d_n, HIGHEST * d_n)}
+            across = across.get(slot, (-half, half))
             view.figure.x_range.update(start=across[0], end=across[1])
             if slot.endswith("_map"):
                 view.figure.y_range.update(start=LOWEST * d_n, end=HIGHEST * d_n)
         largest = max(largest, 0.86)
         self.views["shear_law"].figure.y_range.update(start=-1.15 * largest, end=1.15 * largest)
+
+
+def _share(scene, gap):
+    """The tangential traction at a gap over that at zero gap."""
+    ahead = np.full(gap.shape, 0.5 * min(scene.delta_t, scene.spacing))
+    return cohesive_law.traction(scene, ahead, gap)[0] / cohesive_law.traction(scene, ahead, 0.0 * gap)[0]
+
+
+SAID = {
+    "np1": "With NP1 the resistance to shear grows where the surfaces overlap (gap < 0).",
+    "xu-needleman": (
+        "With this law the resistance to shear falls where the surfaces overlap (gap < 0), and turns round below −δₙ:"
+        " a deeper contact would slide more easily. The paper takes NP1 for that reason."
+    ),
+}
 
 
 def _said(scene):
@@ -99,4 +147,5 @@ def _said(scene):
     return (
         f"One spring (Eq. 5): σₘₐₓ = φₙ/(e δₙ) = {sigma:.3g} GPa, τₘₐₓ = √(2/e) φₜ/δₜ = {tau:.3g} GPa at zero gap."
         f" A node feels all sites within reach, a = {scene.spacing / scene.delta_t:.3g} δₜ apart."
+        f" {SAID[scene.law]}"
     )
