@@ -17,7 +17,7 @@ from .continuation.state import NotConverged
 from .following.from_run import skeleton_of
 from .following.skeleton import Skeleton
 from .isolated import Lost, outcomes
-from .run.frame import Frame
+from .run.frame import Frame, slips_in
 from .run.load_steps import load_steps_of
 from .run.loadpath import load_path
 from .scene import PARAMETERS, Scene
@@ -178,11 +178,10 @@ def first_slip(scene: Scene) -> dict[str, Any]:
             if frame.stage == "approach":
                 continue
             row.setdefault("A_0 (nm)", frame.A_bar * scene.width)
-            for event in frame.slips:
-                if event.stage == "shear" and event.kind != "control":
-                    numbers = _slip(frame, event)
-                    slip = {f"{name}_s ({unit})": numbers[f"{name} ({unit})"] for name, unit in FORCES}
-                    return row | {"U_s (nm)": event.load, "outcome": "slips"} | slip
+            if frame.stage == "shear" and (slips := slips_in(frame)):
+                numbers = _slip(frame, slips[0])
+                slip = {f"{name}_s ({unit})": numbers[f"{name} ({unit})"] for name, unit in FORCES}
+                return row | {"U_s (nm)": slips[0].load, "outcome": "slips"} | slip
     except NotConverged as failure:
         return row | {"outcome": str(failure)}
     return row | {"outcome": "sticks"}

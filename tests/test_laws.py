@@ -220,6 +220,13 @@ def test_onset_under_pressure_is_found_where_springs_are_stronger_than_at_no_gap
     assert found.U_s > reach(scene)
 
 
+def test_onset_under_a_held_load_in_tension_is_the_slip_after_the_jump_where_the_load_takes_over():
+    scene = SMALL.changed(hold="load", delta_bar=-0.4, u_x_max=6.0)
+    frames = list(load_path(scene))
+    assert [event.kind for frame in frames for event in frame.slips] == ["control", "fold", "fold"]
+    assert onset(scene).U_s == summarize(scene, frames)["U_s"] > 0.0
+
+
 def test_onset_without_a_slip_says_so():
     found = onset(SMALL.changed(phi_ratio=0.0, u_x_max=0.0))
     assert found.U_s is found.F_s is found.A_s is None

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
-from .frame import Frame, largest_safe_damping, load_of
+from .frame import Frame, largest_safe_damping, load_of, slips_in
 from .load_steps import load_steps_of
 
 
@@ -36,7 +36,7 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """
     names = changing(frames)
     events = [event.as_dict() | _values(f, names) for f in frames for event in f.slips]
-    sliding = (event for event in events if event["stage"] == "shear" and event["kind"] != "control")
+    sliding = (e.as_dict() | _values(f, names) for f in frames if f.stage == "shear" for e in slips_in(f))
     first: dict[str, Any] = next(sliding, {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {

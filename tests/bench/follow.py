@@ -17,6 +17,7 @@ import numpy as np
 from scenes import held_box, numbered, ran, scene_of, sheared, slider_box, spread, write
 
 from solver import NotFollowed, Scene, follow, load_path, skeleton_of
+from solver.run.frame import slips_in
 
 SMALL = {"delta_bar": lambda x: x + 0.03, "E": lambda x: 1.08 * x, "phi_ratio": lambda x: 0.93 * x}
 LONG = {"delta_bar": lambda x: x + 0.2, "E": lambda x: 1.6 * x, "phi_ratio": lambda x: 0.6 * x}
@@ -57,7 +58,7 @@ def alike(kinds):
 
 def compared(skeleton, frames):
     """Errors of a followed run: U_s in nm, F, L and A over their largest."""
-    theirs, mine = slips(frames), [event.load for event in skeleton.slips if event.kind != "control"]
+    theirs, mine = slips(frames), [event.load for event in slips_in(skeleton)]
     U_s = np.abs(np.subtract(mine, theirs)).max(initial=0.0) if len(mine) == len(theirs) else np.inf
     # so near to a slip, one of the two has slipped and the other has not
     ends = np.array([*theirs, -np.inf])

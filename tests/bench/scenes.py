@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from solver import NotConverged, Scene, load_path, read_profile
+from solver.run.frame import slips_in
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # of plain_gfmd
 
@@ -136,7 +137,7 @@ def ran(scene, limit=120.0, until=lambda frame: False):
 
 def sheared(frames):
     """The SlipEvents in shear, in order; the jump where a held load takes over is none."""
-    return [e for frame in frames if frame.stage == "shear" for e in frame.slips if e.kind != "control"]
+    return [e for frame in frames if frame.stage == "shear" for e in slips_in(frame)]
 
 
 class Cache:
