@@ -1,4 +1,4 @@
-"""Continue a run under changed parameters, from its present state in shear."""
+"""Continue a run from one of its Frames: a Frame determines what follows, under the same or changed parameters."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -19,7 +19,7 @@ from .loadpath import Checkpoint, Run
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))
 
 
-def standing(frame: Frame, ahead: tuple[LoadStep, ...], **more: Any) -> Checkpoint:
+def checkpoint_at(frame: Frame, ahead: tuple[LoadStep, ...], **more: Any) -> Checkpoint:
     """The Checkpoint of a run in the state of a Frame, before the load steps `ahead`; more: of its State."""
     m = 1 if frame.u.strides[1] == 0 else frame.u.shape[1]  # one node may stand for all: see `frame.on_nodes`
     patch, u = (frame.first if m > 1 else 0, m), np.ascontiguousarray(frame.u[:, :m])
@@ -45,7 +45,7 @@ def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
     rest = _rest(frame.stage, changed, load_of(frame, frame.stage))
     press = _press(frame, changed)
     ahead = rest if press is None else (press, *rest)
-    return standing(frame, ahead, unsure=True)._replace(carried=True)
+    return checkpoint_at(frame, ahead, unsure=True)._replace(carried=True)
 
 
 def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:

@@ -12,7 +12,7 @@ from ..mechanics.contact import Contact
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
-from .carry import standing
+from .carry import checkpoint_at
 from .frame import Frame, frame_of, load_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
@@ -36,7 +36,7 @@ def through(
         before = replace(before, u=before.u[:, :1])
     step, start = _step(scene, before, stage), load_of(before, stage)
     step = replace(step, start=start, increment=load - start, increments=1, end=load)
-    begin = standing(before, (step,))
+    begin = checkpoint_at(before, (step,))
     problem = step.problem(Contact(scene, *begin.patch), begin.pressure)
     problem.contact.observe = deadline(limit)
     stepper = QuasiStatic(problem, scene.damping, closed_stiffness(scene), filmed=True)
