@@ -26,6 +26,11 @@ def answer(session):
     task.set_result(call(*arguments))
 
 
+def answer_with(task, result):
+    task.set_running_or_notify_cancel()
+    task.set_result(result)
+
+
 @pytest.fixture
 def page(session):
     session.scene = SMALL
@@ -70,7 +75,53 @@ def test_without_a_choice_or_a_measurement_nothing_is_fitted(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="nodes,")
-    assert told(session)["texts"]["fit-said"].startswith("Choose")
+    assert told(session)["texts"]["fit-said"].startswith("No parameter is free")
+
+
+def test_a_fit_can_be_left_and_come_back_to(session, page):
+    order(session, "file", entry="measurement", text=CURVE)
+    answer(session)
+    order(session, "ask", what="fit", free="phi_n")
+    task = session.pool.tasks[-1]
+    order(session, "page", page="law")
+    assert not task.cancelled()
+    answer_with(task, "nothing slips")
+    order(session, "page", page="fit")
+    assert told(session)["busy"] is None and "nothing slips" in told(session)["texts"]["fit-said"]
+    assert session.pages.page is page and page.measured.U_x.size == 19 and told(session)["fit"] is None
+    session.close()
+    assert not session.pages.kept
+
+
+def test_a_file_ends_the_fit_that_is_under_way(session, page):
+    order(session, "file", entry="measurement", text=CURVE)
+    answer(session)
+    order(session, "ask", what="fit", free="phi_n")
+    order(session, "file", entry="measurement", text=CURVE + "20,40\n")
+    assert told(session)["busy"] is None
+    answer(session)
+    assert "20 points" in told(session)["texts"]["fit-said"]
+
+
+def test_forces_given_over_the_stiffness_are_drawn_with_the_stiffness_on_screen(session, page):
+    order(session, "file", entry="measurement", text=CURVE.replace("F", "F_bar"))
+    answer(session)
+    for E in (30.0, 60.0):
+        order(session, "scene", E=f"{E}")
+        assert page.views["curve"].parts["measured"].data_source.data["F"][-1] == pytest.approx(38.0 * 160.0 * E)
+
+
+def test_made_up_data_tell_what_they_were_made_with_and_a_refused_file_is_marked(session, page):
+    order(session, "ask", what="example")
+    answer(session)
+    order(session, "ask", what="fit", free="phi_ratio,delta_bar")
+    answer(session)
+    fit = told(session)["fit"]
+    assert list(fit["truth"]) == ["phi_ratio", "delta_bar"] and told(session)["made"]
+    assert fit["values"]["phi_ratio"] == pytest.approx(fit["truth"]["phi_ratio"], rel=0.1)
+    order(session, "file", entry="measurement", text="nonsense")
+    answer(session)
+    assert told(session)["refused"] and "stays" in told(session)["texts"]["fit-said"]
 
 
 def test_cancel_forgets_the_fit(session, page):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from visitor import order
 
-from app.pages.regimes.page import COLUMNS, ROWS, outlines
+from app.pages.regimes.page import COLUMNS, ROWS, labels, limits, outlines
 from app.service import tasks
 from app.service.skeletons import Skeletons, pickled
 from solver import Scene, follow
@@ -114,6 +114,43 @@ def test_an_outline_lies_between_regimes_and_not_beside_what_is_unknown():
     i, j = (np.array(each) for each in outlines(codes))
     assert np.nanmin(i) == np.nanmax(i) == 1.5  # one line, upright
     assert np.nanmin(j) == -0.5 and np.nanmax(j) == 0.5
+
+
+def test_no_name_of_a_regime_lies_over_another_and_the_largest_region_has_one():
+    codes = np.full((ROWS, COLUMNS), 2)
+    codes[10:13, 14:19] = 3  # a small region in the middle of the largest one
+    codes[:4] = 1
+    found = labels(codes)
+    assert found[0][2] == REGIMES[2] and REGIMES[1] in [name for *_, name in found]
+    for k, (i, j, name) in enumerate(found):
+        for x, y, other in found[:k]:
+            assert abs(j - y) > 2 or abs(i - x) > 0.25 * (len(name) + len(other))
+
+
+def test_one_outlier_does_not_take_all_colours_of_the_map():
+    image = np.linspace(1.0, 2.0, 825).reshape(25, 33)
+    image[3, 3], image[4, 4] = 1000.0, np.nan
+    low, high = limits(image)
+    assert 1.0 <= low < 1.1 and 1.9 < high <= 2.0
+
+
+def test_a_cancelled_map_is_continued(session):
+    order(session, "page", page="regimes")
+    assert json.loads(session.wire.page)["hidden"]["regimes-resume"]
+    order(session, "ask", what="cancel")
+    told = json.loads(session.wire.page)
+    assert told["busy"] is None and not told["hidden"]["regimes-resume"]
+    order(session, "ask", what="resume")
+    assert json.loads(session.wire.page)["busy"] is not None
+    answered(session)
+    assert json.loads(session.wire.page)["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
+
+
+def test_the_title_names_the_quantity_that_is_shown(session):
+    order(session, "page", page="regimes")
+    assert json.loads(session.wire.page)["texts"]["regimes-quantity"] == "friction Fₛ of the first slip"
+    order(session, "ask", what="of", of="L_min")
+    assert json.loads(session.wire.page)["texts"]["regimes-quantity"] == "load L at pull-off"
 
 
 def test_axes_that_change_places_make_another_map(session):

@@ -112,4 +112,4 @@ def test_a_table_of_the_layer_that_is_asked_for_again_is_not_begun_anew(session)
     sent = []
     session.wire.on_change("message", lambda attribute, old, new: new and sent.append(new))
     order(session, "layer", rows=100, modes=100, depth=100.0)
-    assert len(sent) == 1  # what is known is sent at once
+    assert len(list(filter(None, sent))) == 1  # what is known is sent at once

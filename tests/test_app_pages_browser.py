@@ -119,6 +119,49 @@ def test_marks_below_the_punch_are_those_of_what_matters_and_go_with_the_page(lo
     page.wait_for_function(f"() => !punch.fresh && {colours} === {alone}")
 
 
+def test_a_page_is_closed_by_its_button_and_by_back_and_a_slider_is_undone_before(visit):
+    page = visit("?u_x_max=4&du_x=0.5")
+    finished(page)
+    opened = "document.querySelector('.page').dataset.page"
+    for leave in (page.go_back, lambda: page.locator("#fit .close").click()):
+        page.evaluate("document.querySelector('nav button[data-page=fit]').click()")
+        page.wait_for_function(
+            "!document.getElementById('fit').dataset.drawing && !document.getElementById('fit').hidden"
+        )
+        leave()
+        page.wait_for_function(f"{opened} === '' && !new URLSearchParams(location.search).has('page')")
+    page.evaluate("document.querySelector('nav button[data-page=fit]').click()")
+    page.fill("#E-entry", "90")
+    page.keyboard.press("Enter")
+    page.wait_for_function("punch.status.values.E === 90 && location.search.includes('E=90')")
+    page.go_back()
+    page.wait_for_function("punch.status.values.E === 70")
+    assert page.evaluate(opened) == "fit"
+    page.go_back()
+    page.wait_for_function(f"{opened} === ''")
+    assert page.evaluate("punch.status.values.E") == 70
+
+
+def test_two_axes_of_the_map_that_are_chosen_alike_change_places(look):
+    page = look("?page=regimes")
+    page.wait_for_function("document.getElementById('regimes-said').textContent")
+    page.select_option("#regimes-x", "phi_ratio")
+    assert page.input_value("#regimes-y") == "delta_bar"
+    page.wait_for_function("document.querySelector('#regimes-at').textContent.startsWith('Point')")
+    page.select_option("#regimes-y", "phi_ratio")
+    assert page.input_value("#regimes-x") == "delta_bar"
+
+
+def test_a_refused_file_does_not_take_the_place_of_the_measurement_in_use(look):
+    page = look("?page=fit")
+    curve = "U_x (nm),F (N/m)\n" + "".join(f"{k},{2.0 * k}\n" for k in range(1, 20))
+    for name, text in (("good.csv", curve), ("bad.csv", "nonsense")):
+        page.set_input_files("#measurement", {"name": name, "mimeType": "text/csv", "buffer": text.encode()})
+        page.wait_for_function("() => document.getElementById('measurement').value === ''")
+        assert page.inner_text("#fit-of") == "good.csv"
+    assert page.inner_text("#fit-said").endswith("stays.")
+
+
 @pytest.mark.thorough
 def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
     page = visit("?page=stickslip")

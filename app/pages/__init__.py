@@ -55,11 +55,15 @@ def places():
 class Sheet:
     """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so.
 
-    Workers are asked for many calls, shared by all visitors, in its `sweep`, and for one of its own by `wanted`.
+    Workers are asked for many calls in its `sweep`, and for one at a time by `wanted`. A page that `stays` keeps its
+    figures, its words and its work while it is closed.
     """
+
+    stays = False
 
     def __init__(self, session, publish, views):
         self.session, self.publish, self.views = session, publish, views
+        self.published = {}
         self.sweep, self.wanted = Requests(session, self.take), Requests(session)
 
     def start(self):
@@ -95,36 +99,47 @@ class Pages:
     def __init__(self, session):
         self.session = session
         self.slots = places()
-        self.name, self.page, self.published = "", None, {}
+        self.name, self.page, self.kept = "", None, {}  # kept: {name: page} of those that stay
 
     def open(self, name):
         """Show page `name` instead of the one that is open; '' for none."""
-        self.close()
+        self._leave()
         if name not in listed():
             return
-        module = listed()[name]
-        made = {figure.name.removeprefix(f"{name}_"): view_of(figure) for figure in module.compose()}
-        page = module.Page(self.session, lambda **news: self._publish(page, news), made)
+        page = self.kept.pop(name, None) or self._made(name)
         self.name, self.page = name, page
         for slot, view in page.views.items():
             self.slots[f"{name}_{slot}"].children = [view.figure]
-        self.published = {
-            "open": name,
-            "figures": [view.figure.name for view in page.views.values()],
-        }
         page.start()
         self._publish(page, {})
         log.info("a visitor opened the page %s", name)
 
-    def close(self):
-        """Leave nothing behind of the page that is open, neither models nor work."""
+    def _made(self, name):
+        figures = listed()[name].compose()
+        views = {figure.name.removeprefix(f"{name}_"): view_of(figure) for figure in figures}
+        page = listed()[name].Page(self.session, lambda **news: self._publish(page, news), views)
+        page.published = {"open": name, "figures": [figure.name for figure in figures]}
+        return page
+
+    def _leave(self):
+        """Leave nothing behind of the page that is open, neither models nor work, unless it stays."""
         if self.page is not None:
             page, self.page = self.page, None
-            page.close()
-            for slot in listed()[self.name].FIGURES:
+            if page.stays:
+                self.kept[self.name] = page
+            else:
+                page.close()
+            for slot in page.views:
                 self.slots[f"{self.name}_{slot}"].children = []
-            self.name, self.published = "", {}
+            self.name = ""
             self.session.wire.page = "{}"
+
+    def close(self):
+        """The visitor leaves: end all work."""
+        self._leave()
+        for page in self.kept.values():
+            page.close()
+        self.kept.clear()
 
     def scene_changed(self):
         """The experiment shows another scene from now on."""
@@ -137,11 +152,11 @@ class Pages:
             self.page.order(values)
 
     def nearer(self, scene, origin):
-        """As that of the Sheet that is open."""
+        """See Sheet."""
         return self.page and self.page.nearer(scene, origin)
 
     def _publish(self, page, news):
-        """Tell the browser, unless the visitor has left the page meanwhile."""
+        """Send what is new of a page, unless it is closed."""
+        page.published = page.published | news
         if page is self.page:
-            self.published = self.published | news
-            self.session.wire.page = json.dumps(self.published)
+            self.session.wire.page = json.dumps(page.published)

@@ -201,11 +201,16 @@ def measured_curve(text, scene):
         return None, str(error)
 
 
+def made_up_scene(scene, seed):
+    """The Scene of a made-up measurement."""
+    change = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, 2)
+    delta_bar = scene.delta_bar + 0.1 * change[1]
+    return scene.changed(path="shear", delta_bar=delta_bar, phi_ratio=scene.phi_ratio * APART ** change[0])
+
+
 def made_up_curve(scene, seed):
     """(a Measurement of slightly other friction and depth than the scene, with noise, None); or (None, why)."""
-    rng = np.random.default_rng(seed)
-    ratio, delta_bar = scene.phi_ratio * APART ** rng.uniform(-1.0, 1.0), scene.delta_bar + rng.uniform(-0.1, 0.1)
-    other = scene.changed(path="shear", delta_bar=delta_bar, phi_ratio=ratio)
+    other, rng = made_up_scene(scene, seed), np.random.default_rng(seed)
     try:
         skeleton = skeleton_of(other)
     except (NotConverged, NotFollowed) as error:

@@ -30,7 +30,8 @@ COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitte
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # of the figure, for each quantity
 LONG = 120.0  # s that a fit may take
 SEEDS = 2**32  # of made-up measurements, each another one
-LOST = "it could not be computed; try again"
+LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin the data out"
+NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # of what a made-up measurement does not change
 ROOM = 0.08  # of a curve, above and below it
 PLACE, FORCE = Quantity("U_x", "displacement of the top Uₓ", "nm"), Quantity("F", "F", "N/m")
 OFF = Quantity("off", "difference", "noise")
@@ -54,47 +55,64 @@ def compose():
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """See app/pages. It stays: a fit continues while the page is closed."""
 
-    measured = None  # Measurement
+    stays = True
+
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.measured, self.found = None, None  # Measurement, Fit of it
+        self.truth = {}  # {parameter: value} of a made-up measurement
+        self.answers = 0  # to files and requests for one
+
+    def scene_changed(self):
+        """Forces given as F_bar are drawn in N/m of the stiffness and width on screen."""
+        if self.measured is not None:
+            self._draw_measured()
+            self._draw_fitted()
 
     def order(self, values):
         """A file, a made-up measurement, a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if what == "file":
             self.wanted.ask((tasks.measured_curve, values["text"], scene), self._read, rank=LATER)
+            self.publish(busy=None, texts={"fit-said": "Reading the file …"})
         elif what == "example":
-            self.wanted.ask((tasks.made_up_curve, scene, randrange(SEEDS)), self._read, rank=HEAVY, seconds=LONG)
+            call, seed = tasks.made_up_curve, randrange(SEEDS)
+            made = tasks.made_up_scene(scene, seed)
+            truth = {name: getattr(made, name, NEUTRAL.get(name)) for name in FREE}
+            self.wanted.ask((call, scene, seed), lambda made: self._read(made, truth), rank=HEAVY, seconds=LONG)
+            self.publish(busy=None, texts={"fit-said": "Generating example data …"})
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:
-                return self.publish(texts={"fit-said": "Choose what may be changed to fit."})
+                return self.publish(texts={"fit-said": "No parameter is free. Tick at least one."})
             self.wanted.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
-            self.publish(busy=0.0, texts={"fit-said": "Fitting: runs are followed to where they meet the points …"})
+            said = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
+            self.publish(busy=0.0, texts={"fit-said": said})
         elif what == "cancel":
             self.close()
             self.publish(busy=None, texts={"fit-said": "Cancelled."})
 
-    def _read(self, result):
+    def _read(self, result, truth=None):
         measured, why = result or (None, LOST)
+        self.answers += 1
         if measured is None:
-            return self.publish(texts={"fit-said": f"measurement: {why}. What was there stays."})
-        self.measured = measured
-        forces = {name: measured.values[name] * self._unit for name in PARTS if name in measured.values}
-        every = np.concatenate([*forces.values()])
-        room = ROOM * (float(np.ptp(every)) or 1.0)
+            there = "The measurement before stays." if self.measured else "Choose another file."
+            said = f"Not read: {why}. {there}"
+            return self.publish(answers=self.answers, refused=True, texts={"fit-said": said})
+        self.measured, self.found, self.truth = measured, None, truth or {}
+        self._draw_measured()
+        self._draw_fitted()
         along = {"start": min(0.0, float(measured.U_x[0])), "end": float(measured.U_x[-1])}
         for view in self.views.values():
             view.figure.x_range.update(**along)
-        self.views["curve"].figure.y_range.update(start=float(every.min()) - room, end=float(every.max()) + room)
-        for name, (points, line) in PARTS.items():
-            there = name in forces
-            self.draw("curve", points, U_x=measured.U_x if there else [], F=forces.get(name, []))
-            self.draw("curve", line, U_x=[], F=[])
-        self.draw("residuals", "residuals", U_x=[], off=[])
-        count, noise = measured.U_x.size, measured.noise["F_bar"] * self._unit
-        text = f"{count} points, {len(measured.slips)} slips, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
-        self.publish(texts={"fit-said": f"{text} Move the sliders until the curves meet, or let it fit."}, fit=None)
+        points, slips = _counted(measured.U_x.size, "point"), _counted(len(measured.slips), "slip")
+        noise = measured.noise["F_bar"] * self._unit
+        said = f"{points}, {slips} recognised, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
+        said += " Move the sliders until the curves meet, or click Fit."
+        news = {"answers": self.answers, "refused": False, "made": bool(truth), "fit": None}
+        self.publish(texts={"fit-said": said}, **news)
 
     @property
     def _unit(self):
@@ -102,25 +120,44 @@ class Page(Sheet):
         scene = self.session.scene
         return self.measured.unit or scene.width * scene.E
 
+    def _draw_measured(self):
+        measured, unit = self.measured, self._unit
+        forces = {name: measured.values[name] * unit for name in PARTS if name in measured.values}
+        every = np.concatenate([*forces.values()])
+        room = ROOM * (float(np.ptp(every)) or 1.0)
+        self.views["curve"].figure.y_range.update(start=float(every.min()) - room, end=float(every.max()) + room)
+        for name, (points, _) in PARTS.items():
+            there = name in forces
+            self.draw("curve", points, U_x=measured.U_x if there else [], F=forces.get(name, []))
+
+    def _draw_fitted(self):
+        rows = self.found.rows if self.found else ()
+        of = {name: np.array([row[:1] + row[2:] for row in rows if row[1] == name]).reshape(-1, 3) for name in PARTS}
+        for name, (_, line) in PARTS.items():
+            self.draw("curve", line, U_x=of[name][:, 0], F=of[name][:, 2] * self._unit)
+        off = (of["F_bar"][:, 2] - of["F_bar"][:, 1]) / self.measured.noise["F_bar"]
+        self.draw("residuals", "residuals", U_x=of["F_bar"][:, 0], off=off)
+        end = max(5.0, 1.1 * float(np.abs(off).max(initial=0.0)))
+        self.views["residuals"].figure.y_range.update(start=-end, end=end)
+
     def _fitted(self, found):
         if found is None or isinstance(found, str):
-            return self.publish(busy=None, texts={"fit-said": f"Nothing was found: {found or LOST}."})
-        of = {name: np.array([(at, a, b) for at, which, a, b in found.rows if which == name]) for name in PARTS}
-        for name, (_, line) in PARTS.items():
-            if of[name].size:
-                self.draw("curve", line, U_x=of[name][:, 0], F=of[name][:, 2] * self._unit)
-        rows = of["F_bar"]
-        off = (rows[:, 2] - rows[:, 1]) / self.measured.noise["F_bar"]
-        self.draw("residuals", "residuals", U_x=rows[:, 0], off=off)
-        end = max(5.0, 1.1 * float(np.abs(off).max()))
-        self.views["residuals"].figure.y_range.update(start=-end, end=end)
-        said = f"χ² per point {found.chi2:.3g}, {found.runs} runs followed." + "".join(map(in_words, found.warnings))
+            return self.publish(busy=None, texts={"fit-said": f"No fit: {found or LOST}."})
+        self.found = found
+        self._draw_fitted()
+        runs = _counted(found.runs, "predicted run")
+        said = f"χ² per point {found.chi2:.3g}, from {runs}." + "".join(map(in_words, found.warnings))
         told = {
             "values": {name: float(f"{value:.5g}") for name, value in found.values.items()},
             "errors": {name: float(f"{error:.2g}") for name, error in found.errors.items()},
+            "truth": {name: float(f"{value:.5g}") for name, value in self.truth.items() if name in found.values},
             "correlations": np.round(found.correlations, 2).tolist(),
         }
         self.publish(busy=None, texts={"fit-said": said}, fit=told)
+
+
+def _counted(count, what):
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def in_words(sentence):

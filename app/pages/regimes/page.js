@@ -1,4 +1,4 @@
-// The page "Map": what it is over and of; a click goes to that scene, and a drag through all between.
+// The page "Map": its axes and its quantity; a click goes to that scene, and a drag through all between.
 
 import { drawnBy, onEvent } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"
@@ -7,36 +7,49 @@ import { figures, parts } from "../../static/js/figures.js"
 import { letGo, steer } from "../../static/js/steer.js"
 
 const DIGITS = 4 // of a value
+const HINT = "Point at the map to read it; click or drag to go there."
 
 let axes = [], regimes = [] // {name, values} across and upwards; of each place, row by row, what it is called
+let unit = "", pointed = null // of the quantity; {x, y} under the pointer
 
 export function connect() {
   on("regimes-of", "change", () => ask({ what: "of", of: by("regimes-of").value }))
-  for (const side of ["x", "y"]) on(`regimes-${side}`, "change", () => ask({ what: "axes", x: by("regimes-x").value, y: by("regimes-y").value }))
+  const sides = [by("regimes-x"), by("regimes-y")], now = sides.map((side) => side.value)
+  sides.forEach((side, i) => side.addEventListener("change", () => {
+    if (side.value === sides[1 - i].value) sides[1 - i].value = now[i] // the axes change places
+    sides.forEach((each, k) => { now[k] = each.value })
+    ask({ what: "axes", x: now[0], y: now[1] })
+  }))
 }
 
 export function told(news) {
   axes = news.axes ?? []
   regimes = news.codes?.map((code) => news.names.at(code)) ?? []
+  unit = news.unit ?? ""
+  readOut()
 }
 
 export function opened() {
+  pointed = null
   for (const name of ["tap", "pan"]) onEvent(figures.regimes_map, name, ({ x, y }) => steer(valuesAt([x, y])))
   for (const name of ["tap", "panend"]) onEvent(figures.regimes_map, name, letGo)
-  onEvent(figures.regimes_map, "mousemove", ({ x, y }) => { by("regimes-at").textContent = read(x, y) })
-  onEvent(figures.regimes_map, "mouseleave", () => { by("regimes-at").textContent = "" })
+  onEvent(figures.regimes_map, "mousemove", ({ x, y }) => { pointed = { x, y }; readOut() })
+  onEvent(figures.regimes_map, "mouseleave", () => { pointed = null; readOut() })
 }
 
-// What the map says at a place
-function read(x, y) {
+const readOut = () => { by("regimes-at").textContent = (pointed && read(pointed)) || HINT }
+
+const labelOf = (name) => by("regimes-x").querySelector(`[value="${name}"]`).textContent
+
+// What the map shows at a place
+function read({ x, y }) {
   const { image, rows, columns } = drawnBy(parts.regimes_map.map), i = Math.round(x), j = Math.round(y)
   const regime = regimes[j * columns + i]
   if (regime === undefined || i < 0 || i >= columns || j < 0 || j >= rows) return ""
-  const named = Object.entries(valuesAt([i, j])).map(([name, value]) => `${by("regimes-x").querySelector(`[value="${name}"]`).textContent} ${minus(value)}`)
-  const value = image[j * columns + i], [, unit] = by("regimes-high").textContent.split(" ")
-  const what = by("regimes-of").selectedOptions[0].textContent
-  const said = [regime, Number.isFinite(value) && `${what} ${digits(value)} ${unit ?? ""}`]
-  return `${named.join(", ")}: ${said.filter(Boolean).join(", ")}`
+  const named = Object.entries(valuesAt([i, j])).map(([name, value]) => `${labelOf(name)} ${minus(value)}`)
+  const value = image[j * columns + i], what = by("regimes-of").selectedOptions[0].textContent
+  const texts = [regime, Number.isFinite(value) && `${what} ${digits(value)} ${unit}`]
+  return `${named.join(", ")}: ${texts.filter(Boolean).join(", ")}`
 }
 
 // {parameter: text} at a place of the map, in columns and rows

@@ -41,6 +41,8 @@ QUANTITIES = {  # of a Point: what the page calls it, its unit, and the paramete
 }
 TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
 ASIDE = 2.0  # columns and rows that the name of a regime keeps from the edges
+MOST = (2.0, 98.0)  # per cent of the values lie within the limits of the colours
+LETTER, LINE = 0.55, 2.5  # columns that a letter of a name takes, and rows that a line does, on the narrowest map
 COLUMN, ROW = Quantity("i", "x"), Quantity("j", "y")
 NAME = Quantity("name", "regime")
 
@@ -89,8 +91,10 @@ class Page(Sheet):
     def order(self, values):
         """Other axes, another quantity, or cancel."""
         what, names = values.get("what"), (values.get("x"), values.get("y"))
-        if what == "cancel":
+        if what in ("cancel", "resume") and self.grid is not None:
             self.sweep.cancel()
+            if what == "resume":
+                self._ask_anew()
             return self._draw()
         if what == "axes" and set(names) <= AXES.keys() and names[0] != names[1]:
             self.names = names
@@ -127,9 +131,18 @@ class Page(Sheet):
     def _begin(self, grid):
         self.sweep.cancel()
         self.grid, self.known = grid, {}
-        self.left = [(level, cell, corners(cell)) for level in range(grid.levels) for cell in grid.cells(level)]
         self._name_axes()
+        self._ask_anew()
+
+    def _ask_anew(self):
+        """Ask for all tiles with points that are not known."""
+        grid = self.grid
+        tiles = [(level, cell, corners(cell)) for level in range(grid.levels) for cell in grid.cells(level)]
+        self.left = [one for one in tiles if not self._is_known(*one[:2])]
         self._ask()
+
+    def _is_known(self, level, cell):
+        return all(place in self.known for place, _ in self.grid.tile(level, cell, self.known).asked)
 
     def _ask(self):
         """Ask for the tiles around which all is known, until none is left; some are known at once."""
@@ -179,36 +192,41 @@ class Page(Sheet):
             nearest = tuple(distance_transform_edt(codes < 0, return_distances=False, return_indices=True))
             image, codes = image[nearest].astype(np.float32), codes[nearest]
         self.draw("map", "map", image=[image])
-        low, high = (float(f(image)) if np.isfinite(image).any() else 0.0 for f in (np.nanmin, np.nanmax))
+        low, high = limits(image)
         self.views["map"].parts["map"].glyph.color_mapper.update(low=low, high=max(high, low + 1e-9))
         regimes = codes if self.grid.scene.path == "shear" else np.full_like(codes, -1)
         outline = outlines(regimes)
         self.draw("map", "outline", i=outline[0], j=outline[1])
-        named = {code: _inside(regimes == code) for code in np.unique(regimes[regimes >= 0])}
-        names = {"i": [i for i, _ in named.values()], "j": [j for _, j in named.values()]}
-        self.draw("map", "names", **names, name=[REGIMES[code] for code in named])
+        names = labels(regimes)
+        self.draw("map", "names", **{key: [one[k] for one in names] for k, key in enumerate(("i", "j", "name"))})
         own = self._place_of(self.session.scene)
         self.draw("map", "own", i=own[:1], j=own[1:])
-        self._describe(points, low, high, regimes)
+        self._describe(points, image, regimes)
 
     def _everywhere(self, name):
         """A parameter of the scenes, to be multiplied with (rows, columns)."""
         values = {self.grid.x.name: self.grid.x.values, self.grid.y.name: self.grid.y.values[:, None]}
         return values.get(name, getattr(self.grid.scene, name))
 
-    def _describe(self, points, low, high, codes):
+    def _describe(self, points, image, codes):
         followed, without = (sum(bool(getattr(p, name)) for p in points) for name in ("followed", "reason"))
-        text = f"{len(points)} of {self.grid.size} points, {followed} of them followed, the others run."
+        text = f"{len(points)} of {self.grid.size} points, {followed} of them predicted, the others computed."
         if without:
             why = next(point.reason for point in points if point.reason)
             text += f" {without} without a result: {why}."
-        unit = QUANTITIES[self.of][1]
-        low, high = (f"{value + 0.0:.3g}".replace("-", "−") for value in (low, high))  # no -0
-        limits = {"regimes-low": low, "regimes-high": f"{high} {unit}"}
+        label, unit, _ = QUANTITIES[self.of]
+        ends = limits(image)
+        low, high = (f"{value + 0.0:.3g}".replace("-", "−") for value in ends)  # no -0
+        beyond = np.any(image < ends[0]), np.any(image > ends[1])
+        said = {"low": "≤ " * bool(beyond[0]) + low, "high": "≥ " * bool(beyond[1]) + f"{high} {unit}", "said": text}
+        said["quantity"] = label if self.of == "L_min" else f"{label} of the first slip"
+        said["none"] = "no contact to pull off" if self.of == "L_min" else "no slip"
         done = len(points) / self.grid.size if self.sweep.waiting else None
+        stopped = len(points) < self.grid.size and done is None
         axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
         read = {"axes": axes, "codes": codes.ravel().tolist(), "names": [*REGIMES, ""]}  # -1: none
-        self.publish(texts={"regimes-said": text} | limits, busy=done, **read)
+        texts = {f"regimes-{name}": text for name, text in said.items()}
+        self.publish(texts=texts, busy=done, hidden={"regimes-resume": not stopped}, unit=unit, **read)
 
 
 def _place(axis, value):
@@ -222,6 +240,25 @@ def _inside(region):
     deep = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
     j, i = np.unravel_index(deep.argmax(), deep.shape)
     return float(np.clip(i, ASIDE, COLUMNS - 1 - ASIDE)), float(np.clip(j, ASIDE / 2, ROWS - 1 - ASIDE / 2))
+
+
+def limits(image):
+    """(lowest, highest) of what most of an image holds, so that single places do not take all of the colours."""
+    values = image[np.isfinite(image)]
+    return tuple(map(float, np.percentile(values, MOST))) if values.size else (0.0, 0.0)
+
+
+def labels(codes):
+    """[(i, j, name)] of regions of codes (rows, columns), the largest first; none over another."""
+    found = []
+    regions, counts = np.unique(codes[codes >= 0], return_counts=True)
+    for code in regions[np.argsort(-counts)]:
+        i, j = _inside(codes == code)
+        name = REGIMES[code]
+        wide = [0.5 * LETTER * (len(name) + len(other)) for *_, other in found]
+        if all(abs(i - x) > w or abs(j - y) > LINE for (x, y, _), w in zip(found, wide, strict=True)):
+            found.append((i, j, name))
+    return found
 
 
 def outlines(codes):

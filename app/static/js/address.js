@@ -13,7 +13,7 @@ const LARGEST = 1e6
 let written = null // the scene in the address, as text; null before it is known to be that of the status
 let hand = { name: "", at: -BURST, written: true } // what it changed last, when, whether the address has something of this move
 let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
-let resting = 0, goto = null
+let resting = 0, goto = null, showAddressed = null
 let wanted = asked() // the increment to go to once the run is there
 
 function asked() {
@@ -50,9 +50,16 @@ export function writeAddress() {
   readdress((now) => {
     for (const name of sceneNames()) now.delete(name)
     for (const name in address) now.set(name, address[name])
-  }, { entry }, push)
+  }, push ? { entry } : { ...history.state, entry }, push)
   written = text
   hand.written = true
+  tellHistory()
+}
+
+// Another entry of the history, for what is no change of the scene; more: of its state
+export function addEntry(change, more) {
+  top = ++entry
+  readdress(change, { entry, ...more }, true)
   tellHistory()
 }
 
@@ -73,18 +80,23 @@ export function restore(scene, k = null) {
   order("restore", scene)
 }
 
-const VIEWED = ["page", "theme", "embed", "tour", "view", "pin", "force"] // beside the scene: going back leaves them as they are
+const VIEWED = ["theme", "embed", "tour", "view", "pin", "force"] // beside the scene: going back leaves them as they are
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
   entry = event.state.entry
-  const k = asked(), seen = [...new URLSearchParams(lastSearch())]
+  const k = asked(), before = lastSearch(), seen = [...new URLSearchParams(before)]
+  const same = !me.status.values || !difference(sceneOf(before), sceneOf(location.search))
+  const kept = same ? [...VIEWED, "k"] : VIEWED
   readdress((now) => {
-    for (const name of VIEWED) now.delete(name)
-    for (const [name, text] of seen) if (VIEWED.includes(name)) now.append(name, text)
+    for (const name of kept) now.delete(name)
+    for (const [name, text] of seen) if (kept.includes(name)) now.append(name, text)
   })
-  written = null
-  restore(sceneOf(location.search), k)
+  showAddressed()
+  if (!same) {
+    written = null
+    restore(sceneOf(location.search), k)
+  }
   tellHistory()
 }
 
@@ -118,8 +130,10 @@ export function linkTo(more = []) {
   return url.href
 }
 
-export function connect(player) {
-  ({ goto } = player)
+export function connect(player, pages) {
+  ({ goto } = player);
+  ({ showAddressed } = pages)
+  readdress(() => {}, { ...history.state, entry }) // so that Back comes to it
   const version = new URLSearchParams(location.search).get("v")
   if (version && version !== VERSION) console.info(`an address of version ${version}, read as version ${VERSION}`)
   onFrame(drawn)

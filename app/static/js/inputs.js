@@ -6,7 +6,7 @@ import { order, sendFile } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures, paint, shadeMap } from "./figures.js"
-import { openPage, paintPage } from "./pages.js"
+import { closePage, openPage, paintPage } from "./pages.js"
 import { goto, move, play, reset, show, toSlip } from "./player.js"
 import { declared, exact, leaveBehind, me, reduced } from "./state.js"
 import { enter, letGo, nudge, steer } from "./steer.js"
@@ -144,7 +144,9 @@ export function connect() {
     by("menu").focus()
   }, true)
   document.addEventListener("pointerdown", (event) => { if (!event.target.closest("header, dialog")) unfold(false) })
-  for (const button of document.querySelectorAll("nav button")) button.addEventListener("click", () => openPage(button.dataset.page))
+  for (const button of document.querySelectorAll("nav button")) {
+    button.addEventListener("click", () => (button.dataset.page ? openPage(button.dataset.page) : closePage()))
+  }
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", async ({ detail, target }) => {
     if (detail > 0) target.closest?.("button:not([popovertarget], .term)")?.blur()

@@ -36,7 +36,7 @@ export function start({ wire, figures, slots, told, index }) {
   connectLens(player.show)
   connectFringes(player.show)
   connectInside(player.show)
-  address.connect(player)
+  address.connect(player, pages)
   channel.take("run", player.receive, unpackLater)
   channel.take("picture", player.follow)
   channel.listen("status", status.heard)

@@ -3,6 +3,7 @@
 // frame(run, k), painted(), closed().
 
 import { ask, order } from "./channel.js"
+import { addEntry } from "./address.js"
 import { by, makeButton, makeRow, minus, readdress } from "./dom.js"
 import { adopt, drawn, forget, paint, shade } from "./figures.js"
 import { anew, declared, me } from "./state.js"
@@ -17,6 +18,7 @@ const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
 export function connect(given) {
   slots = given
+  for (const button of document.querySelectorAll(".sheet .close")) button.addEventListener("click", closePage)
   for (const button of document.querySelectorAll(".sheet [data-ask]")) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
@@ -24,15 +26,33 @@ export function connect(given) {
 
 export function openAsked() {
   const asked = new URLSearchParams(location.search).get("page")
-  if (asked) openPage(by(asked)?.classList.contains("sheet") ? asked : "")
+  if (by(asked)?.classList.contains("sheet")) show(asked)
+  else if (asked) readdress((now) => now.delete("page"))
 }
 
+const shown = () => document.querySelector(".page").dataset.page
+
+// Open a page, or none, as another entry of the browser's history
 export function openPage(name) {
+  if (name === shown()) return
+  addEntry((asked) => { if (name) asked.set("page", name); else asked.delete("page") }, { opened: Boolean(name) && !shown() })
+  show(name)
+}
+
+// Close the page: back to the entry before it, where opening it was the last change
+export const closePage = () => (history.state?.opened ? history.back() : openPage(""))
+
+// The page that the address names, after Back
+export function showAddressed() {
+  const name = new URLSearchParams(location.search).get("page") ?? ""
+  if (name !== shown()) show(by(name)?.classList.contains("sheet") ? name : "")
+}
+
+function show(name) {
   document.querySelector(".page").dataset.page = name
   for (const button of document.querySelectorAll("nav button")) button.setAttribute("aria-pressed", button.dataset.page === name)
   for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
   if (name) by(name).dataset.drawing = ""
-  readdress((asked) => { if (name) asked.set("page", name); else asked.delete("page") })
   load(name)
   clearTimeout(picking)
   picking = setTimeout(() => order("page", { page: name }), SETTLE)
