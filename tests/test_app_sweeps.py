@@ -5,9 +5,9 @@ import pickle
 
 import numpy as np
 import pytest
-from visitor import NoPool, order
+from visitor import SHORT, NoPool, order
 
-from app.service import tasks
+from app.service import tasks, worker
 from app.service.requests import Requests, Shared
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
 from solver.isolated import Lost
@@ -72,6 +72,20 @@ def test_a_call_lost_with_its_worker_is_made_again_and_in_the_end_reported(pool)
         assert len(pool.tasks) == attempt + 1 and not seen
         pool.tasks[attempt].set_exception(Lost("crash", "gone"))
     assert isinstance(seen[0], Lost)
+
+
+def test_parts_of_a_result_are_added_up_and_do_not_travel_again(pool, monkeypatch):
+    monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each, behind the approach
+    seen = []
+    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), Shared())
+    sweep.add([(tasks.whole_run, SHORT)])
+    while not seen:
+        call, *arguments = pool.tasks[-1].call
+        pool.tasks[-1].set_result(call(*arguments))
+    whole = worker.compute(SHORT, None, 600.0)
+    assert len(pool.tasks) > 1 and (seen[0].frames, seen[0].skeleton is None) == (whole.frames, False)
+    kept = [task.call[2] for task in pool.tasks[1:]]
+    assert all(isinstance(each, bytes) for each in kept)
 
 
 def test_results_used_longest_ago_are_dropped(pool):

@@ -4,7 +4,7 @@ import logging
 import pickle
 from concurrent.futures import CancelledError
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from threading import RLock
 from typing import Any
@@ -31,6 +31,7 @@ class Request:
     task: Any = None
     lost: int = 0  # slices
     kept: tuple = ()
+    made: list = field(default_factory=list)  # parts of the result
 
 
 class Shared:
@@ -89,11 +90,14 @@ class Shared:
                 result = ERROR if getattr(error, "kind", "") == "error" else error
             if isinstance(result, Part):
                 request.kept = (result.kept,)
+                request.made += [] if result.made is None else [result.made]
                 return self._submit(pool, call)
             if isinstance(result, OutOfTime) or getattr(result, "kind", "") == "crash":  # the machine was busy
                 request.lost += 1
                 if request.lost < LIVES:
                     return self._submit(pool, call)
+            if request.made and not isinstance(result, Exception):
+                result = sum([*request.made[1:], result], request.made[0])
             if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # it may be another one next time
                 with suppress(ValueError):  # of what is larger than all that is kept
                     self._kept[call] = call, result

@@ -37,19 +37,22 @@ DECAYED = 12.0  # q z from which on a mode is not felt: (1 + q z) exp(-q z) is 8
 
 @dataclass(frozen=True)
 class Part:
-    """What a call has come to in its time: made again with `kept` behind its arguments, it goes on from there."""
+    """What a call has come to in its time: made again with `kept` behind its arguments, it continues from there.
+
+    made: a part of the result, which does not go to a worker again: all parts are added up.
+    """
 
     kept: Any
+    made: Any = None
 
 
 def whole_run(scene, kept=None):
     """The Frames of a scene, or Part of it, or the NotConverged that ended it."""
-    run, begun = kept or (Frames(), None)
-    piece = worker.compute(scene, begun, SLICE)
-    run += piece
+    piece = worker.compute(scene, kept, SLICE)
     if piece.failure:
         return NotConverged(piece.failure)
-    return run if piece.done else Part((run, piece.kept))
+    frames = Frames() + piece
+    return frames if piece.done else Part(piece.kept, frames)
 
 
 def flat_curve(scene, kept=None):
