@@ -92,7 +92,8 @@ def test_a_mistake_in_a_task_keeps_the_worker_and_its_traceback(caplog):
 
 def test_workers_that_cannot_start_are_reported_to_those_who_wait(monkeypatch):
     monkeypatch.setattr("app.service.pool.PAUSES", (0.0,))
-    monkeypatch.setattr(worker, "start", os._exit)  # found by name in the worker: it ends with that
+    for name in ("start", "start_up"):  # of the first worker, and of the others
+        monkeypatch.setattr(worker, name, os._exit)  # found by name in the worker: it ends with that
     workers = Pool(size=2)
     waiting = workers.submit(os.getpid)
     assert "no worker process can be started" in str(waiting.exception(PATIENCE))
