@@ -9,6 +9,7 @@ import toys
 
 from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
 from solver.continuation.fold import Fold
+from solver.continuation.state import OutOfTime
 from solver.following.branch import TOLERANCE, Branch
 from solver.following.moved import moved_branch, moved_folds
 from solver.following.no_contact import refuse_apart
@@ -244,6 +245,11 @@ def test_a_run_on_another_path_has_no_skeleton():
     scene = SMALL.changed(path="unload")
     with pytest.raises(NotFollowed, match="unload"):
         skeleton_from(scene, Checkpoint())
+
+
+def test_the_run_for_a_skeleton_ends_at_its_limit_of_time():
+    with pytest.raises(OutOfTime, match="the run takes more than 0 s"):
+        skeleton_of(SMALL, 0.0)
 
 
 TENSION = Scene(hold="load", E=856.01968, phi_ratio=0.40262, delta_bar=-0.2989, u_x_max=6.0)  # apart until it shears

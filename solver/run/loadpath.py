@@ -76,10 +76,11 @@ def deadline(limit: float, busy: float = BUSY) -> Callable[[], None] | None:
     if limit == inf:
         return None
     end, latest = thread_time() + limit, perf_counter() + limit + busy
+    late = f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s"
 
     def observe():
         if thread_time() > end or perf_counter() > latest:
-            raise OutOfTime(f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s")
+            raise OutOfTime(late if busy else f"the run takes more than {limit:g} s")
 
     return observe
 
