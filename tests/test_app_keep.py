@@ -123,7 +123,8 @@ def test_the_server_keeps_nothing_of_the_bytes_it_has_sent(page):
 def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_alone(page):
     page.order("hello")
     page.until("finished")
-    assert page.session.run.made.blocks == () and page.session.run.kept_as == page.session.scene
+    made = page.session.run.made
+    assert (made.blocks, made.skeleton) == ((), None) and page.session.run.kept_as == page.session.scene
     say(page.session, {"do": "scene", "values": {"delta_bar": "0.1"}, "after": [1, 120]})
     page.until("finished")
     run, shelf = page.session.run, page.session.shelf

@@ -85,7 +85,7 @@ class Run:
 
     def take_over(self, known):
         """All of it is known: its Frames."""
-        self.state, self.kept_as, self.made = "finished", self.scene, replace(known, blocks=())
+        self.state, self.kept_as, self.made = "finished", self.scene, replace(known, blocks=(), skeleton=None)
         self.total = self.frames = known.frames
 
     def shelve(self, shelf):
@@ -96,7 +96,7 @@ class Run:
     def leave(self):
         """Another takes its place: keep what tells how frames of it came about, and nothing else."""
         self.kept = None
-        self.made = replace(self.made, blocks=())
+        self.made = replace(self.made, blocks=(), skeleton=None)
 
     def up_to(self, frame):
         """((Scene, frames), ...) that lead to a frame, that included: see `solver.carried_path`."""
