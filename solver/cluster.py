@@ -1,6 +1,6 @@
 """Calls on a dask cluster, in place of processes of this machine; the extra `cluster` is needed on every worker too."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from queue import Empty, SimpleQueue
 from time import monotonic
 from traceback import format_exception
@@ -17,8 +17,8 @@ class ClusterError(RuntimeError):
     """The cluster cannot be used; the message is one line that names it and a remedy."""
 
 
-def outcomes(call: Callable, items: Iterable[Any], address: str, limit: float) -> Iterator[tuple[int, Any]]:
-    """Yields (index, call(item) or Lost) in the order of completion, from the workers of the scheduler at `address`.
+def outcomes(call: Callable, items: Sequence[Any], address: str, limit: float) -> Iterator[tuple[int, Any]]:
+    """Yields as `isolated.outcomes`, from the workers of the scheduler at `address`.
 
     Dask repeats the calls of a lost worker on another. If no result arrives for `limit` s, the remaining calls are Lost
     as 'hang'. Raises ClusterError.
@@ -34,12 +34,17 @@ def outcomes(call: Callable, items: Iterable[Any], address: str, limit: float) -
     with client:
         if not client.ncores():
             raise ClusterError(f"--scheduler {address}: no worker there; dask worker {address} --nthreads 1")
-        futures = [client.submit(call, item, pure=False) for item in items]
         ended: SimpleQueue[Any] = SimpleQueue()
-        waiting, last = {future.key: k for k, future in enumerate(futures)}, monotonic()
-        for future in futures:
-            future.add_done_callback(ended.put)
-        while waiting:
+        waiting: dict[Any, tuple[int, Any]] = {}  # {key: (index, future)}: dask gives up what nobody refers to
+        submitted, last = 0, monotonic()
+        while True:
+            for item in items[submitted:]:
+                future = client.submit(call, item, pure=False)
+                waiting[future.key] = submitted, future
+                future.add_done_callback(ended.put)
+                submitted += 1
+            if not waiting:
+                return
             try:
                 future = ended.get(timeout=LOOK)
             except Empty:
@@ -47,13 +52,14 @@ def outcomes(call: Callable, items: Iterable[Any], address: str, limit: float) -
                     raise ClusterError(LOST.format(address)) from None
                 if monotonic() > last + limit:
                     hang = Lost("hang", f"no answer of the cluster within {limit:g} s")
-                    yield from ((index, hang) for index in waiting.values())
+                    yield from ((index, hang) for index, _ in waiting.values())
                     return
                 continue
             if future.status not in ("finished", "error"):
                 raise ClusterError(LOST.format(address))
             last = monotonic()
-            yield waiting.pop(future.key), future.result() if future.status == "finished" else _lost(future.exception())
+            index, _ = waiting.pop(future.key)
+            yield index, future.result() if future.status == "finished" else _lost(future.exception())
 
 
 def _lost(error):

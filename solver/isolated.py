@@ -4,13 +4,14 @@ import os
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from inspect import isgenerator
 from math import inf
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
+from queue import SimpleQueue
 from threading import Event, RLock, Thread, local
 from time import monotonic
 from traceback import format_exc
@@ -111,27 +112,22 @@ def _prepared():
                 main.__file__ = file
 
 
-def outcomes(call: Callable, items: Iterable[Any], workers: int | str, limit: float) -> Iterator[tuple[int, Any]]:
+def outcomes(call: Callable, items: Sequence[Any], workers: int | str, limit: float) -> Iterator[tuple[int, Any]]:
     """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
 
-    workers: the number of processes on this machine, or the address of a dask cluster's scheduler; then raises
-    ClusterError. limit: s for each call.
+    items: a list may grow while outcomes are consumed. workers: the number of processes on this machine, or the address
+    of a dask cluster's scheduler; then raises ClusterError. limit: s for each call.
     """
-    with crew(workers) as outcomes_of:
-        yield from outcomes_of(call, items, limit)
-
-
-@contextmanager
-def crew(workers: int | str) -> Iterator[Callable[[Callable, Iterable[Any], float], Iterator[tuple[int, Any]]]]:
-    """A function (call, items, limit) as `outcomes`; its processes stay from one use to the next."""
     if isinstance(workers, str):
         from . import cluster  # it imports this module
 
-        yield lambda call, items, limit: cluster.outcomes(call, items, workers, limit)
+        yield from cluster.outcomes(call, items, workers, limit)
         return
-    callers, own, over = [], local(), Event()
+    callers: list[Caller] = []
+    own, over = local(), Event()
+    ended: SimpleQueue[Future] = SimpleQueue()
 
-    def outcome(call, item, limit):
+    def outcome(index):
         """Runs in a thread, which has its own process and starts another one for each that is lost."""
         try:
             if getattr(own, "caller", None) is None:
@@ -139,21 +135,24 @@ def crew(workers: int | str) -> Iterator[Callable[[Callable, Iterable[Any], floa
                 callers.append(own.caller)
                 if over.is_set():  # too late to be ended with the others
                     own.caller.end()
-            return own.caller.call(call, item, limit=limit)
+            return index, own.caller.call(call, items[index], limit=limit)
         except Lost as lost:
             if lost.kind != "error":
                 own.caller = None
-            return lost
-
-    def outcomes_of(call, items, limit):
-        futures = {threads.submit(outcome, call, item, limit): index for index, item in enumerate(items)}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+            return index, lost
 
     with ThreadPoolExecutor(workers) as threads:
+        submitted = received = 0
         try:
-            yield outcomes_of
-        finally:  # the caller may have left before the last outcome
+            while True:
+                for index in range(submitted, len(items)):
+                    threads.submit(outcome, index).add_done_callback(ended.put)
+                    submitted += 1
+                if received == submitted:
+                    return
+                yield ended.get().result()
+                received += 1
+        finally:  # the consumer may have left before the last outcome
             over.set()
             threads.shutdown(wait=False, cancel_futures=True)
             for caller in list(callers):

@@ -24,7 +24,7 @@ from .command import (
     write,
 )
 from .files import write_rows
-from .isolated import Lost, crew, outcomes
+from .isolated import Lost, outcomes
 
 # s for a tile of five points: 15 times what five of the most expensive scenes of tests/bench/box.py take (11 default
 # runs each), for slower machines and finer steps
@@ -105,14 +105,14 @@ def flats(arguments: argparse.Namespace) -> int:
 def explored(grid: Map, workers: int | str, points: Iterable[Point] = ()) -> Iterator[Point]:
     """Yields the Points of a Map except those given, coarse to fine; workers: see `isolated.outcomes`."""
     reached = {(point.i, point.j): (point, None) for point in points}
-    with crew(workers) as outcomes_of:
-        for level in range(grid.levels):
-            tiles = list(grid.tiles(level, reached))
-            for k, result in outcomes_of(worked_off, tiles, LIMIT):
-                pairs = grid.lost(tiles[k], result.reason) if isinstance(result, Lost) else result
-                for point, skeleton in pairs:
-                    reached[point.i, point.j] = point, skeleton
-                    yield point
+    levels = (grid.tiles(level, reached) for level in range(grid.levels))  # each is made once that before is complete
+    tiles = next(filter(None, levels), [])
+    for count, (k, result) in enumerate(outcomes(worked_off, tiles, workers, LIMIT), start=1):
+        for point, skeleton in grid.lost(tiles[k], result.reason) if isinstance(result, Lost) else result:
+            reached[point.i, point.j] = point, skeleton
+            yield point
+        if count == len(tiles):
+            tiles += next(filter(None, levels), [])
 
 
 def _resumed(file, grid):

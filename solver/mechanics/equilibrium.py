@@ -16,7 +16,8 @@ from .dense import MOST, DenseInverse
 from .linearised import Linearised
 from .surface import Surface
 
-# stiffness of springs over that of the layer against one node, from which single nodes may rest in several places
+# Stiffness of springs over that of the layer against one node, from which single nodes may rest in several places. In
+# theory they may from 1 on; 1 gives the same slips with as many evaluations (tests/bench/constants.py).
 LOOSE = 2.0
 
 

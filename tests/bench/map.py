@@ -19,7 +19,7 @@ from solver.analysis.maps import Axis, Map, Tile, worked_off
 from solver.analysis.maps.point import touches
 from solver.analysis.maps.run import computed
 from solver.command import scene_of
-from solver.isolated import Lost, crew
+from solver.isolated import Lost, outcomes
 
 WANTED = 1e-3  # nm, of U_s
 LIMIT = 600.0  # s for a tile
@@ -28,17 +28,22 @@ WARM = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0
 
 def explored(grid, workers):
     """(Points, seconds until each level was complete)."""
-    known, seconds = {}, []
-    with crew(workers) as outcomes_of:
-        warm = Tile(WARM, Axis("E", 60.0, 80.0, 3), Axis("nu", 0.4, 0.45, 2), tuple(((i, 0), {}) for i in range(3)))
-        list(outcomes_of(worked_off, [warm] * workers, LIMIT))
-        start = time.perf_counter()
-        for level in range(grid.levels):
-            tiles = list(grid.tiles(level, known))
-            for k, found in outcomes_of(worked_off, tiles, LIMIT):
-                pairs = grid.lost(tiles[k], found.reason) if isinstance(found, Lost) else found
-                known |= {(point.i, point.j): (point, skeleton) for point, skeleton in pairs}
+    known, seconds, level = {}, [], 0
+    warm = Tile(WARM, Axis("E", 60.0, 80.0, 3), Axis("nu", 0.4, 0.45, 2), tuple(((i, 0), {}) for i in range(3)))
+    tiles = [warm] * workers
+    for count, (k, outcome) in enumerate(outcomes(worked_off, tiles, workers, LIMIT), start=1):
+        if count > workers:
+            pairs = grid.lost(tiles[k], outcome.reason) if isinstance(outcome, Lost) else outcome
+            known |= {(point.i, point.j): (point, skeleton) for point, skeleton in pairs}
+        if count < len(tiles):
+            continue
+        if count == workers:
+            start = time.perf_counter()
+        else:
             seconds.append(time.perf_counter() - start)
+        if level < grid.levels:
+            tiles += grid.tiles(level, known)
+            level += 1
     return [point for point, _ in known.values()], seconds
 
 

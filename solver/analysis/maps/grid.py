@@ -25,8 +25,9 @@ FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of the
 CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in SAME and not limits.whole)
 COARSEST = 16  # most points of the first level, all of them runs: a picture within about 2 s on two cores
 SOURCES = 2  # neighbours from which a point is followed, at most: two ways that agree confirm each other
-# Followed points are accepted within BEND of the span of U_s among their neighbours, and SMALL of U_s where they are
-# nearly equal. With half or twice of either, 60 of 60 runs of tests/bench/map.py agree as well.
+# Followed points are accepted within BEND of the span of U_s among their neighbours, and SMALL of U_s where these are
+# nearly equal. With half and twice of both, a map of 221 points (delta_bar, phi_ratio; 256 nodes) has the same 163
+# followed points; 40 of 40 runs agree with it.
 BEND = 0.5
 SMALL = 0.01
 ALIKE = 1e-4  # nm, to which U_s agrees if two ways lead to one slip: ten times the tolerance of a state
