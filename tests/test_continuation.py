@@ -16,7 +16,7 @@ from solver.continuation.inverse import Solves
 from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import Replay
-from solver.continuation.state import NotConverged, Slip
+from solver.continuation.state import End, NotConverged
 from solver.continuation.trace import Passed, TracedBranch
 
 ACTIVE = np.ones(1, bool)
@@ -533,7 +533,7 @@ def test_a_state_close_to_the_end_of_a_branch_gives_way_to_it():
     branch = TracedBranch((states[0],))
     for state in states[1:]:
         branch = branch.added(state)
-    branch = branch.ended(Slip(1.0, np.ones(1), ACTIVE, "fold", None))
+    branch = branch.ended(End(1.0, np.ones(1), ACTIVE, None, "fold"))
     assert [state.load for state in branch.states] == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
     # quadratic in the load is of the fourth degree in the root of the distance to the end
     assert branch.at(0.99).v[0] == pytest.approx(0.99**2, abs=1e-12)

@@ -15,7 +15,7 @@ from .anderson import dot
 from .fold import Fold, FoldOptions, fold_near
 from .interpolation import lagrange
 from .onset import START, Point, mixed, onset
-from .state import MOVED, LimitPoint, State
+from .state import MOVED, End, State
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,11 @@ OPTIONS = BranchOptions()
 SEARCH = FoldOptions(accuracy=3e-3, products=100)
 
 
-def continue_branch(corrector, judge, state, target) -> State | LimitPoint:
-    """The State at load `target`, nm, on the branch of `state`, or the LimitPoint that comes before it."""
+def continue_branch(corrector, judge, state, target) -> State | End:
+    """The State at load `target`, nm, on the branch of `state`, or the End that comes before it."""
     reached = _by_load(corrector, judge, state, target) or _Arc(corrector, judge, state, target).followed()
     settled = np.zeros(state.active.size, bool)
-    while isinstance(reached, LimitPoint) and reached.located:
+    while isinstance(reached, End) and reached.located:
         # nodes that crossed the edge of the window on the way are admitted or left out, and the end located again
         active = corrector.problem.active(reached.v, reached.load, reached.active, settled)
         if active is reached.active:
@@ -128,7 +128,7 @@ class _Arc:
         self.mode = state.mode
 
     def followed(self):
-        """The State at the target, or the LimitPoint before it."""
+        """The State at the target, or the End before it."""
         points, stride = self._two_points(), Stride(self.unit)
         for _ in range(OPTIONS.points):
             length = np.abs(points[0].v - points[1].v).max()
@@ -172,9 +172,9 @@ class _Arc:
         return None if load is None else Point(load, v)
 
     def _lost(self):
-        """The LimitPoint "lost": the motion shall start from the state at hand, under the load asked for."""
+        """The End "lost": the motion shall start from the state at hand, under the load asked for."""
         state = self.state
-        return LimitPoint(max(self.target, state.load), state.v, state.active, np.zeros_like(state.v), "lost")
+        return End(max(self.target, state.load), state.v, state.active, np.zeros_like(state.v), "lost")
 
     # the target
 
@@ -210,7 +210,7 @@ class _Arc:
     # ends
 
     def _turned(self, points):
-        """The LimitPoint at the fold that the newest Point has passed, or the State at `target` if that is below.
+        """The End at the fold that the newest Point has passed, or the State at `target` if that is below.
 
         None if the fold is not found from so far.
         """
@@ -218,10 +218,10 @@ class _Arc:
         return fold and self._at_fold(fold, [p for p in points[1:] if dot(chord, p.v) < dot(chord, fold.v)])
 
     def _at_fold(self, fold, points):
-        """The LimitPoint at a Fold, or the State at `target` if that is below it; points: before it, newest first."""
+        """The End at a Fold, or the State at `target` if that is below it; points: before it, newest first."""
         if fold.load >= self.target:
             return self._arrived([Point(fold.load, fold.v), *points], fold.load)
-        return LimitPoint(fold.load, fold.v, self.state.active, fold.phi * (START * self.unit), "fold")
+        return End(fold.load, fold.v, self.state.active, fold.phi * (START * self.unit), "fold")
 
     def _unstable(self, points):
         """The end of the branch between the last two Points, if the newest is unstable; else None."""
@@ -253,7 +253,7 @@ class _Arc:
         return None
 
     def _fold_ahead(self, points):
-        """The LimitPoint at a fold less than a step ahead, or the State at `target` before it; None without a fold.
+        """The End at a fold less than a step ahead, or the State at `target` before it; None without a fold.
 
         Near the onset of stick-slip the load falls over less than a step: no two points show the fold between them.
         """

@@ -10,7 +10,7 @@ from math import isfinite
 import numpy as np
 
 from .motion import Creep, ExplicitMotion
-from .state import Increment, NotConverged, Slip, State, slipped
+from .state import End, Increment, NotConverged, State, slipped
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Gfmd:
             self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
             state = State.at_rest(state.load, v, active)
         after = State.at_rest(target, v, active, residual=residual)
-        slip = Slip(state.load, state.v, state.active, "lost", after)
+        slip = End(state.load, state.v, state.active, None, "lost", after=after)
         return Increment(after, (slip,) if slipped(self.problem, state, target, after) else ())
 
     def _settled(self, state, target):

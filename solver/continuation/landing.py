@@ -13,7 +13,7 @@ import numpy as np
 from .problem import Problem
 from .slip import OPTIONS as SLIP
 from .slip import TooLong, Transient, Trial
-from .state import Crowded, LimitPoint, NotConverged, State
+from .state import Crowded, End, NotConverged, State
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,9 @@ class Landing(NamedTuple):
 
 
 def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landing:
-    """The Landing of the motion from a LimitPoint; raises NotConverged, and Crowded where it needs more unknowns.
+    """The Landing of the motion from an End; raises NotConverged, and Crowded where it needs more unknowns.
 
-    The load is that of the LimitPoint or, if the motion does not rest there, the next at which it does. damping: over
+    The load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
     critical; closed: as of `motion.Motion`. filmed: keep the State's `film`.
     """
     motion = partial(_moved, judge=judge, damping=damping, closed=closed, filmed=filmed)
@@ -108,8 +108,8 @@ def _same(problem, state, other):
     return bool(np.abs(other.v - state.v).max() <= OPTIONS.same * problem.unit + 2.0 * abs(other.load - state.load))
 
 
-def widened(problem, end) -> tuple[Problem, LimitPoint]:
-    """(problem of more unknowns, the same LimitPoint of it)."""
+def widened(problem, end) -> tuple[Problem, End]:
+    """(problem of more unknowns, the same End of it)."""
     wide, v, active = problem.grown(end.v, end.active, end.load, True)
     begun = problem.grown(end.v + end.away, end.active, end.load, True)[1]
     return wide, end._replace(v=v, active=active, away=begun - v)

@@ -6,7 +6,7 @@ import numpy as np
 
 from .anderson import dot
 from .rest import Mode
-from .state import LimitPoint
+from .state import End
 
 SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
@@ -27,8 +27,8 @@ class _Side(NamedTuple):
     mode: Mode
 
 
-def onset(corrector, judge, state, older, after, mode) -> LimitPoint | None:
-    """The LimitPoint before the unstable Point `after`, where the growth of its `mode` is zero; None if not found.
+def onset(corrector, judge, state, older, after, mode) -> End | None:
+    """The End before the unstable Point `after`, where the growth of its `mode` is zero; None if not found.
 
     older: Points of the branch of `state` before it, newest first; not all of them have been judged.
     """
@@ -49,7 +49,7 @@ def onset(corrector, judge, state, older, after, mode) -> LimitPoint | None:
     x, unit = end.mode.x, corrector.problem.unit
     away = x * np.copysign(START * unit, dot(x, after.v - older[0].v))  # the way the state moves
     away = away / max(np.abs(x).max(), 1e-300)
-    return LimitPoint(end.point.load, end.point.v, state.active, away, end.mode.kind, hidden)
+    return End(end.point.load, end.point.v, state.active, away, end.mode.kind, hidden)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):

@@ -10,16 +10,16 @@ from .landing import motion_to_rest, widened
 from .onset import START
 from .problem import Problem
 from .rest import Judge
-from .state import Crowded, Increment, LimitPoint, NotConverged, Slip, State, slipped
+from .state import Crowded, End, Increment, NotConverged, State, slipped
 
 SLIPS = 100  # most slips of an increment; soft layers that jump into contact make some ten
 
 
 class Ended(NamedTuple):
-    """A Slip, and the problem whose unknowns it is in."""
+    """The End of a branch, and the problem whose unknowns it is in."""
 
     problem: Problem
-    slip: Slip
+    slip: End
 
 
 class QuasiStatic:
@@ -40,12 +40,11 @@ class QuasiStatic:
             reached = self._judged(state) if state.unsure else state
             if isinstance(reached, State):
                 reached = self._continued(reached, target)
-            if isinstance(reached, LimitPoint):
+            if isinstance(reached, End):
                 before, problem = state, self.problem
                 state, sensitive = self._through(reached)
                 if problem is not self.problem or self._ended(before, reached, state):
-                    end = reached.load, reached.v, reached.active, reached.kind
-                    slips.append(Ended(problem, Slip(*end, state, sensitive)))
+                    slips.append(Ended(problem, reached._replace(away=None, after=state, sensitive=sensitive)))
                 if state.unsure or state.load < target:
                     continue
             else:
@@ -58,23 +57,23 @@ class QuasiStatic:
         raise NotConverged(f"more than {SLIPS} slips in one increment, residual {self.corrector.worst:.2g} nm")
 
     def _continued(self, state, target):
-        """The State at load `target` on the branch of `state`, or the LimitPoint before it."""
+        """The State at load `target` on the branch of `state`, or the End before it."""
         secants = state.secants.copy() if state.secants else self.corrector.secants()  # solving adds to them
         state = state._replace(secants=secants)
         self.corrector.begin(state)
         return continue_branch(self.corrector, self.judge, state, target)
 
     def _ended(self, before, end, after):
-        """Whether the branch of the State `before` ended in the LimitPoint; a lost one may go on."""
+        """Whether the branch of the State `before` ended in the End; a lost one may go on."""
         return end.located or slipped(self.problem, before, end.load, after)
 
     def _judged(self, state):
-        """The State itself, if it is stable under the load that takes over; else the LimitPoint where it leaves."""
+        """The State itself, if it is stable under the load that takes over; else the End where it leaves."""
         mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
             return state._replace(unsure=False, mode=mode)
         kind = mode.kind if mode.hidden else "control"
-        return LimitPoint(state.load, state.v, state.active, self._away(mode), kind, mode.hidden)
+        return End(state.load, state.v, state.active, self._away(mode), kind, mode.hidden)
 
     def _away(self, mode):
         return mode.x * (START * self.problem.unit / np.abs(mode.x).max())
@@ -85,7 +84,7 @@ class QuasiStatic:
         return grown and (grown[0], State.at_rest(state.load, *grown[1:]))
 
     def _in_present_unknowns(self, problem, slip):
-        """A Slip of `problem` in the unknowns of the present one, which may have more."""
+        """An End of `problem` in the unknowns of the present one, which may have more."""
         while problem.size < self.problem.size:
             problem, v, active = problem.grown(slip.v, slip.active, slip.load, True)
             slip = slip._replace(v=v, active=active)
@@ -106,7 +105,7 @@ class QuasiStatic:
                 end = self._on_more(end)
 
     def _on_more(self, end):
-        """Solve a problem of more unknowns from now on; the same LimitPoint of it."""
+        """Solve a problem of more unknowns from now on; the same End of it."""
         problem, end = widened(self.problem, end)
         self._solve(problem)
         return end

@@ -73,7 +73,7 @@ class Mode:
 
     @property
     def kind(self) -> str:
-        """The kind of end at its onset, as of `state.LimitPoint`, unless that is a fold."""
+        """The kind of end at its onset, as of `state.End`, unless that is a fold."""
         return "flutter" if abs(self.mu.imag) > ROUND_OFF * abs(self.mu) else "bifurcation"
 
 

@@ -67,43 +67,27 @@ def slipped(problem, before, load, after) -> bool:
     return bool(moved >= MOVED * problem.unit + 2.0 * abs(load - before.load))
 
 
-class LimitPoint(NamedTuple):
-    """The end of a branch: its load and unknowns, and where the transient starts.
+class End(NamedTuple):
+    """The end of a branch: its load and unknowns, where the transient starts and, of a slip, where that comes to rest.
 
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
     real mode does, but not at a fold; "control", where another load takes over under which the state is unstable;
-    "lost", where the branch could not be continued: the transient decides if it ends. hidden: as of `rest.Mode`.
-    """
-
-    load: float  # nm
-    v: np.ndarray  # (size,)
-    active: np.ndarray
-    away: np.ndarray  # (size,): the transient starts from rest at v + away
-    kind: str
-    hidden: bool = False
-
-    @property
-    def located(self) -> bool:
-        """Whether `load` is that of the end itself, not of the increment in which the branch was lost."""
-        return self.kind != "lost"
-
-
-class Slip(NamedTuple):
-    """A branch that ended, as a LimitPoint says, and the State in which the surface came to rest again.
-
+    "lost", where the branch could not be continued: the transient decides if it ends. hidden: as of `rest.Mode`;
     sensitive: as of `landing.Landing`.
     """
 
     load: float  # nm
     v: np.ndarray  # (size,)
     active: np.ndarray
+    away: np.ndarray | None  # (size,): the transient starts from rest at v + away; None once it has come to rest
     kind: str
-    after: State | None  # None in a Trace, which has it as the first of the next branch
+    hidden: bool = False
+    after: State | None = None  # at rest again; None in a Trace, which has it as the first of the next branch
     sensitive: bool = False
 
     @property
     def located(self) -> bool:
-        """As of LimitPoint."""
+        """Whether `load` is that of the end itself, not of the increment in which the branch was lost."""
         return self.kind != "lost"
 
 
@@ -114,7 +98,7 @@ class Increment(NamedTuple):
     """
 
     state: State
-    slips: tuple = ()
+    slips: tuple[End, ...] = ()
     repeated: bool = False  # known from earlier, moved on by lattice periods and verified
 
     @property

@@ -16,7 +16,7 @@ class Stepper(Protocol):
 
     1. The state that an increment returns has a residual within the problem's tolerance.
     2. Its load is the target. It is higher only after a slip, where no equilibrium is reached before.
-    3. A jump to another equilibrium is a Slip of the increment, at a load from the state's up to the target's.
+    3. A jump to another equilibrium is a slip of the increment, at a load from the state's up to the target's.
     4. Slips come in the order of their loads; the branch of each begins in the state `after` the one before.
     5. Where no equilibrium is reached, NotConverged is raised.
     6. The given state stays valid: from it the increment can be made again.

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .interpolation import lagrange
-from .state import Slip
+from .state import End
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,10 @@ class Passed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class TracedBranch:
-    """The states of one branch in order of the load, and the Slip at its end, whose state is the last one."""
+    """The states of one branch in order of the load, and its End, whose state is the last one."""
 
     states: tuple[Passed, ...] = field(repr=False)
-    end: Any = None  # its Slip, or None before it
+    end: Any = None  # an End, or None before it
 
     @property
     def start(self) -> float:
@@ -55,7 +55,7 @@ class TracedBranch:
             return self
         return TracedBranch((*self.states[:i], state, *self.states[i:]), self.end)
 
-    def ended(self, slip: Slip) -> "TracedBranch":
+    def ended(self, slip: End) -> "TracedBranch":
         """The same up to its end; no other state has that load."""
         before = tuple(state for state in self.states if state.load < slip.load - OPTIONS.near)
         return TracedBranch((*before, Passed(slip.load, slip.v, slip.active)), slip._replace(after=None))
@@ -169,8 +169,8 @@ class Trace:
         after = [branch.start for branch in self.branches if branch.start >= load]
         return load if self.branch_at(load) is not None or not after else min(after)
 
-    def slips(self, low: float, high: float, direction: np.ndarray) -> list[Slip]:
-        """The Slips of a run that repeats itself at loads above `low`, up to `high`, nm; direction: the problem's."""
+    def slips(self, low: float, high: float, direction: np.ndarray) -> list[End]:
+        """The Ends of a run that repeats itself at loads above `low`, up to `high`, nm; direction: the problem's."""
         found, first = [], self.branches.index(self.branch_at(max(self.home, self.branches[0].start)))
         for turns in range(ceil((low - self.end) / self.period), ceil((high - self.end) / self.period) + 1):
             for branch in self.branches[first:]:

@@ -35,7 +35,7 @@ SAMPLE = 8  # frames: along a branch the safe damping changes by less than 0.05 
 class SlipEvent:
     """The end of a branch: load U_x (or delta, in approach and retraction) in nm, and F_bar, L_bar, A_bar just before.
 
-    kind: as of `continuation.state.LimitPoint`. located: whether the load is that of the end itself, to 1e-6 nm, or
+    kind: as of `continuation.state.End`. located: whether the load is that of the end itself, to 1e-6 nm, or
     only that of the increment in which it lies. sensitive: motions with other time steps, or from another start, came
     to rest elsewhere.
     """

@@ -10,7 +10,7 @@ import numpy as np
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
-from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, Slip, State
+from ..continuation.state import End, NotConverged, OutOfTime, PulledOff, Restless, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
@@ -39,7 +39,7 @@ class Checkpoint(NamedTuple):
     late: bool = False  # whether only the time limit ended it: see `slices.in_time`
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
-    jumps: tuple[tuple[Slip, tuple[int, int]], ...] = ()  # slips of the approach, and the patch each one is on
+    jumps: tuple[tuple[End, tuple[int, int]], ...] = ()  # slips of the approach, and the patch each one is on
     carried: bool = False  # the state is an equilibrium of other parameters: it may jump in the next increment
 
 
@@ -195,7 +195,7 @@ class Run:
         return bool(np.abs(problem.surface(state.v) - top).max() <= FREE * self.scene.delta_n)
 
     def _event(self, step, slip):
-        """The SlipEvent of a Slip."""
+        """The SlipEvent of a slip, an End."""
         scene, T = self.scene, self._stepper.problem.traction(slip.v, slip.active)
         load = float(step.loading.coordinate(slip.load))
         return SlipEvent(load, *forces_and_area(scene, T), step.stage, slip.kind, slip.located, slip.sensitive)
