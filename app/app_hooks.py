@@ -14,7 +14,7 @@ from app import telling, web
 from app.page import shared
 from app.service import metrics, worker
 from app.service.finished import fill, shelf
-from app.service.pool import NOBODY, pool
+from app.service.pool import LATER, NOBODY, pool
 from app.service.stored import row
 from app.session.session import visitors
 from solver import Scene
@@ -43,7 +43,7 @@ def on_server_loaded(server_context):
 def _load():
     """What the page Interface law uses: the kernel of the law, once a worker has compiled it."""
     with suppress(Lost, CancelledError):
-        pool.submit(worker.ready, owner=NOBODY).result()
+        pool.submit(worker.ready, owner=NOBODY, rank=LATER).result()
         cohesive_law.traction(Scene(), np.zeros(1), 0.0)
 
 

@@ -42,7 +42,8 @@ function chunkOf(head, curves, fields) {
 function curvesOf(planes, columns, frames) {
   const curves = new Int32Array(columns * frames), { length } = curves
   for (let i = 0; i < length; i++) {
-    const change = planes[i] | (planes[length + i] << 8) | (planes[2 * length + i] << 16) | (planes[3 * length + i] << 24)
+    const [second, third, fourth] = [1, 2, 3].map((byte) => planes[byte * length + i])
+    const change = planes[i] | (second << 8) | (third << 16) | (fourth << 24)
     curves[i] = change + (i % frames ? curves[i - 1] : 0)
   }
   return new Float32Array(curves.buffer)
@@ -62,7 +63,7 @@ function fieldsOf(planes, frames, nodes) {
   return fields
 }
 
-// All frames and nodes of fields of which a stored run has few (app/service/stored.py), along straight lines between these
+// All frames and nodes of the fields of a stored run, which has few of them (app/service/stored.py) only
 function filledIn(few, kept, { frames, nodes }) {
   const over = between(kept.frames, frames), along = between(kept.nodes, nodes)
   const wide = kept.nodes.length, size = wide * kept.frames.length, count = few.length / size

@@ -1,22 +1,12 @@
-// The frames of a run, as they arrive (packed.js) and as views ask for them.
+// A run: its frames as they arrive (packed.js), and its curves and map as views ask for them.
+
+import { acts, Frames } from "./frames.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
-const ALL = 0.95 // of the nodes that feel anything have slipped: it all has
-const COUNTS = ["no", "one", "two", "three", "four", "five", "six"]
-const NONE = 1e-6 // of the peak attraction: a flat surface at zero gap feels no more than round-off
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
 export const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
   A: ["A_bar", (head) => 2 * head.middle],
-}
-
-// Weak attraction counts as free beyond the peak of the law, not where it passes through zero
-const acts = ({ adhesion, free, delta_n }, T_n, gap) => gap <= delta_n || T_n <= -free * adhesion
-
-function state(head, T_n, gap) {
-  if (!acts(head, T_n, gap)) return "free"
-  if (head.flat && Math.abs(T_n) < NONE * head.adhesion) return "contact"
-  return T_n > 0 ? "repulsive" : "adhering"
 }
 
 const SPAN = { // of the frames of a run, from the first of shear on unless said otherwise
@@ -31,11 +21,11 @@ export const SPANS = Object.keys(SPAN)
 const least = (list) => list.reduce((a, b) => Math.min(a, b), 0)
 const largest = (list) => list.reduce((a, b) => Math.max(a, b), 0)
 
-export class Run {
+export class Run extends Frames {
   constructor(number, head) {
+    super()
     this.number = number
     this.head = head
-    this.places = [] // frame k -> [block, row]
     this.curves = Object.fromEntries([...head.columns, ...Object.keys(REAL)].map((name) => [name, []]))
     this.whole = false
     this.filmed = false // whether its last frames are a motion through a slip
@@ -74,7 +64,8 @@ export class Run {
     this.weigh(k)
     if (this.sheared < 0) return
     const T_z = of("T_z"), T_x = of("T_x"), weak = (WEAK * head.adhesion) / scales.T_z
-    const touch = head.flat && of("gap")[0] * scales.gap <= head.delta_n // all alike; at gap 0 there is no traction to tell
+    // nodes of a flat are alike; at gap 0 they have no traction
+    const touch = head.flat && of("gap")[0] * scales.gap <= head.delta_n
     const tells = (value) => touch || value > 0 || value < -weak, left = T_z.findIndex(tells)
     this.T_high = Math.max(this.T_high, largest(T_z) * scales.T_z)
     this.T_low = Math.min(this.T_low, least(T_z) * scales.T_z)
@@ -93,77 +84,10 @@ export class Run {
     this.strongestForce = Math.max(this.strongestForce, most)
   }
 
-  // What was sent of frame k: its head, and the Int16Array of a field over the patch
-  sent(k) {
-    const [{ head, fields }, row] = this.places[k]
-    return { head, of: (name) => fields[name].subarray(row * head.nodes, (row + 1) * head.nodes) }
-  }
-
-  // What is said of the run that frame k belongs to: of one that goes on from others, not the same for all
-  headOf(k) { return this.places[k][0].head }
-
   // Names of the parameters that are not the same for all frames after the approach
   get changing() {
     const scenes = [...new Set(this.places.slice(Math.max(0, this.sheared)).map(([{ head }]) => head.scene))]
     return Object.keys(this.head.scene).filter((name) => scenes.some((scene) => scene[name] !== scenes[0][name]))
-  }
-
-  // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 points against +x; and
-  // state(i), how node i is drawn.
-  // All nodes of a flat surface are alike: they are drawn less than a spacing from where they were, to fill the view
-  frame(k) {
-    const { head, of } = this.sent(k), { first, spacing, middle, scales, flat } = head
-    const real = (name, factor) => Float32Array.from(of(name), (value) => value * factor * scales[name])
-    const x = real("u_x", 1).map((u, i) => (first + i) * spacing - middle + (flat ? u - spacing * Math.round(u / spacing) : u))
-    const gap = real("gap", 1), T_n = real("T_z", 1)
-    return { x, gap, T_n, T_t: real("T_x", -1), state: (i) => state(head, T_n[i], gap[i]) }
-  }
-
-  // Least displacement u_x of all nodes of frame k, nm; of a flat surface that of any
-  least(k) {
-    const { head, of } = this.sent(k)
-    return Math.min(...of("u_x")) * head.scales.u_x
-  }
-
-  // By how many lattice sites every node of frame k has moved since the frame before; the same node in either
-  moved(k) {
-    const [now, before] = [k, k - 1].map((at) => this.frame(at).x), { spacing, flat } = this.headOf(k)
-    if (flat) return Float32Array.from(now, () => Math.round((this.least(k) - this.least(k - 1)) / spacing))
-    const shift = this.headOf(k).first - this.headOf(k - 1).first
-    return now.map((x, i) => (i + shift in before ? Math.round((x - before[i + shift]) / spacing) : 0))
-  }
-
-  // The slip that led to frame k: how many nodes feel anything, how many of them moved, whether all, and by how many sites
-  slipTo(k) {
-    const moved = this.moved(k), { state: stateOf } = this.frame(k)
-    const acting = [...moved.keys()].filter((i) => stateOf(i) !== "free"), gone = acting.filter((i) => moved[i])
-    const sites = gone.length ? Math.abs(moved[gone[gone.length >> 1]]) : 0
-    const said = `${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}`
-    return { acting: acting.length, gone: gone.length, all: gone.length >= ALL * acting.length, sites, said }
-  }
-
-  // Stretches of repulsion in frame k, [from, to] as numbers of nodes with fractions
-  patches(k) {
-    const { head: { first }, of } = this.sent(k), T = of("T_z"), found = []
-    const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0)
-    T.forEach((value, i) => {
-      if (value <= 0) return
-      if (!(T[i - 1] > 0)) found.push([first + i - beyond(i, i - 1), 0])
-      if (!(T[i + 1] > 0)) found.at(-1)[1] = first + i + beyond(i, i + 1)
-    })
-    return found
-  }
-
-  // Outermost places of repulsion in frame k; null where nothing is repelled
-  edges(k) {
-    const found = this.patches(k)
-    return found.length ? [found[0][0], found.at(-1)[1]] : null
-  }
-
-  // Where both of them are in some frames, nm from the middle; NaN where there are none
-  edgesOver(frames) {
-    const { spacing, middle } = this.head, found = frames.map((k) => this.edges(k))
-    return [0, 1].map((side) => found.map((ends) => (ends?.[side] ?? NaN) * spacing - middle))
   }
 
   values(k) { return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]])) }
@@ -174,7 +98,7 @@ export class Run {
   // Whether frame k is shown among the approach, along delta, rather than what follows; all of a run that ends there
   approaching(k) { return !this.normal && (this.sheared < 0 || k < this.sheared || this.pressed) }
 
-  // The frames [from, to) that are drawn together, and what along: the approach or what follows, both where delta changes
+  // The frames [from, to) that are drawn together, and along what: the approach or what follows; both if delta changes
   part(approach) {
     const { length } = this, turn = this.normal || this.pressed ? null : this.sheared
     const [from, to] = approach ? [0, turn < 0 ? length : turn ?? length] : [Math.max(0, turn), length]
@@ -260,7 +184,8 @@ export class Run {
 
   // The frame nearest to a place along the path, nm, in the part of frame `now`; of several the one closest to it
   nearest(place, now) {
-    const { from, to, abscissa } = this.part(this.approaching(now)), along = this.curves[abscissa], close = this.head.step / 2
+    const { from, to, abscissa } = this.part(this.approaching(now))
+    const along = this.curves[abscissa], close = this.head.step / 2
     let best = from
     for (let k = from; k < to; k++) {
       const nearer = Math.abs(along[k] - place) - Math.abs(along[best] - place)
@@ -302,7 +227,7 @@ export class Run {
     })
   }
 
-  // Edges of what is repelled (place along the path, x, nm) in the stages that the map does not show: the other branches of
+  // Edges of what is repelled (place along the path, x, nm) in stages that the map does not show: the other branches of
   // a loop, each edge a line that ends with NaN
   otherEdges(shown) {
     const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown))

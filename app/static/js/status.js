@@ -170,5 +170,6 @@ function showState(shown, text) {
 // A run that was computed in advance stands in for the one to come
 function tellStored(state) {
   showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
-  by("computed").textContent = "This run was computed in advance and is stored with about 2 % accuracy; its curves are exact."
+  by("computed").textContent = "This run was computed in advance. Its curves are exact; tractions and heights of nodes are "
+    + "stored to a few per cent of the largest."
 }

@@ -8,8 +8,8 @@ import { declared, me } from "./state.js"
 
 let asked = "" // address of the last one
 
-// show(run): puts a stored run on the screen. The page asks for one of the scene in its address; while workers get ready,
-// that of the preset is better than nothing
+// show(run): puts a stored run on the screen. The page names that of its scene. While workers get ready, the one of the
+// preset is shown where the page names none
 export function connectStored(show) {
   const load = async (address) => {
     if (!address || address === asked || computed()) return
