@@ -46,7 +46,7 @@ def test_a_stored_run_is_that_of_the_solver(tab, name):
     texts = [base64.b64encode(message).decode() for message in (run, block)]
     compared = tab.evaluate(COMPARE % (list(ALIKE), list(packing.FIELDS)), texts)
     assert compared["size"] == [made.frames, packing.header(block)["nodes"]]
-    assert compared["scene"] == packing.header(block)["scene"]
+    assert compared["scene"] == packing.header(block)["scene"], "write the runs anew: python -m app.service.stored"
     assert {name: apart for name, apart in compared["columns"].items() if apart > CURVES} == {}
     assert {name: apart for name, apart in compared["fields"].items() if apart > FIELDS} == {}
 

@@ -258,8 +258,9 @@ PLAYED = """async ({ now, speed }) => {
     const { paceAt } = await import("http://scripts/js/pace.js")
     let run = null, at = 0
     for (const text of now.blocks) {
-        const chunk = await unpackLater(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
-        run ??= Object.assign(new Run(chunk.run, chunk.head), { scene: now.scene })
+        const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+        const chunk = await unpackLater({ buffer, start: 0 })
+        run ??= Object.assign(new Run(7, chunk.head), { scene: now.scene })
         run.add(chunk)
     }
     const seen = [], DT = 0.02
