@@ -93,7 +93,7 @@ def onset_of(scene, kept=None):
         search = search_on(scene, kept or Search(), SLICE, worker.SLOW)
     except NotConverged as error:
         return str(error)
-    found = search.found
+    found = search.outcome
     if found is None:
         return Part(search)
     step = max(1, found.U.size // DRAWN)

@@ -1,4 +1,4 @@
-"""Where sliding sets in, and the paper's friction (Eq. 5, 7), from runs and, on the flat, in closed form."""
+"""The onset of sliding, and the paper's friction (Eq. 5, 7), from runs and, for flats, in closed form."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,7 +25,7 @@ FINE = 8192  # points per lattice period of the flat interface's branches
 
 @dataclass(frozen=True)
 class Onset:
-    """A run in shear up to its first slip; the three at the slip are None where none came."""
+    """A run in shear up to its first slip; U_s, F_s and A_s are None without a slip."""
 
     U_s: float | None  # nm
     F_s: float | None
@@ -35,42 +35,42 @@ class Onset:
     F: np.ndarray  # (k,) F_bar
     A: np.ndarray  # (k,) A_bar
     L: np.ndarray  # (k,) L_bar
-    A_nodes: float  # A_bar of the last increment before the slip, nodes counted rather than edges interpolated
+    A_nodes: float  # A_bar of the last increment before the slip, from the number of nodes under repulsion
 
 
 def onset(scene) -> Onset:
-    """The Onset of a scene, u_x_max extended as needed; raises NotConverged as load_path does.
+    """The Onset of a scene, with u_x_max extended as needed; raises NotConverged as load_path does.
 
-    Without a slip up to `reach`, the run goes on to the reach at the strength that pressure gave its springs, as far as
-    the scene allows.
+    Without a slip up to `reach`, the run goes on to the `reach` of the strength that its springs had under pressure, as
+    far as the scene allows.
     """
     search = Search()
-    while search.found is None:
+    while search.outcome is None:
         search = search_on(scene, search)
-    return search.found
+    return search.outcome
 
 
 @dataclass(frozen=True)
 class Search:
-    """How far the search for an onset has come, picklable; found: the Onset, once it is known."""
+    """The state of a search for an onset, picklable; outcome: the Onset, or None as long as the search goes on."""
 
     checkpoint: Checkpoint | None = None
     rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar) in shear
     nodes: int = 0  # under repulsion, in the last row
     strength: float = 0.0  # GPa, the largest that the surface had on the way
     end: float = 0.0  # nm, of the run in hand
-    found: Onset | None = None
+    outcome: Onset | None = None
 
 
 def search_on(scene, search, budget=0.1, limit=inf) -> Search:
-    """The Search some `budget` seconds later; raises NotConverged. limit: as of `advance`."""
+    """The Search after some `budget` more seconds; raises NotConverged. limit: as of `advance`."""
     longer = _extended(scene, max(search.end, reach(scene)))
     frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
     rows, nodes, strength = list(search.rows), search.nodes, search.strength
     for frame in (frame for frame in frames if frame.stage == "shear"):
         if slips := slips_in(frame):
             rows.append((slips[0].load, slips[0].F_bar, slips[0].A_bar, slips[0].L_bar))
-            return Search(found=_found(scene, rows, nodes, True))
+            return Search(outcome=_onset(scene, rows, nodes, True))
         rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
         nodes = int(np.count_nonzero(frame.T[1] > 0.0))
         strength = max(strength, _strength(scene, frame))
@@ -80,11 +80,11 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
         return Search(checkpoint, tuple(rows), nodes, strength, search.end)
     farther = reach(scene, strength)
     if _extended(scene, farther).u_x_max <= longer.u_x_max:
-        return Search(found=_found(scene, rows, nodes, False))
+        return Search(outcome=_onset(scene, rows, nodes, False))
     return Search(extended(checkpoint), tuple(rows), nodes, strength, farther)
 
 
-def _found(scene, rows, nodes, slipped):
+def _onset(scene, rows, nodes, slipped):
     U, F, A, L = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
     return Onset(*end, float(A[0]), U, F, A, L, nodes / scene.nodes)
@@ -97,9 +97,9 @@ def _strength(scene, frame):
 
 
 def reach(scene, strength=None) -> float:
-    """U_x, nm, up to which `onset` looks for a slip: 2 (strength h/G + 2 a), strength in GPa (tau_max if None).
+    """U_x, nm, up to which `onset` searches for a slip: 2 (strength h/G + 2 a), strength in GPa (tau_max if None).
 
-    Twice what shears the layer by that traction and moves it on by two lattice periods; tau_max is that at dn = 0.
+    That is twice the way on which such a traction shears the layer and moves it on by two lattice periods.
     """
     strength = tau_max(scene) if strength is None else strength
     return 2.0 * (strength * scene.height * scene.width / scene.shear_modulus + 2.0 * scene.spacing)
@@ -109,7 +109,7 @@ def _extended(scene, end):
     longest = min(max(scene.u_x_max, end), LARGEST_RUN * scene.du_x * scene.delta_t)
     try:
         return scene.changed(u_x_max=longest, path="shear")
-    except SceneError:  # so long a run of so soft a layer is beyond its tolerance: as far as the scene goes
+    except SceneError:  # on a soft layer, so long a run is beyond its tolerance
         return scene.changed(path="shear")
 
 
@@ -137,8 +137,8 @@ class Friction:
 def friction_force(scene, frames) -> Friction:
     """The Friction of a run (Eq. 7), from its first slip on; without one, from one lattice period on.
 
-    F_k is that of the increment in which a slip ended, so at most du_x beyond it. Raises ValueError where the
-    contact has not slid, or not by a whole lattice period from there on.
+    F_k is that of an increment in which a slip ended, at most du_x beyond its landing. Raises ValueError where the
+    contact has not slid, or by less than a lattice period.
     """
     shear = [f for f in frames if f.stage == "shear"]
     start = next((i for i, f in enumerate(shear) if f.slip), None)
@@ -161,8 +161,8 @@ def tau_max(scene) -> float:
     return scene.phi_t / (scene.delta_t * sqrt(0.5 * e))
 
 
-# On the flat at delta_bar = 0, dn = 0 all over: T_z = 0 and dT_z/du_x = 0 whatever u_x, so that the tangent is
-# triangular and u_z, always stable there, has no part in the stability of u_x. What follows is therefore exact.
+# On a flat at delta_bar = 0, dn = 0 at all nodes: T_z = 0 and dT_z/du_x = 0 for any u_x. So the tangent is triangular,
+# u_z is stable and does not affect the stability of u_x, and the following is exact.
 
 
 @lru_cache(maxsize=16)
@@ -200,8 +200,8 @@ def critical_modulus(scene) -> float:
 def friction(scene, reference=None) -> Friction:
     """The exact Friction of a flat contact at delta_bar = 0 in steady sliding (Eq. 7), over `reference` GPa (else E).
 
-    As U_x grows, the surface rests at the least u ahead for which U(u) = u + pull(u) h/G reaches U_x: a slip leaps
-    over the u at which U(u) is below its maximum so far. Paper Fig. 4 has reference = 70 throughout.
+    As U_x grows, the surface is at the least u ahead for which U(u) = u + pull(u) h/G reaches U_x. A slip skips the u
+    at which U(u) is below its maximum so far. Paper Fig. 4 uses reference = 70 throughout.
     """
     _check_flat(scene)
     xi, pull, _ = _lattice(scene.spacing / scene.delta_t)
@@ -209,7 +209,7 @@ def friction(scene, reference=None) -> Friction:
     load = xi * scene.spacing + stress * scene.height * scene.width / scene.shear_modulus
     top = np.maximum.accumulate(load)
     visited = load >= top
-    first = 0 if visited.all() else int(np.argmin(visited)) - 1  # the first fold; a period on, the same again
+    first = 0 if visited.all() else int(np.argmin(visited)) - 1  # the first fold; everything repeats after a period
     period = slice(first, first + FINE + 1)
     landed = np.flatnonzero(visited[1:] & ~visited[:-1])
     landed = landed[(landed >= first) & (landed < first + FINE)]
