@@ -143,7 +143,7 @@ def test_a_run_goes_on_from_another_so_often_only(session, monkeypatch):
         session.pursuit.runs[number] = Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200)
     for number, usable in ((1, True), (2, True), (3, False)):
         assert session._usable(Scene(delta_bar=0.2), (number, 150)) == ((number, 150) if usable else None)
-    assert "starts anew" in session.notes[-1] and len(session.notes) == 1
+    assert "starts from the beginning" in session.notes[-1] and len(session.notes) == 1
 
 
 @pytest.mark.parametrize("name", presets())

@@ -87,7 +87,7 @@ def test_a_run_that_went_on_is_not_taken_for_one_from_the_start(page):
 
 def test_another_surface_starts_anew_and_says_so(page):
     change(page, (1, page.status()["frames"] - 10), nodes=250)
-    assert page.status()["after"] is None and "starts anew" in page.status()["notes"][0]
+    assert page.status()["after"] is None and "starts from the beginning" in page.status()["notes"][0]
 
 
 def test_where_a_state_does_not_lead_on_the_reason_is_shown(page):

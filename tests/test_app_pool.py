@@ -11,7 +11,7 @@ from visitor import NoPool
 from app.service import worker
 from app.service.finished import BESIDE, Shelf, fill
 from app.service.packing import Frames
-from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, Line, Pool, Task
+from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, FairQueue, Pool, Task
 from app.service.requests import shared
 from app.service.tasks import whole_run
 from solver import Scene, isolated
@@ -103,14 +103,14 @@ def test_workers_that_cannot_start_are_reported_to_those_who_wait(monkeypatch):
 
 
 def test_owners_take_turns_and_are_told_how_many_come_before():
-    line, tasks = Line(), {}
+    queue, tasks = FairQueue(), {}
     for owner, number in (("a", 1), ("a", 2), ("a", 3), ("b", 1), ("c", 1), ("b", 2)):
         tasks[owner, number] = Task((), owner)
-        line.add(tasks[owner, number])
+        queue.add(tasks[owner, number])
     turns = [("a", 1), ("b", 1), ("c", 1), ("a", 2), ("b", 2), ("a", 3)]
-    assert [line.place(tasks[turn]) for turn in turns] == list(range(6))
-    assert [line.take() for _ in range(6)] == [tasks[turn] for turn in turns]
-    assert line.rank is None and line.place(tasks["a", 1]) is None
+    assert [queue.position(tasks[turn]) for turn in turns] == list(range(6))
+    assert [queue.take() for _ in range(6)] == [tasks[turn] for turn in turns]
+    assert queue.rank is None and queue.position(tasks["a", 1]) is None
 
 
 def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
@@ -155,7 +155,7 @@ def test_slow_work_leaves_a_worker_for_what_is_soon_done(rank):
     slow = [workers.submit(time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE) for _ in range(3)]
     assert workers.submit(os.getpid).result(PATIENCE) > 0
     assert sum(task.running() for task in slow) == 1
-    assert [workers.place(task) for task in slow] == [None, 0, 1]
+    assert [workers.position(task) for task in slow] == [None, 0, 1]
     workers.close()
 
 

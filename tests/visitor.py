@@ -97,7 +97,7 @@ class NoPool:
         self.tasks.append(Task(task, owner, rank))
         return self.tasks[-1]
 
-    def place(self, task):
+    def position(self, task):
         return None
 
     def abandon(self, task):

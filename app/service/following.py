@@ -1,7 +1,7 @@
-"""Runs that follow a hand on a slider: small pictures of them, made in a worker from the run on screen.
+"""Pictures that follow a held slider: a worker continues the run on screen to the new parameters, and packs it.
 
-A picture is what `pack` makes of two frames, that where sliding begins and the one on screen, with curves and a map of
-the whole run in front. It takes some 40 kB, a run 1.3 MB.
+A picture has the curves and a map of the whole run, and two of its frames: where sliding begins, and the one on screen.
+It takes some 40 kB.
 """
 
 import pickle
@@ -19,14 +19,14 @@ MOST = 500  # loads of a curve; beside these, those right before and after every
 CELLS = 30_000  # of a map, a byte each
 SHADES = 127  # of either sign in a map
 NOTHING = -128  # where nothing acts
-SHOWN = ("delta_bar", "phi_ratio", "E")  # parameters that a hand changes
+SHOWN = ("delta_bar", "phi_ratio", "E")  # the parameters with a slider
 NO_FORCE = 1e-9  # of F_bar: where nothing touches, round-off
 AGREE_U, AGREE_F = 1e-4, 1e-3  # nm; of the largest: what was followed and the exact run are the same
 
 
 @dataclass(frozen=True)
 class Followed:
-    """A picture as `picture` makes it, and the pickled Skeleton from which the next move goes on."""
+    """A picture as of `picture`, and the pickled Skeleton from which the next one is followed."""
 
     picture: bytes
     skeleton: bytes

@@ -16,12 +16,12 @@ from time import monotonic
 from typing import Any
 
 from app.service import metrics, worker
-from app.service.line import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, Line, Task
+from app.service.fair_queue import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, FairQueue, Task
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
-__all__ = ["EXACT", "HEAVY", "LATER", "NOBODY", "SCREEN", "Line", "Pool", "Task", "pool"]
+__all__ = ["EXACT", "HEAVY", "LATER", "NOBODY", "SCREEN", "FairQueue", "Pool", "Task", "pool"]
 LOOK = 0.5  # s between two looks whether the process of an idle worker still is
 WARMING = 300.0  # s for kernels to be compiled, on a slow machine
 STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
@@ -57,7 +57,7 @@ class Pool:
         self.replaced = 0  # workers lost
         self.why = ""  # no worker can be started
         self.compiled = 0  # kernels, of worker.KERNELS, by the first worker
-        self._seats, self._line = [], Line()
+        self._seats, self._queue = [], FairQueue()
         self._lock = Condition()  # notified when seats have been given tasks, and of the end
         self._closing, self._warm = Event(), Event()
         self._answered = -inf  # when a worker last gave an answer, s, monotonic
@@ -78,7 +78,7 @@ class Pool:
     def in_flight(self):
         """How many tasks wait or run for somebody."""
         with self._lock:
-            tasks = [task for task in (*self._line, *(seat.task for seat in self._seats)) if task is not None]
+            tasks = [task for task in (*self._queue, *(seat.task for seat in self._seats)) if task is not None]
             return sum(task.owner != NOBODY and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
@@ -103,7 +103,7 @@ class Pool:
             if self._closing.is_set() or self.status == "failing":
                 task.set_exception(Lost("closed", self.why or "the server is being stopped"))
             else:
-                self._line.add(task)
+                self._queue.add(task)
                 self._dispatch()
         return task
 
@@ -112,10 +112,10 @@ class Pool:
         if not task.cancel():
             task.abandoned = True
 
-    def place(self, task):
+    def position(self, task):
         """How many tasks have their turn before this one; None if it does not wait."""
         with self._lock:
-            return self._line.place(task)
+            return self._queue.position(task)
 
     def alive(self):
         """(whether a worker has answered lately, or one is idle whose process lives, what is to be said of it)."""
@@ -140,7 +140,7 @@ class Pool:
         atexit.unregister(self.close)
         with self._lock:
             seats, self._seats = self._seats, []
-            waiting, self._line = self._line, Line()
+            waiting, self._queue = self._queue, FairQueue()
             callers = [seat.caller for seat in seats if seat.caller]
             self._lock.notify_all()
         for task in waiting:
@@ -151,12 +151,12 @@ class Pool:
     def _dispatch(self):
         """Give idle workers the tasks whose turn it is."""
         while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
-            rank = self._line.rank
+            rank = self._queue.rank
             free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
             hoped = sum(seat.failures < STARTS for seat in self._seats)
             if rank is None or (rank > EXACT and free <= (hoped > 1)):
                 break
-            task = self._line.take()
+            task = self._queue.take()
             if task.set_running_or_notify_cancel():
                 task.seat, idle[0].task = idle[0], task
                 self._lock.notify_all()
@@ -251,7 +251,7 @@ class Pool:
             waiting = ()
             if hopeless:
                 self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
-                waiting, self._line = self._line, Line()
+                waiting, self._queue = self._queue, FairQueue()
         if task is not None:
             self._settle(task, lost)
         for other in waiting:

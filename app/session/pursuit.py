@@ -68,10 +68,10 @@ class Pursuit:
         return (*self.run.history, (self.run.scene, None)) if self.run else ((self.session.scene, None),)
 
     @property
-    def place(self):
+    def position(self):
         """How many tasks come before this visitor's in the queue; None: none, or it has not waited for long."""
         waits = self.task is not None and time.monotonic() - self.since > WAITS
-        return (self.session.pool.place(self.task) or None) if waits else None
+        return (self.session.pool.position(self.task) or None) if waits else None
 
     def close(self):
         """Wait for nothing any longer."""

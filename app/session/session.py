@@ -1,4 +1,4 @@
-"""A visitor: what is ordered, which scene is wanted, and what the browser is told about its run."""
+"""A visitor: obeys the orders of the browser, and publishes the status of the run."""
 
 import json
 import logging
@@ -22,13 +22,13 @@ from solver import SceneError
 from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
-LEGS = 40  # runs that go on from one another
+LEGS = 40  # runs that carry on one another
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
 visitors = set()  # the sessions of this process; Panel's own count lags behind
 
 
 class Session:
-    """One visitor: obeys orders, and tells what came of them; under the lock of the visitor's document."""
+    """One visitor; every method runs under the lock of the visitor's document."""
 
     def __init__(self, doc, pages, arguments=None, pool=shared_pool, shelf=shared_shelf):
         """pages: of a session, the pages beside the experiment."""
@@ -42,7 +42,7 @@ class Session:
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.pinned, self.marks = Pinned(self), Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
-        self.told_place = self.told_order = None
+        self.told_position = self.told_order = None
         self.reading = Requests(self)  # a profile
         self.closed = False
         visitors.add(self)
@@ -98,8 +98,8 @@ class Session:
     def change(self, entries, after=None, held=False, at=0.0):
         """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
 
-        after: (number of a run, frame) whose state the new run goes on from, rather than starting anew.
-        held: the hand is still on the slider: what follows it comes first, with the frame at U_x = `at` nm.
+        after: (number of a run, frame) from which the new run carries on; without, it starts from the beginning.
+        held: a slider is held: pictures follow it, with the frame at U_x = `at` nm.
         """
         self.notes = []
         scene, self.errors = controls.changed_scene(self.scene, entries, self.notes)
@@ -111,18 +111,20 @@ class Session:
             self.pursuit.want(Wish(scene, after, held, at, self.acknowledged))
 
     def _usable(self, scene, after):
-        """(run, frame) to go on from, or None where the new scene must start anew, with a note."""
+        """(run, frame) to carry on from, or None, with a note, where the new scene must start from the beginning."""
         run = after and self.pursuit.runs.get(after[0])
         if not run or after[1] >= run.frames:
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
-            self.notes += ["A run goes on with the same surface and path only: this one starts anew."]
+            self.notes += ["A run carries on with the same surface and path only: this one starts from the beginning."]
             return None
         if after[1] >= INCREMENTS:
-            self.notes += [f"A run goes on from one of its first {INCREMENTS} increments only: this one starts anew."]
+            self.notes += [
+                f"A run carries on from its first {INCREMENTS} increments only: this one starts from the beginning."
+            ]
             return None
         if len(run.history) >= LEGS:
-            self.notes += ["A run goes on from another some forty times only: this one starts anew."]
+            self.notes += [f"{LEGS} runs carry on one another already: this one starts from the beginning."]
             return None
         return after
 
@@ -162,7 +164,7 @@ class Session:
     def look(self):
         """From time to time: publish the position in the queue and the kernels compiled, in any thread."""
         warming = self.run is not None and self.run.state == "warming"
-        if not self.closed and (warming or self.told_place or self.pursuit.place):
+        if not self.closed and (warming or self.told_position or self.pursuit.position):
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
 
     def publish(self):
@@ -170,8 +172,8 @@ class Session:
         run = self.run
         if run is None:
             return
-        self.told_place = self.pursuit.place
-        waits = [f"{self.told_place} before you in the queue of the server."] if self.told_place else []
+        self.told_position = self.pursuit.position
+        waits = [f"{self.told_position} before you in the queue of the server."] if self.told_position else []
         own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
         own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: whose run it is

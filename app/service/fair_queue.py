@@ -1,11 +1,11 @@
-"""Tasks for workers, and the line in which they wait: owners take turns."""
+"""Tasks for workers, and the queue in which they wait: owners take turns."""
 
 from collections import OrderedDict, deque
 from concurrent.futures import Future
 
 PATIENCE = 20.0  # s beyond what a task asks for, after which its process is killed: a busy server is slow
 NOBODY = "the server"  # the owner of tasks for which no visitor waits
-# what a task is for: somebody's screen; the exact run of what is on one already; a screen, but it takes long; the rest
+# What a task is for: a screen; the exact run behind a picture; a screen, but it takes long; the rest
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 
 
@@ -22,7 +22,7 @@ class Task(Future):
         self.seat, self.abandoned = None, False
 
 
-class Line:
+class FairQueue:
     """Waiting tasks: those of a lower rank come first, and in each rank owners take turns."""
 
     def __init__(self):
@@ -50,7 +50,7 @@ class Line:
             del owners[owner]
         return task
 
-    def place(self, task):
+    def position(self, task):
         """How many have their turn before this task; None if it does not wait here."""
         owners = self._of[task.rank]
         tasks = owners.get(task.owner, ())
