@@ -38,7 +38,9 @@ class Visit:
     def __init__(self, session, monkeypatch):
         self.session, self.obeyed, self.closed = session, [], []
         self.gate = gate.Gate.__new__(gate.Gate)
-        self.gate.parts, self.gate.name, self.gate.receiver = 0, None, Receiver(Protocol())
+        self.gate.parts, self.gate.name, self.gate.turned_away = 0, None, False
+        self.gate.spent, self.gate.since = 0.0, 0.0
+        self.gate.receiver = Receiver(Protocol())
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
         self.gate.connection = SimpleNamespace(session=server)
         session.wire._id = "wire"
@@ -193,6 +195,20 @@ def test_others_have_their_turn_after_every_part_of_a_flood(visit):
     assert len(turns) >= 150 and {*turns} >= {*range(1, 50)}
 
 
+def test_a_flood_of_expensive_messages_waits_for_its_share_of_the_loop(visit, monkeypatch):
+    now = [1000.0]
+    monkeypatch.setattr(gate, "monotonic", lambda: now[0])
+    for others in (1, 10):
+        gate.here.clear()
+        gate.here.update(range(others))
+        visit.gate.spent, visit.gate.since = 0.0, now[0]
+        assert visit.gate._wait(gate.AT_ONCE) == 0.0  # a visitor who opens pages is not slowed
+        wait = visit.gate._wait(0.1)
+        assert wait == pytest.approx(0.1 * others / gate.SHARE)
+        now[0] += wait
+        assert visit.gate._wait(0.0) == pytest.approx(0.0, abs=1e-9)
+
+
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
 
 
@@ -236,6 +252,7 @@ def test_malformed_messages_close_their_connection_and_leave_one_line(visit, cap
     caplog.set_level(logging.INFO, "app")
     assert visit.parts(*parts) == []
     assert visit.closed == [gate.TRY_LATER]
+    assert visit.say(visit.patch(HELLO)) == [] and visit.say([]) == []  # nothing is heard any longer
     (line,) = [record.message for record in caplog.records if record.name == "app"]
     assert "turned away" in line and len(line) < 120
 

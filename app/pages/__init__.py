@@ -108,8 +108,9 @@ class Pages:
             return
         page = self.kept.pop(name, None) or self._made(name)
         self.name, self.page = name, page
-        for slot, view in page.views.items():
-            self.slots[f"{name}_{slot}"].children = [view.figure]
+        with self.session.doc.models.freeze():  # the models are counted once
+            for slot, view in page.views.items():
+                self.slots[f"{name}_{slot}"].children = [view.figure]
         page.start()
         self._publish(page, {})
         log.info("a visitor opened the page %s", name)

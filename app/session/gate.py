@@ -9,6 +9,7 @@ which models a browser has.
 import asyncio
 import json
 import logging
+from time import monotonic
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
@@ -22,6 +23,8 @@ from app.session.wire import Wire
 
 log = logging.getLogger("app")
 LONGEST = 2 * orders.SMALL  # characters of a text in a message: an order within JSON
+AT_ONCE = 0.5  # s of the server's loop that a visitor's messages may take before they wait: to open a few pages
+SHARE = 0.5  # of the loop's time for all visitors who send more than that
 PARTS = 5  # of a message: header, metadata, content; and of a file its header and bytes
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of what a browser shows when it connects
@@ -45,7 +48,8 @@ class Gate(NamedHost, WSHandler):
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.name = 0, None
+        self.parts, self.name, self.turned_away = 0, None, False
+        self.spent, self.since = 0.0, monotonic()
 
     def open(self, *where, **named):
         """Let a browser in that shows the token of its page, if there is room."""
@@ -77,6 +81,7 @@ class Gate(NamedHost, WSHandler):
 
     def _turn_away(self, error):
         """Close the connection, with one line in the log: a stranger's traceback helps nobody."""
+        self.turned_away = True  # what is on its way is not read
         metrics.count("refused_messages")
         log.info("a browser was turned away: %s", type(error).__name__)
         self.close(TRY_LATER)
@@ -91,6 +96,8 @@ class Gate(NamedHost, WSHandler):
 
     async def on_message(self, fragment):
         """Let Bokeh read a part of a message, and obey the message once it is whole."""
+        if self.turned_away:
+            return await asyncio.sleep(0)
         self.parts += 1
         try:
             if self.parts > PARTS:
@@ -101,9 +108,17 @@ class Gate(NamedHost, WSHandler):
                 found = _orders(message)
         except Exception as error:
             return self._turn_away(error)
+        begun = monotonic()
         if message is not None and self._session is not None:
             await self._answer(message, found)
-        await asyncio.sleep(0)  # Tornado reads on while there is anything: now it is the turn of other visitors
+        await asyncio.sleep(self._wait(monotonic() - begun))  # also of 0 s: then it is the turn of other visitors
+
+    def _wait(self, seconds):
+        """Seconds until the next message is read, after one that took so many: AT_ONCE is free, then a share."""
+        share, now = SHARE / max(1, len(here)), monotonic()
+        self.spent = max(0.0, self.spent - share * (now - self.since)) + seconds
+        self.since = now
+        return max(0.0, self.spent - AT_ONCE) / share
 
     async def _answer(self, message, found):
         session = self._session

@@ -1,8 +1,10 @@
 """Strangers: random and mutated messages from several clients, while visitors work.
 
-`python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--seed 0] [--json FILE]` starts the server
-itself, on loopback, and is bounded by its number of messages. It tells tracebacks, memory, the lag of the server's loop
-and whether every visitor's runs came to their end, and exits with 1 where a traceback was logged or a visitor is stuck.
+`python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood] [--seed 0] [--json FILE]` starts
+the server itself, on loopback, and is bounded by its number of messages. Orders are those that `app.session.orders`
+declares, with values that fit, or nearly. `--flood`: valid orders and the longest messages, as fast as possible.
+It prints tracebacks, memory, the lag of the server's loop, and whether every visitor's runs came to their end. It exits
+with 1 where a traceback was logged or a visitor is stuck.
 """
 
 import argparse
@@ -14,35 +16,43 @@ import random
 import sys
 import time
 from contextlib import suppress
+from pathlib import Path
+from typing import get_type_hints
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from client import Server, Tab, summary, tell
 
+from app.session import orders
+
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
        "<b>", "\ud800", "0x10", "1e999", [[[]]]]  # fmt: skip
-NAMES = ["E", "delta_bar", "nodes", "surface", "path", "du_x", "damping", "measured", "__class__", "profile", "seed"]
-KINDS = ["scene", "hello", "pause", "go", "one", "reset", "preset", "page", "ask", "profile", "measure", "cancel",
-         "close", "__init__", "tell", "", 3, None]  # fmt: skip
-PAGES = ["law", "stickslip", "arealaws", "solid", "", "secret"]
+FITTING = {  # by the type of a field: values of which some pass
+    orders.Text: ["law", "stickslip", "measure", "cancel", "fit"],
+    orders.Link: ["x" * 1200, "E,phi_ratio"],
+    orders.Content: ["x,z\n1,2\n"],
+    orders.Number: [0.5, 1, 60, 300.0],
+    orders.Whole: [1, 5, 1_000_001],
+    orders.Flag: [True, False],
+    orders.Increment: [[1, 3], [1, 10**8], [7, 0]],
+    orders.Entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
+    orders.Address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
+    orders.FileEntry: list(orders.FILES),
+    orders.Format: list(orders.FORMATS),
+}
 
 
-def order(dice):
-    """An order, more or less wrong."""
-    kind = dice.choice(KINDS)
-    values = {dice.choice(NAMES): dice.choice(ODD) for _ in range(dice.randrange(4))}
-    if kind == "page":
-        values = {"page": dice.choice([*PAGES, *ODD])}
-    elif kind == "ask":
-        names = ["run", "frame", "half", "quantity", "per_fringe", "mesh", "what", "series", "E", "phi_t"]
-        said = [*ODD, 1, 0.5, "add", "show", "cancel", "normal"]
-        values = {name: dice.choice(said) for name in names[: dice.randrange(11)]}
-    elif kind == "preset":
-        values = {"preset": dice.choice(["fig6", "fig99", *ODD])}
-    elif kind == "profile":
-        values = {"text": dice.choice(["x,z\n1,2\n", "," * 1000, *ODD])}
-    made = {"do": kind, "values": dice.choice([values, values, values, dice.choice(ODD)]), "n": dice.choice([*ODD, 7])}
-    if dice.random() < 0.4:
-        made["from"] = dice.choice([[1, 10**9], [1, -5], [1, 3], "11", [1], [None, 1], [2**70, 0], [1, 0.5], *ODD])
-    return json.dumps(made)
+def order(dice, odd=0.3):
+    """An order that exists, with its fields; each value is an odd one with probability `odd`."""
+    name = dice.choice([*orders.Order.known, "close"] if odd else [*orders.Order.known])
+    kind = orders.Order.known.get(name)
+    hints = get_type_hints(kind, include_extras=True) if kind else {"page": orders.Text}
+    hints.pop("known", None)
+    fields = {field: dice.choice(ODD if dice.random() < odd else FITTING[hint]) for field, hint in hints.items()}
+    made = {"do": name, "n": dice.choice([*ODD, 7]) if dice.random() < odd else dice.randrange(10**6)}
+    if dice.random() < odd / 3:
+        fields[dice.choice(["E", "values", "do"])] = dice.choice(ODD)
+    return json.dumps(made | (fields if "values" in fields else {"values": fields}))
 
 
 def mutated(text, dice):
@@ -77,7 +87,7 @@ def event(tab, dice):
     )  # fmt: skip
 
 
-async def say(tab, dice):
+async def speak(tab, dice):
     """One message."""
     kind = dice.random()
     if kind < 0.6:
@@ -96,7 +106,16 @@ async def say(tab, dice):
         await tab.socket.write_message("[" * dice.randrange(1, 100_000))
 
 
-async def stranger(port, number, count, seed):
+async def flood(tab, dice):
+    """One message that costs the server what a message may: a valid order, or the longest that it reads."""
+    if dice.random() < 0.8:
+        await tab.send("PATCH-DOC", tab.patch(order(dice, odd=0.0)))
+    else:
+        await tab.send("PATCH-DOC", tab.patch("[" + "{}," * 4000 + "{}]"))
+        await tab.send("PATCH-DOC", {"events": [[] for _ in range(dice.choice([2_000, 1_000_000]))]})
+
+
+async def stranger(port, number, count, seed, say):
     """Sends its messages, coming back whenever it is thrown out; how often it was."""
     dice, thrown, tab = random.Random(1000 * seed + number), 0, None
     drain = None
@@ -139,13 +158,20 @@ async def visitor(port, number, over):
 
 
 async def watched(server, over):
-    """[(MB of memory but for runs that are kept, s by which the server's loop was late at most)] of every 5 s."""
+    """MB of memory, but for runs that are kept, every 5 s."""
     rows = []
     while not over.is_set():
         told = await asyncio.to_thread(server.metrics)
-        rows.append((round((told["memory_bytes"] - told["shelf_bytes"]) / 1e6), round(told["loop_lag_seconds"], 3)))
+        rows.append(round((told["memory_bytes"] - told["shelf_bytes"]) / 1e6))
         await asyncio.sleep(5.0)
     return rows
+
+
+def later(before, after):
+    """{s: part of the server's beats that came later than that} between two answers of /metrics."""
+    beats = after["loop_lag_seconds_count"] - before["loop_lag_seconds_count"]
+    edges = {edge: f'loop_lag_seconds_bucket{{le="{edge}"}}' for edge in ("0.05", "0.1", "0.2", "0.5", "1.0")}
+    return {edge: round(1.0 - (after[name] - before[name]) / beats, 4) for edge, name in edges.items()}
 
 
 async def attack(server, options):
@@ -153,10 +179,10 @@ async def attack(server, options):
     lag, watch = asyncio.create_task(server.lag(over)), asyncio.create_task(watched(server, over))
     visitors = [asyncio.create_task(visitor(server.port, k, over)) for k in range(options.visitors)]
     await asyncio.sleep(5.0)
-    memory, shelf, start = server.memory(), server.metrics()["shelf_bytes"] / 1e6, time.monotonic()
-    share = options.messages // options.clients
-    thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed) for k in range(options.clients)))
-    seconds = time.monotonic() - start
+    quiet, memory, start = server.metrics(), server.memory(), time.monotonic()
+    share, say = options.messages // options.clients, flood if options.flood else speak
+    thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed, say) for k in range(options.clients)))
+    seconds, told = time.monotonic() - start, server.metrics()
     start = time.perf_counter()
     last = Tab(server.port, 99)
     await last.arrive()
@@ -171,9 +197,10 @@ async def attack(server, options):
         "tracebacks": server.tracebacks(),
         "lines logged": len(server.lines),
         "memory before, after": (round(memory), round(server.memory())),
-        "of runs that are kept": (round(shelf), round(server.metrics()["shelf_bytes"] / 1e6)),
+        "of runs that are kept": (round(quiet["shelf_bytes"] / 1e6), round(told["shelf_bytes"] / 1e6)),
+        "beats later than, s": later(quiet, told),
         "answers": summary(await lag),
-        "every 5 s: MB, loop lag": await watch,
+        "MB every 5 s": await watch,
         "visitors' runs": summary([time for times, _ in seen for time in times]),
         "visitors stuck": [why for _, why in seen if why],
         "a visit afterwards": round(after, 2),
@@ -185,6 +212,7 @@ def main():
     parser.add_argument("--messages", type=int, default=10_000, help="at most 100,000")
     parser.add_argument("--clients", type=int, default=5)
     parser.add_argument("--visitors", type=int, default=3)
+    parser.add_argument("--flood", action="store_true", help="valid orders and the longest messages, without a pause")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()
