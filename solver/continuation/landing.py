@@ -103,6 +103,7 @@ def _tried(motion, *what):
 
 
 def _same(problem, state, other):
+    """Whether two States are one equilibrium, which a branch may have moved between their loads, as in `slipped`."""
     if other is None:
         return False
     return bool(np.abs(other.v - state.v).max() <= OPTIONS.same * problem.unit + 2.0 * abs(other.load - state.load))

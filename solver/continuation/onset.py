@@ -59,7 +59,7 @@ def _narrowed(corrector, judged, state, stable, unstable):
         width = unstable.point.load - stable.point.load
         if width <= SHARP * corrector.problem.unit or low == high:
             break
-        part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)
+        part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)  # so that both ends move
         load, v = mixed((part, 1.0 - part), (unstable.point, stable.point))
         if not corrector.solve(v, state.active, load, state.secants):
             break

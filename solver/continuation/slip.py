@@ -189,7 +189,7 @@ class Transient:
         return self.end.located and bool(np.abs(v - self.end.v).max() < self.options.left * self.unit)
 
     def _returned(self, v):
-        """Whether v is the end of the branch or lies before it, along the direction in which the motion left."""
+        """Whether v is the end of the branch or lies before it: less than half-way to the start of the motion."""
         return self._near_end(v) and bool((v - self.end.v) @ self.end.away < 0.5 * (self.end.away @ self.end.away))
 
     def _nearly_at_rest(self, bound):

@@ -64,6 +64,7 @@ class State(NamedTuple):
 def slipped(problem, before, load, after) -> bool:
     """Whether a State `after` lies farther from the one `before` than a branch leads up to that load, nm."""
     moved = np.abs(after.v - before.v).max()
+    # on a branch, nodes in contact move about as far as the load
     return bool(moved >= MOVED * problem.unit + 2.0 * abs(load - before.load))
 
 
