@@ -28,7 +28,7 @@ FAULTS = """() => {
     if (document.documentElement.scrollWidth > innerWidth) said.push(`${document.documentElement.scrollWidth} px wide`)
     const inside = (e) => [...e.children, ...e.shadowRoot?.children ?? []]
     const drawn = (e) => e.matches('.bk-Canvas') ? e : inside(e).reduce((found, child) => found ?? drawn(child), null)
-    const least = document.documentElement.dataset.view === 'lab' ? 125 : 60 // px: small curves stand beside the hero
+    const least = document.documentElement.dataset.view === 'lab' ? 125 : 100 // px
     for (const view of all('.view')) {
         const high = Math.min(view.clientHeight, drawn(view)?.clientHeight ?? Infinity)
         if (high < least) said.push(`${name(view.parentElement)} has a plot ${high} px high`)

@@ -72,6 +72,13 @@ def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_o
     page.wait_for_function("!punch.fresh && punch.mapped")
     drawn, followed = page.evaluate(DRAWN)
     assert drawn == followed
+    page.evaluate("document.querySelector('.map .as-table').click()")
+    page.wait_for_selector("#table[open]")
+    known = page.evaluate(
+        "[...document.querySelectorAll('#table tbody tr')].map((row) => row.cells[2].textContent !== '–')"
+    )
+    assert 1 <= sum(known) <= 2 < len(known)  # a predicted run has the fields of two increments
+    page.evaluate("document.getElementById('table').close()")
     assert page.inner_text("figure[aria-label^='Friction'] .ghost") == "before: δ/δ₀ = 0.1"
     page.mouse.up()
     page.wait_for_function("!punch.run.followed", timeout=PATIENCE)

@@ -65,9 +65,8 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
   return [a, b]
 }, [0, 0])
 
-// What is drawn of other runs: values of their curves, for the ranges; what draws these; punches as [figure, run, frame];
-// whether a run is among these
-export const overlays = { curves: () => [], drawn: () => {}, punches: () => [], has: () => false }
+// What is drawn of other runs: values of their curves, for the ranges; what draws these; whether a run is among these
+export const overlays = { curves: () => [], drawn: () => {}, has: () => false }
 let curvesDrawn = { label: "F, L (N/m)", text: "N/m" } // {ghost, label, text, approach} as they were drawn
 const NOTHING = { along: [], value: [] }
 const APART = "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. "
@@ -206,10 +205,6 @@ export function shade(view, label, low, high) {
   tellLimits(view, low, high)
 }
 
-// Ranges of all punches, which are the same
-export const punches = () => ["punch", "twin"].filter((view) => figures[view])
-export const setPunches = (which, values) => punches().forEach((view) => set(figures[view][which], values))
-
 // What is not in sight is not drawn
 export const figureShown = (view) => isShown(document.querySelector(`.view[data-view="${view}"]`))
 
@@ -219,7 +214,7 @@ export function tellStretch() {
     const times = stretch(figures[view])
     return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
   })
-  if (punch) for (const view of punches()) set(figures[view].left[0], { axis_label: `height (nm), drawn ${punch}` })
+  if (punch) set(figures.punch.left[0], { axis_label: `height (nm), drawn ${punch}` })
   if (solid) tell(by("solid_field-stretch"), solid === "to scale" ? solid : `vertical ${solid}`)
 }
 
@@ -252,5 +247,5 @@ export function shareAxis() {
   const lab = document.documentElement.dataset.view === "lab"
   const stacked = CURVES.filter(figureShown), banded = isShown(by("bands"))
   for (const view of stacked) set(figures[view].below[0], { visible: lab || view === stacked.at(-1) })
-  for (const view of punches()) set(figures[view].below[0], { visible: lab || !banded })
+  set(figures.punch.below[0], { visible: lab || !banded })
 }

@@ -48,6 +48,10 @@ export class Picture extends Run {
     return { image, rows: rows || 1, columns: columns || 1, start: 0, step: step ?? 1, unrested: [], low: ((first ?? 0) - 0.5) * spacing - middle }
   }
 
+  has(k) {
+    return k === 0 || k === this.shown
+  }
+
   approaching() {
     return false
   }

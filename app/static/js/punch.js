@@ -4,21 +4,19 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, figureShown, fill, fit, LEAST, overlays, parts, punches, setPunches, shareAxis,
+  CURVES, figures, figureShown, fill, fit, LEAST, parts, shareAxis,
 } from "./figures.js"
 import { declared, me } from "./state.js"
 
-const BELOW = -1.2 // nm; a punch that goes deeper has a deeper view
+const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
+const FAR_LESS = 0.6 // of an axis: where a run needs less of it, the axis shrinks
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 
 export function drawFrame(run, k) {
-  const { x, T_n, T_t } = run.frame(k)
-  const drawing = [["punch", run, k], ...overlays.punches(run, k)]
-    .map(([view, of, at]) => ({ view, run: of, frame: of.frame(at) }))
-  const lowest = drawing.map(({ frame }) => Math.min(...frame.gap))
-  const top = Math.max(7, ...lowest.map((least) => least + 3)) // a punch still far away must be in view as well
-  if (!me.dragging) setPunches("y_range", { end: top })
-  for (const punch of drawing) drawPunch(punch, top)
+  const frame = run.frame(k), { x, T_n, T_t } = frame
+  const top = Math.max(7, Math.min(...frame.gap) + 3) // a punch still far away must be in view as well
+  if (!me.dragging) set(figures.punch.y_range, { end: top })
+  drawPunch(run, frame, top)
   if (figureShown("traction")) {
     fill("traction", "T_n", { x, T: T_n })
     fill("traction", "T_t", { x, T: T_t })
@@ -27,7 +25,7 @@ export function drawFrame(run, k) {
   for (const view of CURVES) set(parts[view].cursor, { location })
 }
 
-function drawPunch({ view, run, frame }, top) {
+function drawPunch(run, frame, top) {
   const { x, gap, T_n, T_t } = frame, n = x.length
   const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
   for (let i = 0; i < n; i++) {
@@ -35,33 +33,36 @@ function drawPunch({ view, run, frame }, top) {
     outline.y[i] = gap[i]
     outline.y[2 * n - 1 - i] = Math.max(top + 1, gap[i])
   }
-  fill(view, "body", outline)
-  fill(view, "surface", { x, gap })
+  fill("punch", "body", outline)
+  fill("punch", "surface", { x, gap })
   const found = Object.groupBy(x.keys(), frame.state)
   for (const label in declared.nodes) {
     const pick = (list) => Float32Array.from(found[label] ?? [], (i) => list[i])
-    fill(view, label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
+    fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
-  if (!run.head.flat || view !== "punch") return
+  if (!run.head.flat) return
   const { mark, said } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
   by("flat-mark").className = mark
   by("flat-state").textContent = said
 }
 
-let sites = "" // how many are drawn on either side of the middle, and in which figures
+let sites = 0 // how many are drawn on either side of the middle
 function drawSites({ spacing, middle }) {
-  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2, wanted = [half, ...punches()].join()
-  if (wanted === sites) return
-  sites = wanted
+  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2
+  if (half === sites) return
+  sites = half
   const first = Math.round(middle / spacing)
   const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
-  for (const view of punches()) fill(view, "sites", { x, gap: x.map(() => 0) })
+  fill("punch", "sites", { x, gap: x.map(() => 0) })
 }
 
 // How far from the middle the map of a run reaches, and its punch is seen, nm
 const reach = ({ head: { flat, nodes, spacing }, reach: acting }) => (
   flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((acting * 1.05) / 50)))
 const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spacing) : reach(run))
+
+// The end of an axis, where a run needs `needed`: it stays as it is until the run leaves it, or needs far less
+const settled = (end, needed) => (needed <= end && needed > FAR_LESS * end ? end : needed)
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
@@ -72,17 +73,12 @@ export function fitFrames(run) {
   if (others) {
     readAgain() // other views are in sight
     shareAxis()
-    for (const view of punches()) showGlyphs(view, !flat)
+    for (const part of Object.values(parts.punch)) if (part.glyph) set(part, { visible: !flat }) // lens.js draws a flat
   }
-  set(figures.map.y_range, { start: -half, end: half })
-  const all = [run, ...overlays.punches(run, 0).map(([, of]) => of)], wide = Math.max(...all.map(seen))
-  setPunches("x_range", { start: -wide, end: wide })
-  setPunches("y_range", { start: Math.min(BELOW, ...all.map((of) => 1.15 * of.lowest)) })
+  const { map, punch } = figures, wide = settled(punch.x_range.end, seen(run)), tall = settled(map.y_range.end, half)
+  set(map.y_range, { start: -tall, end: tall })
+  set(punch.x_range, { start: -wide, end: wide })
+  set(punch.y_range, { start: -settled(-punch.y_range.start, Math.max(DEEP, -1.15 * run.lowest)) })
   fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
   drawSites(run.head)
-}
-
-// The nodes of a flat surface are drawn by lens.js alone, enlarged
-function showGlyphs(view, visible) {
-  for (const part of Object.values(parts[view])) if (part.glyph) set(part, { visible })
 }

@@ -37,6 +37,9 @@ export class Run extends Frames {
 
   get length() { return this.places.length }
 
+  // Whether the fields of frame k are here
+  has() { return true }
+
   // Numbers of the frames that a test of them holds for
   frames(test) { return [...this.places.keys()].filter(test) }
 

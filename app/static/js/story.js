@@ -2,7 +2,7 @@
 
 import { frameBox } from "./bokeh.js"
 import { by, fixed, newtons, say } from "./dom.js"
-import { figures, overlays } from "./figures.js"
+import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { changeSaid, nowSaid, phaseSaid } from "./sentence.js"
@@ -68,7 +68,7 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
 // What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest in view
 function drawForces(view) {
   const { box, narrow, run, k, ink } = view
-  const full = Math.max(...[run, me.run, ...overlays.punches(me.run, 0).map(([, of]) => of)].map((of) => of.strongest))
+  const full = Math.max(run.strongest, me.run.strongest)
   const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
   const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row, right = box.left + box.width - 12
   const to = `to δ = ${fixed(delta, 1)} nm`, down = `lowered ${to}`
