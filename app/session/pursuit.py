@@ -31,7 +31,7 @@ from solver.cautions import cautions
 log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
 BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one is seen to grow
-SOON = 1.0  # s that a run may still need to be finished while a slider is held: following continues from it
+SOON = 2.0  # s that a run may still need to be finished while a slider is held: following continues from it
 PATIENCE = 0.5  # s that a newer wish waits for a slice: its budget, and the longest increment of most runs
 RUNS = 40  # of a visitor, from which another run may carry on
 WAITS = 1.0  # s in the queue, after which a visitor sees the position in it
