@@ -1,8 +1,7 @@
 """Addresses of scripts and styles: each carries the hash of its content, so that a browser asks for it once only.
 
-The server gives a file with a version in its address for ten years (tornado.web.StaticFileHandler). Modules import each
-other by plain names; the import map of the page says which address that is. All are relative to the address of the
-page, so that they hold behind any prefix.
+A browser keeps a file whose address has a version for a year (app/web.py). Modules import each other by plain names,
+and the import map of the page has their addresses. All are relative to the page: a proxy may add any prefix.
 """
 
 import gzip

@@ -1,4 +1,4 @@
-"""What the server says of itself: one line for each event, of key=value, and under what addresses it can be reached."""
+"""The server's log: one line of key=value for each event, and the addresses under which visitors reach it."""
 
 import json
 import logging
@@ -13,7 +13,7 @@ log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
 BARE = re.compile(r"[\w.:/+-]+")
 ALWAYS = "--session-token-expiration 3600 --websocket-max-message-size 5000000"  # of a server for others, see README
-ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation: nothing is sent, but the system says by what way it would be
+ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation: nothing is sent, but the system chooses its address for it
 
 
 class Lines(logging.Formatter):
@@ -39,7 +39,7 @@ def _quoted(value):
 
 
 def begin():
-    """Have all loggers of this process write such lines to the standard error."""
+    """Let all loggers of this process write such lines to standard error."""
     root = logging.getLogger()
     if not root.handlers:
         root.addHandler(logging.StreamHandler())
@@ -49,7 +49,7 @@ def begin():
 
 
 def addresses():
-    """This machine's own IPv4 addresses, but for the one that every machine has, the most likely first."""
+    """This machine's IPv4 addresses without the loopback, the most likely first."""
     found = []
     with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.connect(ANYWHERE)
@@ -60,7 +60,7 @@ def addresses():
 
 
 def say_where(arguments=None):
-    """Say under what address a class reaches this server, or how it has to be started for that."""
+    """Log the address under which a class reaches this server, or the command that makes it reachable."""
     given = sys.argv[1:] if arguments is None else arguments
     port = (_option(given, "--port") or ["5006"])[-1]
     known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]

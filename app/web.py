@@ -1,4 +1,4 @@
-"""What the server answers to plain requests: the page, its files, measures and whether it lives; each with headers.
+"""Answers to plain requests: the page, scripts and styles, counts, and whether workers answer; each with headers.
 
 Undocumented in Bokeh 3.9: that `bokeh.server.urls` lists patterns and handlers from which every server is made, that
 those of an application get their `application_context`, and how a session's token is made (Panel uses all of these).
@@ -29,8 +29,8 @@ from app.session.gate import TOKEN, Gate, is_full
 from app.session.session import VISITORS
 
 log = logging.getLogger("app")
-STRANGE = 3  # names of an address that mean nothing, at most, that are told
-AGAIN = 10  # s after which somebody is to try again for whom there is no room
+STRANGE = 3  # unknown names of an address that the page mentions, at most
+AGAIN = 10  # s after which a browser asks again for a page of a full class
 YEAR = 31_536_000  # s
 FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # who may show ?embed=1 in a frame, as CSP names them
 HTML = "text/html; charset=utf-8"
@@ -90,7 +90,7 @@ class Page(NamedHost, Plain, DocHandler):
         arguments = self.known_arguments()
         token = self.token_for(arguments)
         if len(token) > TOKEN:
-            said = f"It has {len(self.request.uri)} characters, allowed: some {TOKEN // 2}. {self.without}"
+            said = f"It has {len(self.request.uri)} characters, allowed: about {TOKEN // 2}. {self.without}"
             return self.refuse(414, "The address is too long", said)
         nonce = secrets.token_urlsafe(16)
         try:

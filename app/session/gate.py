@@ -9,7 +9,7 @@ which models a browser has.
 import asyncio
 import json
 import logging
-from time import monotonic
+from time import monotonic, thread_time
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
@@ -24,6 +24,7 @@ from app.session.wire import Wire
 log = logging.getLogger("app")
 LONGEST = 2 * orders.SMALL  # characters of a text in a message: an order within JSON
 AT_ONCE = 0.5  # s of the server's loop that a visitor's messages may take before they wait: to open a few pages
+LONGEST_WAIT = 5.0  # s, less than after which a page counts its connection as lost
 SHARE = 0.5  # of the loop's time for all visitors who send more than that
 PARTS = 5  # of a message: header, metadata, content; and of a file its header and bytes
 TRY_LATER = 1013  # of RFC 6455
@@ -108,17 +109,17 @@ class Gate(NamedHost, WSHandler):
                 found = _orders(message)
         except Exception as error:
             return self._turn_away(error)
-        begun = monotonic()
+        begun = thread_time()  # of the loop alone: other processes may be busy
         if message is not None and self._session is not None:
             await self._answer(message, found)
-        await asyncio.sleep(self._wait(monotonic() - begun))  # also of 0 s: then it is the turn of other visitors
+        await asyncio.sleep(self._wait(thread_time() - begun))  # also of 0 s: then it is the turn of other visitors
 
     def _wait(self, seconds):
         """Seconds until the next message is read, after one that took so many: AT_ONCE is free, then a share."""
         share, now = SHARE / max(1, len(here)), monotonic()
         self.spent = max(0.0, self.spent - share * (now - self.since)) + seconds
         self.since = now
-        return max(0.0, self.spent - AT_ONCE) / share
+        return min(LONGEST_WAIT, max(0.0, self.spent - AT_ONCE) / share)
 
     async def _answer(self, message, found):
         session = self._session

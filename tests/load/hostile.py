@@ -25,6 +25,7 @@ from client import Server, Tab, summary, tell
 
 from app.session import orders
 
+LONGEST = 60.0  # s of an attack: the server lets its messages wait
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
        "<b>", "\ud800", "0x10", "1e999", [[[]]]]  # fmt: skip
 FITTING = {  # by the type of a field: values of which some pass
@@ -119,7 +120,10 @@ async def stranger(port, number, count, seed, say):
     """Sends its messages, coming back whenever it is thrown out; how often it was."""
     dice, thrown, tab = random.Random(1000 * seed + number), 0, None
     drain = None
+    until = time.monotonic() + LONGEST
     for _ in range(count):
+        if time.monotonic() > until:
+            break
         try:
             if tab is None:
                 tab = Tab(port, number)
