@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 MOST_BYTES = 10_000_000  # of a file: 16,384 points, more than any run has nodes, in lines of 600 characters
 SHOWN = 40  # characters of a cell or a heading in a message
 LISTED = 3  # lines that a note lists by their numbers
-HEADING = re.compile(r"(\w+)\s*(?:[\[(/]\s*([^\])]*?)\s*[\])]?)?")  # F, F (N/m), F [N/m], U_x/nm
-BLANKS = re.compile(r"\w+(?:\s*[\[(][^\])]*[\])]|/\S+)?")  # a column of a heading that separates columns by blanks
+HEADING = re.compile(r"(\w+) ?(?:[\[(/] ?([^\])]{0,40}?) ?[\])]?)?")  # F, F (N/m), F [N/m], U_x/nm
+# A column of a heading that separates columns by blanks. Units have a largest length, so that any text is read in time
+BLANKS = re.compile(r"\w+(?:\s?[\[(][^\])]{0,40}[\])]|/\S{1,40})?")
 
 
 class TableError(ValueError):
@@ -159,7 +160,8 @@ def _cells(line, separator):
 def _columns(line):
     """The Columns of a heading."""
     separator = _separator(line)
-    cells = [cell.strip(' "') for cell in line.split(separator)] if separator else BLANKS.findall(line)
+    cells = line.split(separator) if separator else BLANKS.findall(line)
+    cells = [" ".join(cell.split()).strip(' "') for cell in cells]
     matches = ((cell, HEADING.fullmatch(cell)) for cell in cells)
     named = (match.groups() if match else (cell, "") for cell, match in matches)
     return [Column(name, (unit or "").replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")) for name, unit in named]

@@ -283,6 +283,15 @@ def test_a_profile_may_be_as_steep_and_as_long_as_its_limits():
         assert Profile(length, scaled.heights) == scaled == pickle.loads(pickle.dumps(scaled))
 
 
+@pytest.mark.parametrize(
+    "line", ["a(" * 10**6, "a(" + 10**6 * " " + "))", "a" * 10**6 + "!", "a(b," * 10**6, "a/" * 10**6]
+)
+def test_long_headings_are_read_in_linear_time(line):
+    """In quadratic time each would take hours."""
+    with pytest.raises(ProfileError):
+        read_profile(line + "\n" + "1,2\n")
+
+
 def test_junk_never_raises_anything_else():
     random = np.random.default_rng(0)
     for count in random.integers(1, 120, 400):
