@@ -14,7 +14,7 @@ from served import PATIENCE, TROUBLE, Server, finished
 
 from solver import Scene, load_path
 
-DESKTOP = {"width": 1280, "height": 720}
+DESKTOP = {"width": 1280, "height": 800}
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
@@ -92,7 +92,7 @@ class Tabs:
         context = self.browser.new_context(**{"viewport": DESKTOP, "reduced_motion": "reduce"} | options)
         self.contexts.append(context)
         context.set_default_timeout(PATIENCE)
-        # as for one who was in the laboratory last, where all tools are in sight; ?view=hero shows the first screen
+        # as for a visitor who used the tools last, with all of them in sight; ?view=hero shows the page as it opens
         context.add_init_script("localStorage.getItem('view') ?? localStorage.setItem('view', 'lab')")
         page = context.new_page()
         page.on("console", lambda message: self.problems.append(message.text) if message.type == "error" else None)

@@ -244,8 +244,7 @@ export function paint() {
 
 // Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
 export function shareAxis() {
-  const lab = document.documentElement.dataset.view === "lab"
   const stacked = CURVES.filter(figureShown), banded = isShown(by("bands"))
-  for (const view of stacked) set(figures[view].below[0], { visible: lab || view === stacked.at(-1) })
-  set(figures.punch.below[0], { visible: lab || !banded })
+  for (const view of stacked) set(figures[view].below[0], { visible: view === stacked.at(-1) })
+  set(figures.punch.below[0], { visible: !banded })
 }

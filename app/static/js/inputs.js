@@ -11,7 +11,7 @@ import { goto, move, play, reset, show, toSlip } from "./player.js"
 import { declared, exact, leaveBehind, me, reduced } from "./state.js"
 import { enter, letGo, nudge, steer } from "./steer.js"
 import { checkTruth } from "./status.js"
-import { chooseNext, connectViews, fillScreen, look } from "./view.js"
+import { chooseNext, connectViews, fillScreen, project, useTools } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
@@ -41,7 +41,7 @@ function connectHand() {
   }, (event, from) => {
     const dx = event.clientX - from.x, dy = event.clientY - from.y
     if (!from.way && Math.max(Math.abs(dx), Math.abs(dy)) > DECIDED) {
-      from.way = Math.abs(dx) > Math.abs(dy) || event.pointerType === "touch" ? "along" : "down"
+      from.way = Math.abs(dx) > Math.abs(dy) ? "along" : "down"
       view.setPointerCapture(event.pointerId)
       view.dataset.dragged = from.way
       by("grab").hidden = true
@@ -76,7 +76,7 @@ function switchTheme() {
 const KEYS = {
   " ": () => play(!me.playing), ArrowRight: move, ArrowLeft: (jump) => move(-jump),
   Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
-  "?": () => by("keys").showModal(), p: () => look("projector"), l: () => look("lab"), c: chooseNext, m: slowMotion, f: fillScreen,
+  "?": () => by("keys").showModal(), p: project, l: useTools, c: chooseNext, m: slowMotion, f: fillScreen,
 }
 const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
 

@@ -13,7 +13,7 @@ import { exact, me } from "./state.js"
 import { explain } from "./terms.js"
 import { PICTURES } from "./tour/pictures.js"
 import { STOPS } from "./tour/stops.js"
-import { choose, isLab, look } from "./view.js"
+import { choose } from "./view.js"
 
 let before = null // {U, F} of the first slip of the usual scene, to compare with
 let unseen = null, hands = [0, 0, 0] // the scene that nobody has seen; hands raised for each answer
@@ -26,7 +26,6 @@ export function openTour(stop = 1) {
   card ??= makeCard()
   card.hidden = false
   if (document.querySelector(".page").dataset.page) openPage("")
-  if (isLab()) look("hero")
   begin()
   cancelAnimationFrame(watching)
   watching = requestAnimationFrame(watch)

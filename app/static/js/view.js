@@ -1,4 +1,4 @@
-// The ways to look at the experiment: the hero, the same in large for a lecture hall, and the laboratory with all tools.
+// The ways to look at the experiment: as it opens, in large for a lecture hall, and with all tools in sight.
 
 import { by, on, readdress } from "./dom.js"
 import { CURVES, paint } from "./figures.js"
@@ -7,33 +7,45 @@ import { show } from "./player.js"
 import { embedded } from "./state.js"
 import { keep } from "./storage.js"
 
-let before = "hero" // how one looked before
+const { dataset } = document.documentElement
 
-export const view = () => document.documentElement.dataset.view
-export const isLab = () => view() === "lab"
+// For a lecture hall, or back
+export function project() {
+  dataset.view = dataset.view === "projector" ? "hero" : "projector"
+  if (dataset.view === "projector" && document.querySelector(".page").dataset.page) openPage("")
+  settle()
+}
 
-// Look that way; where one looks so already, at the hero, or from the lecture hall the way one did before
-export function look(wanted) {
-  const next = wanted !== view() ? wanted : wanted === "projector" ? before : "hero"
-  before = isLab() ? "lab" : "hero"
-  document.documentElement.dataset.view = next
-  if (next !== "projector" && !embedded) keep("view", next)
-  readdress((address) => (next === "hero" ? address.delete("view") : address.set("view", next)))
-  if (next === "projector" && document.querySelector(".page").dataset.page) openPage("")
-  arrange()
+// All tools in sight, or only what a visitor needs; kept for the next visit
+export function useTools() {
+  document.documentElement.toggleAttribute("data-tools")
+  if (!embedded) keep("view", "tools" in dataset ? "lab" : "hero")
+  settle()
+}
+
+function settle() {
+  const asked = dataset.view === "projector" ? "projector" : "tools" in dataset ? "lab" : null
+  readdress((address) => (asked ? address.set("view", asked) : address.delete("view")))
+  tellButtons()
   paint()
   setTimeout(show, 100) // once the figures have their new size
 }
 
-function arrange() {
-  for (const name of ["lab", "projector"]) by(name).setAttribute("aria-pressed", view() === name)
+function tellButtons() {
+  by("projector").setAttribute("aria-pressed", dataset.view === "projector")
+  by("tools").setAttribute("aria-pressed", "tools" in dataset)
 }
 
 export function connectViews() {
-  arrange()
-  for (const name of ["lab", "projector"]) on(name, "click", () => look(name))
+  tellButtons()
+  on("projector", "click", project)
+  on("tools", "click", useTools)
   on("chosen", "change", (event) => choose(event.target.value))
-  for (const curve of CURVES) document.querySelector(`main .${curve} figcaption`).addEventListener("click", ({ target }) => { if (!isLab() && !target.closest("button")) choose(curve) })
+  for (const curve of CURVES) {
+    document.querySelector(`main .${curve} figcaption`).addEventListener("click", ({ target }) => {
+      if (!target.closest("button, label")) choose(curve)
+    })
+  }
   choose(CURVES[0])
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
