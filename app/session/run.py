@@ -8,7 +8,7 @@ from app.service.pool import EXACT, HEAVY, SCREEN
 from solver import Scene
 
 LIVES = 3  # how often a slice may be lost with its worker before the run counts as failed
-ERROR = "the server made an error, which is in its log; press Reset to start again"
+ERROR = "the server made an error, which is in its log; choose an experiment to start again"
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ class Run:
         if kind == "crash" and self.lost < LIVES:
             return ""
         if kind == "crash":
-            return f"{LIVES} workers ended while they computed it; change a parameter or press Reset"
+            return f"{LIVES} workers ended while they computed it; change a parameter or choose an experiment"
         if kind == "hang":
-            return f"{lost}, so the worker was ended; what is computed stays. Change a parameter or press Reset"
-        return ERROR if kind == "error" else f"{str(lost) or 'the server is being stopped'}; press Reset to try again"
+            return f"{lost}, so the worker was ended; what is computed stays. Change a parameter or choose an experiment"
+        return ERROR if kind == "error" else f"{str(lost) or 'the server is being stopped'}; choose an experiment to try again"
 
     def take_over(self, known):
         """All of it is known: its Frames."""

@@ -19,13 +19,13 @@ const WIDE = 52 // times the size of the text, from which there is room for whol
 const PATCHES = 8 // with a bracket each; more are told in words
 const GAIN = 0.005 // a change of the area by less is not told
 
-// Draw everything that belongs to frame k of a run: over the punch, or over that of a pinned run
-export function drawStory(run, k, canvas = by("story"), figure = figures.punch) {
-  const box = frameBox(figure), pen = cleared(canvas), main = figure === figures.punch
+// Draw everything that belongs to frame k of a run over the punch
+export function drawStory(run, k) {
+  const box = frameBox(figures.punch), pen = cleared(by("story"))
   if (!box || !pen) return
   const { X, Y } = box, frame = run.frame(k)
   const slip = run.followed ? null : run.slipBefore(k, MARKED) // of the motion of those that are followed two frames are known
-  const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, main, ink: inks() }
+  const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
   within(pen, box, () => {
     if (run.head.flat) drawLattice(view)
     else {
@@ -36,8 +36,8 @@ export function drawStory(run, k, canvas = by("story"), figure = figures.punch) 
     drawTop(view)
   })
   drawForces(view)
-  if (main && !run.head.flat) drawLens(view)
-  if (main) tellSlip(view)
+  if (!run.head.flat) drawLens(view)
+  tellSlip(view)
 }
 
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
@@ -53,7 +53,7 @@ function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
 }
 
 // The rigid top: a bar whose marks move with it, and what it does
-function drawTop({ pen, box, X, run, k, slip, main, ink }) {
+function drawTop({ pen, box, X, run, k, ink }) {
   const U_x = run.curves.U_x[k], { x_range } = figures.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
@@ -61,8 +61,6 @@ function drawTop({ pen, box, X, run, k, slip, main, ink }) {
   for (let x = Math.ceil((x_range.start - shift) / pitch) * pitch; x + shift < x_range.end; x += pitch) {
     line(pen, [[X(x + shift) - 3, box.top + BAR], [X(x + shift) + 3, box.top]], ink.page, 1.5)
   }
-  if (main || slip === null) return
-  write({ pen, ink, box }, slipSaid(run, slip), box.left + 8, box.top + BAR + 12, { of: ink.slip, align: "left", bold: true })
 }
 
 // What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest in view
