@@ -44,6 +44,32 @@ def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, 
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
 
 
+def test_where_there_is_no_clipboard_copying_works_or_says_what_to_press(visit):
+    """As on plain http: the page has no navigator.clipboard, and a promise that nobody awaited was rejected."""
+    page = visit()
+    finished(page)
+    page.evaluate(
+        """() => {
+            const later = setTimeout
+            window.setTimeout = (call, time) => later(call, time / 100)
+            window.rejected = 0
+            addEventListener("unhandledrejection", () => rejected++)
+            Object.defineProperty(navigator, "clipboard", { value: undefined })
+        }"""
+    )
+    page.get_by_role("button", name="Share").press("Enter")
+    page.locator("#copy-link").press("Enter")
+    page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-said').textContent)")
+    page.evaluate("() => new Promise((done) => setTimeout(done, 1100))")  # after that for the clipboard's answer
+    assert page.evaluate("rejected") == 0
+
+
+def test_the_sheet_has_html_to_embed_the_experiment_and_names_the_setting_that_allows_it(sheet):
+    html = sheet.input_value("#share-frame")
+    assert html.startswith("<iframe src=") and "embed=1" in html and "delta_bar=0.4" in html
+    assert "APP_FRAME_ANCESTORS" in sheet.inner_text("#share-frames")
+
+
 @pytest.mark.parametrize("answers", [True, False])
 def test_link_and_lines_are_copied_by_keyboard_also_where_the_clipboard_never_answers(sheet, answers):
     sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -68,7 +94,10 @@ def test_data_are_those_of_the_command_line(sheet, tmp_path):
     files = {kind: tmp_path / f"run.{kind}" for kind in ("csv", "npz", "json")}
     options = [text for kind, file in files.items() for text in (f"--{kind}", str(file))]
     assert command_line(["run", "--set", "delta_bar=0.4", "phi_ratio=0.1", *options]) == 0
-    own = list(csv.DictReader(io.StringIO(saved(sheet, "#save-csv").decode())))
+    scene, units, *lines = saved(sheet, "#save-csv").decode().splitlines()
+    assert scene.startswith("# ") and "δ/δ₀ = 0.4" in scene and units.startswith("# U_x, delta, residual in nm")
+    own = list(csv.DictReader(lines))
+    assert [row["U_x"] for row in own[:4]] == ["0", "0.1", "0.2", "0.3"]  # not 0.30000001
     rows = list(csv.DictReader(files["csv"].open()))
     assert len(own) == len(rows) and own[0].keys() == rows[0].keys()
     for name in ("U_x", "F_bar", "A_bar", "slip"):
@@ -96,6 +125,8 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
         root = ET.fromstring(saved(sheet, "#save-svg"))
         text = " ".join("".join(node.itertext()) for node in root.iter() if node.tag.endswith("}text"))
         assert "δ/δ₀ = 0.4" in text and "φₜ/φₙ = 0.1" in text
+        assert name in ("punch", "traction") or "displacement of the top" in text  # its own axis, also above another
+        assert (name == "map") == ("colours: from" in text)
         assert len(list(root.iter())) > 20  # axes and curves
 
 

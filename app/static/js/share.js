@@ -1,7 +1,7 @@
 // The sheet of what can be taken away
 
 import { linkTo } from "./address.js"
-import { holderOf, svgOf } from "./bokeh.js"
+import { bokehPainted, holderOf, set, svgOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
@@ -9,13 +9,16 @@ import { figures } from "./figures.js"
 import { sharpen } from "./pen.js"
 import { me } from "./state.js"
 import { drawStory } from "./story.js"
-import { described } from "./words.js"
+import { described, parameters } from "./words.js"
 
 const NAME = "mixed-mode-contact"
 const COLUMNS = ["U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip"] // as solver/files.py
 const LINE = 20, MARGIN = 12 // px of a caption
 const FONT = "system-ui, 'Segoe UI', Roboto, sans-serif"
 let connected = false
+
+// HTML that shows a link in a page of somebody else's
+const frameOf = (link) => `<iframe src="${escaped(link)}&embed=1" width="800" height="600"></iframe>`
 
 // Views that are on screen: [name, title]
 const views = () => Object.keys(figures).flatMap((name) => {
@@ -49,6 +52,26 @@ function wrapped(pen, text, width) {
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
 const textAt = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
 
+// What the colours of a view mean, where its caption has a scale
+function scaleOf(name) {
+  const [low, high] = ["low", "high"].map((end) => document.getElementById(`${name}-${end}`)?.textContent)
+  return high ? `colours: from ${low} GPa (attraction) over 0 to ${high} (repulsion)` : ""
+}
+
+// Call with the axis of a view visible, also where it stands above another that has the same
+async function withAxis(name, call) {
+  const [axis] = figures[name].below, { visible } = axis
+  if (visible) return call()
+  set(axis, { visible: true })
+  try {
+    await bokehPainted()
+    await bokehPainted()
+    return await call()
+  } finally {
+    set(axis, { visible })
+  }
+}
+
 // {text, holder, width, height, top, whole} of a view as an SVG with its title, key and caption, px; below `top` the view
 // itself, and what `over` makes of what lies over it
 function framed(name, over = () => "") {
@@ -64,7 +87,7 @@ function framed(name, over = () => "") {
     parts.push(`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, said))
     x += wide + 16
   })
-  const top = y + LINE / 2, lines = wrapped(pen, described(me.run, me.drawn), width - 2 * MARGIN)
+  const top = y + LINE / 2, lines = [scaleOf(name), described(me.run, me.drawn)].filter(Boolean).flatMap((text) => wrapped(pen, text, width - 2 * MARGIN))
   const whole = top + height + LINE * lines.length + MARGIN
   parts.push(`<g transform="translate(0 ${top})">${svgOf(figures[name])}${over(holder, width, height)}</g>`)
   lines.forEach((line, i) => parts.push(textAt(MARGIN, top + height + LINE * (i + 0.5), line)))
@@ -113,14 +136,16 @@ function drawOver(pen, holder, width, height) {
   }
 }
 
-const number = (value) => `${Number(value.toPrecision(8))}`
+const UNITS = "U_x, delta, residual in nm; F_bar = F/(w E), L_bar = L/(w E), A_bar = A/w"
+const number = (value) => `${Number(value.toPrecision(7))}` // of single precision
 
-// A row per increment after the approach, as `solver.files.write_csv` does, in single precision
+// Comments with the scene and the units, then a row per increment after the approach, as `solver.files.write_csv`
 export function csv(run) {
   const { changing } = run
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
     : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))), run.stage(k), ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
-  return [[...COLUMNS, "stage", ...changing].join(","), ...rows, ""].join("\n")
+  const comments = [parameters(me.status, changing), UNITS].map((text) => `# ${text}`)
+  return [...comments, [...COLUMNS, "stage", ...changing].join(","), ...rows, ""].join("\n")
 }
 
 const say = (text) => { by("share-said").textContent = text }
@@ -128,13 +153,9 @@ const say = (text) => { by("share-said").textContent = text }
 // Browsers lend the clipboard to secure pages only, and may never answer: then the old way
 async function copy(field, what) {
   field.select()
-  const late = new Promise((_, fail) => setTimeout(fail, 1000))
-  try {
-    await Promise.race([navigator.clipboard.writeText(field.value), late])
-  } catch {
-    document.execCommand("copy")
-  }
-  say(`${what} copied`)
+  const late = new Promise((_, fail) => setTimeout(fail, 1000)), write = async () => navigator.clipboard.writeText(field.value)
+  const copied = await Promise.race([write(), late]).then(() => true, () => document.execCommand("copy"))
+  say(copied ? `${what} copied` : `The browser forbids copying. The ${what} is selected: press Ctrl+C.`)
 }
 
 function showFile({ head: { why, ending }, buffer, start }) {
@@ -157,9 +178,15 @@ function connect() {
   take("sheet", showSheet)
   const view = by("share-view"), scale = by("share-scale")
   on("copy-link", "click", () => copy(by("share-link"), "link"))
+  on("copy-frame", "click", () => copy(by("share-frame"), "HTML"))
   on("copy-python", "click", () => copy(by("share-python"), "Python lines"))
-  on("save-png", "click", async () => download(await png(view.value, Number(scale.value)), `-${view.value}.png`))
-  on("save-svg", "click", () => download(new Blob([svg(view.value)], { type: "image/svg+xml" }), `-${view.value}.svg`))
+  on("save-png", "click", async () => {
+    download(await withAxis(view.value, () => png(view.value, Number(scale.value))), `-${view.value}.png`)
+  })
+  on("save-svg", "click", async () => {
+    const text = await withAxis(view.value, () => svg(view.value))
+    download(new Blob([text], { type: "image/svg+xml" }), `-${view.value}.svg`)
+  })
   on("save-csv", "click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => {
@@ -174,6 +201,7 @@ export function open() {
   if (!connected) connect()
   const link = linkTo(new URLSearchParams(location.search).getAll("pin").map((text) => ["pin", text]))
   by("share-link").value = link
+  by("share-frame").value = frameOf(link)
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
   const { address, after } = me.status
   const said = []
