@@ -44,3 +44,13 @@ def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scen
     finished(page, run=2)
     page.wait_for_function("punch.status.marks.delta_bar?.[0][0] > 0.3", timeout=PATIENCE)
     page.wait_for_function("document.getElementById('delta_bar-marked').textContent.includes('no load at 0.')")
+
+
+@pytest.mark.thorough
+def test_a_click_on_a_mark_moves_the_slider_there(visit):
+    page = visit("?du_x=0.5")
+    finished(page)
+    marks(page)
+    page.locator("[data-name=delta_bar] .mark", has_text="no load").click()
+    page.wait_for_function("Math.abs(punch.status.values.delta_bar - 0.18) <= 0.02", timeout=PATIENCE)
+    finished(page, run=2)

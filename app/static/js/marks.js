@@ -1,7 +1,8 @@
-// Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py).
+// Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py); a click goes there.
 
-import { by, digits, make } from "./dom.js"
+import { by, closest, digits, make, makeButton } from "./dom.js"
 import { declared } from "./state.js"
+import { letGo, steer } from "./steer.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
@@ -21,7 +22,9 @@ function draw(name, marks, values) {
   for (const old of scale.querySelectorAll(".mark")) old.remove()
   const titles = marks.map(([value, said]) => `${said} at ${digits(value, 2)}`)
   marks.forEach(([value, said], i) => {
-    const at = place(value, values), mark = make("span", { className: "mark", title: titles[i] })
+    const at = place(value, values), onclick = () => goThere(name, values[closest(values, value)])
+    // those who cannot see it hear of it at the slider, which has the keyboard
+    const mark = makeButton({ className: "mark", title: `${titles[i]}: click to go there`, tabIndex: -1, onclick })
     mark.style.left = `calc(8px + ${at} * (100% - 16px))`
     if (labels.every((other) => Math.abs(other - at) > apart)) {
       mark.append(make("span", {}, said))
@@ -31,6 +34,11 @@ function draw(name, marks, values) {
     scale.append(mark)
   })
   by(`${name}-marked`).textContent = marks.length ? `Here: ${titles.join(", ")}.` : ""
+}
+
+function goThere(name, value) {
+  steer({ [name]: `${value}` })
+  letGo()
 }
 
 // Part of the slider at which a value lies

@@ -49,7 +49,9 @@ function describe(name, value, error, before) {
   const settled = document.activeElement !== entry || entry.value === entry.dataset.given
   if (entry.matches("select") || !error && settled || value !== before) entry.value = value
   entry.setAttribute("aria-invalid", Boolean(error))
+  const fresh = error && by(`${name}-error`).textContent !== error
   say(`${name}-error`, error)
+  if (fresh) entry.closest(".row")?.scrollIntoView({ block: "nearest" })
   if (!me.dragging && declared.positions[name]) place(name, value)
   if (name === "delta_bar") tellDepth(value, error)
 }
