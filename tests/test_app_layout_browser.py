@@ -22,7 +22,7 @@ SIZES = (
 )
 
 
-WHOLE = SIZES[4:10]  # the first screen without scrolling; the laboratory from 1280 px on
+WHOLE = SIZES[4:10]  # the first screen without scrolling; with tools from 1280 px on
 
 
 # What is wrong with the page as it is laid out now, in sentences
@@ -34,8 +34,8 @@ def faults_at_every_size(page, whole=False):
         laid_out(page)
         faults = page.evaluate(FAULTS)
         high = page.evaluate("document.documentElement.scrollHeight")
-        lab = page.evaluate("document.documentElement.dataset.view === 'lab'")
-        if whole and (width, height) in WHOLE and high > height and not (lab and width < 1280):
+        tools = page.evaluate("'tools' in document.documentElement.dataset")
+        if whole and (width, height) in WHOLE and high > height and not (tools and width < 1280):
             faults.append(f"{high} px high")
         if faults:
             found[f"{width} x {height}"] = faults

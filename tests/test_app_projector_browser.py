@@ -21,7 +21,7 @@ def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
     page.get_by_role("button", name="Projector").click()
     assert "view=lab" in page.url
     assert page.evaluate(FONT) == "13px" and page.evaluate(WIDTH) == thin
-    assert page.locator("main figure:visible").count() == 5  # the laboratory, as before
+    assert page.locator("main figure:visible").count() == 5  # with the tools, as before
 
 
 @pytest.mark.thorough
@@ -33,7 +33,7 @@ def test_the_address_opens_it_with_nothing_small_and_no_words_of_the_solver(visi
     assert not any(word in said for word in ("increments", "residual", "evaluations"))
     small = page.evaluate(
         """() => [...document.querySelectorAll('.page :is(b, p, label, select, button, span, figcaption)')]
-            .filter((e) => e.checkVisibility() && !e.closest('.unseen'))
+            .filter((e) => e.checkVisibility() && !e.closest('.unseen, #row, .hero .key'))
             .filter((e) => e.childElementCount === 0 && e.textContent.trim())
             .filter((e) => parseFloat(getComputedStyle(e).fontSize) < 22).map((e) => e.outerHTML)"""
     )

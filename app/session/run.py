@@ -80,8 +80,9 @@ class Run:
         if kind == "crash":
             return f"{LIVES} workers ended while they computed it; change a parameter or choose an experiment"
         if kind == "hang":
-            return f"{lost}, so the worker was ended; what is computed stays. Change a parameter or choose an experiment"
-        return ERROR if kind == "error" else f"{str(lost) or 'the server is being stopped'}; choose an experiment to try again"
+            return f"{lost}, so the worker was ended; what is computed stays. Change a parameter"
+        why = str(lost) or "the server is being stopped"
+        return ERROR if kind == "error" else f"{why}; choose an experiment to try again"
 
     def take_over(self, known):
         """All of it is known: its Frames."""
