@@ -2,7 +2,6 @@
 
 import { by, closest, digits, make, makeButton } from "./dom.js"
 import { declared } from "./state.js"
-import { letGo, steer } from "./steer.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
@@ -22,7 +21,7 @@ function draw(name, marks, values) {
   for (const old of scale.querySelectorAll(".mark")) old.remove()
   const titles = marks.map(([value, said]) => `${said} at ${digits(value, 2)}`)
   marks.forEach(([value, said], i) => {
-    const at = place(value, values), onclick = () => goThere(name, values[closest(values, value)])
+    const at = place(value, values), onclick = () => goThere(by(name), closest(values, value))
     // those who cannot see it hear of it at the slider, which has the keyboard
     const mark = makeButton({ className: "mark", title: `${titles[i]}: click to go there`, tabIndex: -1, onclick })
     mark.style.left = `calc(8px + ${at} * (100% - 16px))`
@@ -36,9 +35,10 @@ function draw(name, marks, values) {
   by(`${name}-marked`).textContent = marks.length ? `Here: ${titles.join(", ")}.` : ""
 }
 
-function goThere(name, value) {
-  steer({ [name]: `${value}` })
-  letGo()
+// Move a slider as a hand does, and let it go
+function goThere(slider, position) {
+  slider.value = position
+  for (const type of ["input", "pointerup"]) slider.dispatchEvent(new Event(type))
 }
 
 // Part of the slider at which a value lies
