@@ -14,7 +14,7 @@ from served import PATIENCE, TROUBLE, Server, finished
 
 from solver import Scene, load_path
 
-DESKTOP = {"width": 1280, "height": 800}
+DESKTOP = {"width": 1280, "height": 900}
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
