@@ -62,7 +62,7 @@ export function standIn(run) {
 function begin(run) {
   if (me.anchor !== null) me.ghost = me.behind === null || me.behind.sheared >= 0 ? me.behind : me.ghost
   me.anchor = null
-  if (me.run?.length && !me.following && (me.run.followed || me.run.head.step !== run.head.step)) { // its increments are others
+  if (me.run?.length && !me.following && (!exact(me.run) || me.run.head.step !== run.head.step)) { // its increments are others
     me.place ??= me.run.place(now())
   }
   me.run = run
