@@ -89,7 +89,8 @@ export function checkTruth() {
   const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following // curves come with the shear
   const stale = me.stale && !(me.dragging && me.run.followed)
   say("stale", stale ? `computed for ${values || "the scene before"}` : mixed && "curves: still those of the run before")
-  Object.assign(document.querySelector(".page").dataset, { mixed, stale: me.stale && me.run === me.anchor && !me.lost })
+  const grey = me.stale && !me.lost && (me.run === me.anchor || Boolean(me.run.stored))
+  Object.assign(document.querySelector(".page").dataset, { mixed, stale: grey })
 }
 
 const changes = () => Object.keys(me.status.address).filter((name) => !["preset", "profile"].includes(name))
