@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bokeh.models import ColumnDataSource, LayoutDOM
 from visitor import order
 
 from app import pages
@@ -113,3 +114,15 @@ def test_a_table_of_the_layer_that_is_asked_for_again_is_not_begun_anew(session)
     session.wire.on_change("message", lambda attribute, old, new: new and sent.append(new))
     order(session, "layer", rows=100, modes=100, depth=100.0)
     assert len(list(filter(None, sent))) == 1  # what is known is sent at once
+
+
+@pytest.mark.parametrize("name", [name for name in listed() if name not in ("regimes", "accuracy", "arealaws")])
+def test_each_page_has_figures_that_a_notebook_shows(name):
+    small = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+    made = listed()[name].figure(small)
+    sources = [model for model in made.references() if isinstance(model, ColumnDataSource)]
+    assert isinstance(made, LayoutDOM) and any(len(column) for s in sources for column in s.data.values())
+
+
+def test_every_page_offers_figures_to_a_notebook():
+    assert all(callable(page.figure) for page in listed().values())

@@ -1,11 +1,12 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
 A page is a folder here. Its page.py has TITLE, ORDER in the menu, FIGURES (the slots of its figures), compose() ->
-[figure], each named page_slot, and a class `Page`, a Sheet; TEMPLATE, if any, holds values for its page.html. What a
-page publishes reaches the browser as one dictionary, of which it knows texts {element: text}, busy (part done or None),
-images {view.label: limits}, hidden {element: whether} and tables {element: rows of cells}, a cell a text or a button
-{said, pressed, ask: what it orders}; the rest is for the page's own script, page.js, if it has one. page.html is its
-section of the document; without it, the section is a title above the figures.
+[figure], each named page_slot, a class `Page`, a Sheet, and figure(scene), what a notebook shows of it; TEMPLATE, if
+any, holds values for its page.html. What a page publishes reaches the browser as one dictionary, of which it knows
+texts {element: text}, busy (part done or None), images {view.label: limits}, hidden {element: whether} and tables
+{element: rows of cells}, a cell a text or a button {said, pressed, ask: what it orders}; the rest is for the page's own
+script, page.js, if it has one. page.html is its section of the document; without it, the section is a title above the
+figures.
 """
 
 import json

@@ -18,7 +18,7 @@ def work(scene):
     worker.start()
     try:
         _warm_up()
-        yield from _news(scene)
+        yield from reports(scene)
     except (NotConverged, SceneError) as error:
         yield {"state": "failed", "why": f"The reference did not converge: {error}"}
 
@@ -33,7 +33,8 @@ def _warm_up():
             pass
 
 
-def _news(scene):
+def reports(scene):
+    """What is measured of a Scene, as plain data, as it comes."""
     from solver.validation.accuracy import SWEEPS, measure
     from solver.validation.accuracy_report import choice, command, failures, sentence
 

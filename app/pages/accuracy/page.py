@@ -3,11 +3,14 @@
 A process of its own measures (service/bench.py), also while the page is closed, until another scene is on screen.
 """
 
+import sys
 from math import ceil, floor, log10
 
 from bokeh.models import FixedTicker
 
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
+from app.service import measuring
 from app.views.plots import Quantity, curve, dots, rendered, texts
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
@@ -44,6 +47,15 @@ def _figure(name, work):
             *_, right, down, align = SERIES[series]
             part.glyph.update(x_offset=right, y_offset=down, text_align=align, text_font_size="12px")
     return figure
+
+
+def figure(scene):
+    """Error against run time and force evaluations of a Scene, measured here: what a notebook shows."""
+    page = page_of(sys.modules[__name__], scene)
+    for news in measuring.reports(scene):
+        page.session.bench.told |= news
+    page.start()
+    return laid_out(page)
 
 
 class Page(Sheet):

@@ -4,12 +4,14 @@ A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8 
 kept for all visitors (requests.py).
 """
 
+import sys
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.views.plots import Quantity, curve, dots, rendered
 from solver import Scene, SceneError
@@ -128,6 +130,13 @@ class Series:
             yield [f"{depth:.2f}", f"{THOUSAND * result['L_0']:.3f}", f"{THOUSAND * result['A_0']:.1f}", *fit]
 
 
+def figure(scene):
+    """The figures of the series of a Scene, computed here: what a notebook shows."""
+    page = page_of(sys.modules[__name__], scene)
+    page.add_series(series_of(scene))
+    return laid_out(page)
+
+
 class Page(Sheet):
     """See pages.py."""
 
@@ -139,7 +148,7 @@ class Page(Sheet):
         """The series on screen first, then those of Fig. 8."""
         for scene in (self._own()[0], *PAPER):
             if scene:
-                self._add(scene)
+                self.add_series(scene)
         self._publish()
 
     def scene_changed(self):
@@ -151,7 +160,7 @@ class Page(Sheet):
         what, place = values.get("what"), int(values.get("series", 0))
         own, _ = self._own()
         if what == "add" and own:
-            self._add(own)
+            self.add_series(own)
         elif what == "cancel":
             self.sweep.cancel()
         elif what == "show" and 0 <= place < len(self.series):
@@ -173,7 +182,7 @@ class Page(Sheet):
             return None, why
         return scene, ""
 
-    def _add(self, scene):
+    def add_series(self, scene):
         """A series, in place of the oldest if there are too many."""
         if scene not in self.series:
             own = [one for one in self.series.values() if one.mark >= len(PAPER)]

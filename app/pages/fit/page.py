@@ -5,14 +5,18 @@ the browser (page.js), so that a hand can try before the machine does.
 """
 
 import re
+import sys
 from random import randrange
 
 import numpy as np
+from bokeh.models import DataRange1d
 
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
 from app.views.plots import Quantity, curve, dots, level, rendered
+from solver import load_path
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
 FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
@@ -54,6 +58,21 @@ def compose():
     ]
 
 
+def figure(scene, measured=None):
+    """Friction and load of a Scene, over a Measurement if there is one: what a notebook shows."""
+    page = page_of(sys.modules[__name__], scene)
+    if measured is not None:
+        page.take_measurement((measured, None))
+    frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
+    U_x = [frame.U_x for frame in frames]
+    page.draw("curve", "run", U_x=U_x, F=[frame.F for frame in frames])
+    page.draw("curve", "run_load", U_x=U_x, F=[frame.L for frame in frames])
+    curves = page.views["curve"].figure
+    if measured is None:
+        curves.update(x_range=DataRange1d(), y_range=DataRange1d())
+    return laid_out(page)
+
+
 class Page(Sheet):
     """See app/pages. It stays: a fit continues while the page is closed."""
 
@@ -75,13 +94,15 @@ class Page(Sheet):
         """A file, a made-up measurement, a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if what == "file":
-            self.wanted.ask((tasks.measured_curve, values["text"], scene), self._read, rank=LATER)
+            self.wanted.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
             self.publish(busy=None, texts={"fit-said": "Reading the file …"})
         elif what == "example":
             call, seed = tasks.made_up_curve, randrange(SEEDS)
             made = tasks.made_up_scene(scene, seed)
             truth = {name: getattr(made, name, NEUTRAL.get(name)) for name in FREE}
-            self.wanted.ask((call, scene, seed), lambda made: self._read(made, truth), rank=HEAVY, seconds=LONG)
+            self.wanted.ask(
+                (call, scene, seed), lambda made: self.take_measurement(made, truth), rank=HEAVY, seconds=LONG
+            )
             self.publish(busy=None, texts={"fit-said": "Generating example data …"})
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
@@ -94,7 +115,8 @@ class Page(Sheet):
             self.close()
             self.publish(busy=None, texts={"fit-said": "Cancelled."})
 
-    def _read(self, result, truth=None):
+    def take_measurement(self, result, truth=None):
+        """(Measurement, None) or (None, why there is none); truth: {parameter: value} of a made-up one."""
         measured, why = result or (None, LOST)
         self.answers += 1
         if measured is None:

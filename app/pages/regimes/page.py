@@ -4,6 +4,7 @@ The map is made of tiles (solver/analysis/maps), each a call for the workers, fr
 as soon as the points around it are known, and what one visitor has asked for is there for all (requests.py).
 """
 
+import sys
 from dataclasses import replace
 from math import dist, inf
 
@@ -13,6 +14,7 @@ from bokeh.palettes import cividis
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.service.skeletons import skeletons
 from app.views.plots import Quantity, curve, dots, picture, rendered, texts
@@ -65,6 +67,13 @@ def compose():
     text = next(part for part in figure.renderers if part.name == "regimes_map.names").glyph
     text.update(background_fill_color="black", background_fill_alpha=0.6, text_font_size="14px")
     return [figure]
+
+
+def figure(scene):
+    """The figures for a Scene, computed here: what a notebook shows."""
+    page = page_of(sys.modules[__name__], scene)
+    page.start()
+    return laid_out(page)
 
 
 class Page(Sheet):

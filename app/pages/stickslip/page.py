@@ -3,6 +3,7 @@
 Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
 """
 
+import sys
 from contextlib import suppress
 
 import numpy as np
@@ -11,6 +12,7 @@ from bokeh.palettes import cividis
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
 from app.schema import FLATS
 from app.service import tasks
 from app.views.plots import Quantity, band, curve, dots, level, picture, rendered
@@ -82,6 +84,13 @@ def _map():
     for axis, powers in zip((figure.xaxis, figure.yaxis), decades, strict=True):
         axis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
     return figure
+
+
+def figure(scene):
+    """The figures for a Scene, computed here: what a notebook shows."""
+    page = page_of(sys.modules[__name__], scene)
+    page.start()
+    return laid_out(page)
 
 
 class Page(Sheet):
