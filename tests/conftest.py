@@ -37,9 +37,11 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(items):
-    """Of a test marked `once` all parameters but the first are thorough."""
+    """Tests of tests/browser are marked so; of a test marked `once` all parameters but the first are thorough."""
     seen = Counter()
     for item in items:
+        if item.path.parent.name == "browser":
+            item.add_marker(pytest.mark.browser)
         if once := item.get_closest_marker("once"):
             test = item.parent.nodeid, item.originalname
             seen[test] += 1

@@ -24,7 +24,7 @@ from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import Run, deadline
 from solver.run.slices import in_time
 
-KERNELS = 39  # compiled by `warm_up` where none is in the cache; tests/test_cold_start.py counts them
+KERNELS = 39  # compiled by `warm_up` where none is in the cache; tests/cli/test_cold_start.py counts them
 NICENESS = 10  # the event loop must win against the physics
 QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
 APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear

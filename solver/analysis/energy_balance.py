@@ -9,7 +9,7 @@ check: F and L, and the layer's reciprocity, must agree with T and u.
 A slip does not dissipate all that it releases, as the interface returns work that it took on the branch. Over a closed
 cycle, or a lattice period of steady sliding, E does not change: W = R - S is the cost of the cycle or of the slip. NP1
 has no potential, so that its tractions may do work along that closed path. With the defaults, the flow of a slip
-dissipates 2 % more than the top's work (tests/test_energy_balance.py).
+dissipates 2 % more than the top's work (tests/solver/test_energy_balance.py).
 """
 
 from collections.abc import Sequence

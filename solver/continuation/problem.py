@@ -1,4 +1,4 @@
-"""The contract of the problems that this folder solves; tests/test_contract.py tests every problem on it.
+"""The contract of the problems that this folder solves; tests/solver/test_contract.py tests every problem on it.
 
 A Problem is R(v; s) = 0 in unknowns v (size,) under a load s, in which R is linear. Its Dynamics are a motion that
 comes to rest in these equilibria. A Linearised describes small disturbances of one of them. Lengths are in nm, moduli

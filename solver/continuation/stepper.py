@@ -1,4 +1,4 @@
-"""What a run asks of a method: the contract of a stepper, on which tests/test_contract.py tests every method.
+"""What a run asks of a method: the contract of a stepper, on which tests/solver/test_contract.py tests every method.
 
 `quasistatic.QuasiStatic`, `gfmd.Gfmd`, `replay.Replay` around a stepper, and the methods of `solver.validation` fulfil
 it. A stepper is made of a problem, the damping of the transient over critical, and the stiffness of closed springs,

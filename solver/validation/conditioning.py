@@ -37,7 +37,7 @@ class Limit:
 
 
 def conditioning() -> list[Limit]:
-    """Every Limit; the reference is `extended` (tests/test_closed_forms.py compares that with mpmath)."""
+    """Every Limit; the reference is `extended` (tests/validation/test_closed_forms.py compares that with mpmath)."""
     return [limit for name, wave in WAVES.items() for limit in _layer(name, *wave)] + [_overclosure(n) for n in DEPTHS]
 
 

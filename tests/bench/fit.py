@@ -3,7 +3,7 @@
     python tests/bench/fit.py [--draws N] [--starts N] [--box N] [--sparse N] [--points N] [--json FILE]
 
 Data are F and L at 400 points, with noise of 1 % of the largest of each, and three parameters are free. F alone does
-not determine these three, which a fit reports (tests/test_fit.py).
+not determine these three, which a fit reports (tests/solver/test_fit.py).
 Time: seconds of one fit from 20 % off.
 Coverage: 200 draws of truth (within 5 %) and noise; how often the 95 % interval of each parameter holds its truth.
 Starts: 30 scenes near one punch from 50 % off; how many fits reach the truth within four standard errors, and what the

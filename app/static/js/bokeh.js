@@ -1,5 +1,5 @@
 // Every use of BokehJS that its documentation does not promise, checked against Bokeh 3.9.2, with tests in
-// tests/test_bokeh_browser.py that say by their names what broke.
+// tests/browser/test_bokeh.py that say by their names what broke.
 
 const here = { sync: false }
 let index = null // of the views of all models

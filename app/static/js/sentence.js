@@ -1,6 +1,6 @@
 // The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers. Each rule
 // returns {key, text, claims}: key names the moment, so that a sentence stays while it lasts; claims are what the text
-// asserts, [name, ...values], for tests/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
+// asserts, [name, ...values], for tests/browser/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
 
 import { digits, minus, newtons } from "./dom.js"
 import { WEAK } from "./run.js"

@@ -1,0 +1,47 @@
+"""The row of experiments: a picture in the page for each, drawn by docs/row.py from the solver's runs."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import load_path
+from solver.presets import presets
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
+import row
+
+ROW = [preset for preset in presets().values() if preset.short]
+
+
+def extent(svg, kind):
+    """(largest height, lowest height, last place) of a path of a picture."""
+    numbers = [int(number) for number in re.search(rf'class="{kind}" d="M([^"VZ]+)', svg)[1].replace("l", " ").split()]
+    x, y = np.cumsum(numbers[::2]), np.cumsum(numbers[1::2])
+    return y.max(), y.min(), x[-1]
+
+
+def test_every_experiment_of_the_row_has_a_picture_and_no_other_file_lies_there():
+    assert {path.stem for path in row.PLACE.iterdir()} == {preset.name for preset in ROW}
+
+
+def test_the_curves_of_a_picture_have_the_increments_and_the_ends_of_the_branches():
+    scene = presets()["fig7-case2"].scene.changed(u_x_max=14.0, du_x=0.5)
+    shear = [frame for frame in load_path(scene) if frame.stage == "shear"]
+    slips = [slip for frame in shear for slip in frame.slips]
+    expected = [(f.U_x, f.F_bar, f.A_bar) for f in shear] + [(s.load, s.F_bar, s.A_bar) for s in slips]
+    assert slips and sorted(zip(*row.curves(scene), strict=True)) == sorted(expected)
+
+
+def test_where_nothing_slides_the_curve_is_the_load_over_the_indentation():
+    scene = presets()["unload"].scene.changed(du_z=0.5, tolerance=1e-6)
+    unload = [(f.delta, f.L_bar, f.A_bar) for f in load_path(scene) if f.stage == "unload"]
+    assert set(unload) <= set(zip(*row.curves(scene), strict=True))
+
+
+def test_the_stored_picture_is_that_of_the_solver():
+    stored = (row.PLACE / "unload.svg").read_text(encoding="utf-8")
+    drawn = row.picture(*row.curves(presets()["unload"].scene))
+    assert extent(drawn, "force") == pytest.approx(extent(stored, "force"), abs=1)  # rounded on another machine

@@ -1,0 +1,307 @@
+"""For everyone: by keyboard alone, for those who hear the page, and nothing that axe finds."""
+
+import re
+
+import numpy as np
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from served import PATIENCE, PLAYING, finished, laid_out
+
+pytestmark = [pytest.mark.thorough]
+# in a sentence a word is as low as its line, and the slider does what a mark does (WCAG 2.5.8)
+TOUCHED = "button:not(p .term, .mark), select, input:not([type=checkbox], [type=radio]), label:has(input)"
+SMALL = f"""() => [...document.querySelectorAll('{TOUCHED}')]
+    .filter((e) => e.checkVisibility() && !e.closest('[hidden]'))
+    .map((e) => [e.id || e.textContent.trim(), e.getBoundingClientRect()])
+    .filter(([, box]) => Math.min(box.width, box.height) < 24).map(([name]) => name)"""
+
+
+def found_by_axe(page):
+    """What axe finds on the page as it is, in words."""
+    rules = [*Axe().run(page, options={"iframes": False}).response["violations"]]
+    return {rule["id"]: [node["html"][:160] for node in rule["nodes"]] for rule in rules}
+
+
+def test_axe_finds_nothing_on_the_page_and_in_its_drawer(visit):
+    page = visit("?theme=light&E=7000")  # with a note
+    finished(page)
+    assert not found_by_axe(page)
+    page.get_by_role("button", name="Parameters").click()
+    page.fill("#nodes-entry", "3")
+    page.keyboard.press("Enter")
+    page.locator("#nodes-error").wait_for(state="visible")
+    assert not found_by_axe(page)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_in_any_sheet_or_view(visit, theme):
+    page = visit(f"?theme={theme}")
+    finished(page)
+    for button, sheet in (
+        ("#take", "#share"),
+        ("#compare", "#numbers"),
+        ("#open-theory", "#theory"),
+        ("#help", "#keys"),
+    ):
+        page.locator(button).click()
+        page.locator(f"{sheet}[open] :is(td, dt, #share-qr[src])").first.wait_for()
+        assert not found_by_axe(page), sheet
+        page.keyboard.press("Escape")
+    page.locator("#pin").click()
+    page.locator(".chip").wait_for()
+    assert not found_by_axe(page)
+    page.locator("figcaption .term:visible").first.click()
+    page.locator("#term").wait_for()
+    assert not found_by_axe(page)
+    page.keyboard.press("Escape")
+    for view in ("punch", "map"):
+        page.locator(f".as-table[data-view={view}]").click()
+        page.locator("#table tbody tr").first.wait_for()
+        assert not found_by_axe(page)
+        page.keyboard.press("Escape")
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert not found_by_axe(page)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.locator("#tour").click()
+    page.locator("button.answer").first.wait_for()
+    assert not found_by_axe(page)
+
+
+def test_what_is_touched_is_large_enough(look):
+    page = look()
+    for width, height in ((1280, 720), (390, 844), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        assert not page.evaluate(SMALL), (width, height)
+
+
+def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit):
+    page = visit(**PLAYING)
+    finished(page)
+    page.evaluate(
+        """() => {
+            window.heard = []
+            const live = document.querySelectorAll('[aria-live=polite], [role=status], [role=alert], output')
+            for (const region of live) new MutationObserver(() => heard.push(region.textContent))
+                .observe(region, { childList: true, characterData: true, subtree: true })
+        }"""
+    )
+    now = page.evaluate("punch.clock")
+    page.wait_for_function(f"punch.clock > {now} + 1")
+    assert page.evaluate("heard") == []
+    page.locator("body").press("Space")
+    page.wait_for_function("heard.length >= 2")  # that it is paused, and where
+    assert "newtons per metre" in page.inner_text("#told")
+    page.locator("body").press("]")
+    page.wait_for_function("document.getElementById('told').textContent.startsWith('Slip at')")
+
+
+@pytest.mark.thorough
+def test_escape_closes_the_menu_from_any_of_its_controls_and_space_ticks_a_box(visit):
+    page = visit("?view=hero")
+    finished(page)
+    page.click("#menu")
+    page.focus("#carry")
+    page.keyboard.press("Space")
+    assert page.is_checked("#carry") and not page.evaluate("punch.playing")
+    page.keyboard.press("Escape")
+    page.locator("#carry").wait_for(state="hidden")
+    assert page.evaluate("document.activeElement.id") == "menu"
+
+
+@pytest.mark.thorough
+def test_a_menu_keeps_the_focus_and_space_plays_after_a_choice(visit):
+    page = visit()
+    finished(page)
+    page.focus("#speed")
+    page.keyboard.press("ArrowDown")
+    assert page.evaluate("document.activeElement.id") == "speed" and page.evaluate("punch.speed") == 8
+    page.keyboard.press("Space")
+    page.wait_for_function("punch.playing")
+    page.focus("#preset")
+    page.keyboard.press("ArrowDown")
+    finished(page, run=2)
+    assert page.evaluate("document.activeElement.id") == "preset"
+
+
+def test_every_plot_has_its_numbers_as_a_table(look):
+    page = look()
+    page.keyboard.press("End")
+    page.wait_for_function("punch.drawn === punch.run.length - 1")
+    frames = page.evaluate("punch.run.length - punch.run.sheared")
+    nodes = page.evaluate("punch.run.frame(punch.drawn).x.length")
+    for view, rows in (("punch", nodes), ("traction", nodes), ("forces", frames), ("area", frames), ("map", frames)):
+        page.locator(f".as-table[data-view={view}]").click()
+        page.wait_for_function(f"document.querySelectorAll('#table tbody tr').length === {rows}", timeout=PATIENCE)
+        page.get_by_role("dialog").get_by_role("button", name="Close").click()
+        page.wait_for_function("!document.getElementById('table').open")
+    page.locator(".as-table[data-view=forces]").click()
+    page.get_by_role("dialog", name="Forces", exact=True).wait_for()
+    last = page.locator("#table tbody tr").last.locator("td").all_inner_texts()
+    F = page.evaluate("punch.run.values(punch.run.length - 1).F_bar * punch.run.head.force")
+    assert last[0] == "shear" and float(last[1]) == pytest.approx(40.0)
+    assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
+
+
+QUICK = "&nodes=256&width=625&du_x=0.5&du_z=0.5"  # what Area laws computes is soon there
+WHOLE = {  # page: what is there when it has drawn everything
+    "law": "document.getElementById('law-stick').textContent",
+    "stickslip": "document.getElementById('stickslip-said').textContent"
+    " && document.querySelector('#stickslip progress').hidden",
+    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length > 4",
+    "solid": "document.getElementById('solid-name').textContent",
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", WHOLE)
+def test_every_plot_of_a_page_has_its_numbers_as_a_table(visit, name):
+    page = visit(f"?page={name}" + (QUICK if name == "arealaws" else ""))
+    finished(page)
+    page.wait_for_function(f"() => {WHOLE[name]}", timeout=PATIENCE)
+    figures = page.locator(f"#{name} .figures figure")
+    assert figures.count() == page.locator(f"#{name} .as-table").count() > 0
+    for i in range(figures.count()):
+        button = figures.nth(i).get_by_role("button", name="as a table")
+        button.click()
+        rows = page.locator("#table tbody tr")
+        rows.nth(4).wait_for()
+        cells = rows.first.locator("td").all_inner_texts()
+        assert cells[0] and all(re.fullmatch(r"[−\d.e+–-]+", cell) for cell in cells[1:]), cells
+        assert page.locator("#table th").count() == len(cells) and page.locator("#table-title").inner_text()
+        page.keyboard.press("Escape")
+        page.locator("#table").wait_for(state="hidden")
+
+
+STOP = """() => {
+    const e = document.activeElement
+    if (e === document.body) return null
+    const box = e.getBoundingClientRect(), look = getComputedStyle(e)
+    const top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2)
+    const name = e.getAttribute("aria-label") || e.labels?.[0]?.textContent || e.textContent
+    return { id: e.id, name: name.trim(), ring: look.outlineStyle === "solid" ? parseFloat(look.outlineWidth) : 0,
+        seen: e === top || e.contains(top) || Boolean(top?.closest("label")?.contains(e)) }
+}"""
+
+
+def to(page, stop, most=140):  # two rounds of the page, and what takes the focus on the way
+    """Tab on to the element with this id."""
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.id") == stop:
+            return
+    raise AssertionError(f"{stop} is not reached by the tab key")
+
+
+def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
+    page = visit()  # where the tab key begins cannot be set back
+    finished(page)
+    stops = []
+    for _ in range(75):
+        page.keyboard.press("Tab")
+        page.wait_for_function(f"() => {{ const stop = ({STOP})(); return !stop || stop.seen }}", timeout=PATIENCE)
+        stop = page.evaluate(STOP)
+        if stop is None:
+            break
+        stops.append(stop)
+    else:
+        raise AssertionError("the tab key does not leave the page")
+    assert 40 < len(stops) < 72
+    assert not [stop for stop in stops if not (stop["name"] and stop["ring"] >= 2)]
+    wanted = ["preset", "tour", "projector", "pin", "take", "more", "open-theory", "delta_bar", "lens", "play", "scrub"]
+    found = [stop["id"] for stop in stops if stop["id"] in wanted]
+    assert found == wanted  # in the order of the page
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate("document.activeElement.id") == "speed"
+
+
+@pytest.mark.thorough
+def test_everything_is_done_with_the_keyboard_alone(visit):
+    page = visit(**PLAYING)
+    finished(page)
+    press = page.keyboard.press
+    press("Space")
+    to(page, "open-theory")
+    press("Enter")
+    page.locator("#theory math").first.wait_for()
+    press("Escape")
+    to(page, "more")
+    press("Enter")
+    page.get_by_label("Find a parameter").wait_for()
+    press("Escape")
+    page.wait_for_function("document.activeElement.id === 'more'")
+    to(page, "pin")
+    press("Enter")
+    page.locator(".chip").wait_for()
+    to(page, "take")
+    press("Enter")
+    page.wait_for_function("document.getElementById('share-python').value.includes('Scene')", timeout=PATIENCE)
+    press("Escape")
+    to(page, "delta_bar")  # the punch itself: down
+    press("ArrowRight")
+    finished(page, run=2)
+    to(page, "lens")
+    before = page.get_attribute("#lens", "aria-valuenow")
+    press("ArrowRight")
+    page.wait_for_function(f"document.getElementById('lens').getAttribute('aria-valuenow') !== '{before}'")
+    to(page, "scrub")  # and along the run
+    press("Home")
+    page.wait_for_function("punch.drawn === 0")
+    press("Escape")
+    page.evaluate("document.activeElement.blur()")
+    press("]")
+    page.wait_for_function("punch.run.values(punch.drawn).slip")
+    press("p")
+    page.wait_for_function("document.documentElement.dataset.view === 'projector'")
+    press("p")
+    to(page, "tour")
+    press("Enter")
+    page.wait_for_function("document.activeElement.className === 'answer'", timeout=PATIENCE)
+    press("Enter")
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    press("Escape")
+    page.wait_for_function("document.activeElement.id === 'tour'")
+
+
+@pytest.mark.thorough
+def test_the_menu_says_when_the_scene_is_no_longer_its_preset_and_brings_it_back(visit):
+    page = visit("?preset=fig7-case2")
+    finished(page)
+    assert page.locator("#preset optgroup").count() > 3
+    page.fill("#E-entry", "100")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    shown = page.evaluate("document.getElementById('preset').selectedOptions[0].textContent")
+    assert "changed" in shown and "Stiffness" in page.inner_text("#look")
+    page.select_option("#preset", "fig7-case2")
+    finished(page, run=3)
+    assert page.evaluate("punch.status.values.E") == 70
+
+
+@pytest.mark.thorough
+def test_figures_of_the_solver_are_behind_one_button(look):
+    page = look()
+    assert "evaluations" not in page.inner_text(".page")
+    page.get_by_role("button", name="Figures of the solver").click()
+    said = page.locator("#solver").inner_text()
+    assert "502 increments" in said and "force evaluations" in said and "1e-8 nm" in said
+
+
+def test_the_run_before_is_seen_in_the_dark(look):
+    colours = """() => {
+        const root = document.documentElement, before = root.dataset.theme, style = getComputedStyle(root)
+        root.dataset.theme = "dark"
+        const found = ["--ghost", "--soft", "--page"].map((name) => style.getPropertyValue(name).trim())
+        root.dataset.theme = before
+        return found
+    }"""
+
+    def light(colour):
+        parts = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        return np.dot(
+            [0.2126, 0.7152, 0.0722], [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        )
+
+    line, text, page = map(light, look().evaluate(colours))
+    assert (line + 0.05) / (page + 0.05) >= 3.0 and (text + 0.05) / (page + 0.05) >= 4.5  # of WCAG

@@ -1,0 +1,223 @@
+"""The app as a visitor meets it, in a real Chromium: keys and mouse; no error, nothing fetched from elsewhere."""
+
+import re
+
+import pytest
+from served import PATIENCE, PLAYING, finished
+
+
+def drawn(page, view, part):
+    """How many points of a curve are in the Bokeh figure."""
+    models = "[...Bokeh.documents[0]._all_models.values()]"
+    return page.evaluate(f"{models}.find((model) => model.name === '{view}.{part}').data_source.data.value.length")
+
+
+def sliders(page):
+    values = page.evaluate("punch.status.values")
+    return {name: values[name] for name in ("delta_bar", "phi_ratio", "E")}
+
+
+def test_the_curves_grow_while_the_worker_computes(visit):
+    page = visit("?E=20&delta_bar=0.3")  # soft: several slices, however fast the machine
+    page.wait_for_function("() => window.punch?.run", timeout=PATIENCE)
+    grown = page.evaluate(
+        """() => new Promise((resolve) => {
+            const lengths = new Set()
+            const look = () => {
+                lengths.add(punch.run.shear("U_x").length)
+                punch.status.state === "finished" ? resolve([...lengths]) : setTimeout(look, 1)
+            }
+            look()
+        })"""
+    )
+    finished(page)
+    assert grown == sorted(grown)
+    assert any(0 < length < 401 for length in grown)  # seen in the making, not only whole
+    assert drawn(page, "forces", "F") == drawn(page, "forces", "L") == drawn(page, "area", "A") == 401
+    assert "all increments converged" in page.text_content("#solver")
+
+
+def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
+    page = visit()
+    finished(page)
+    before = page.evaluate("[...punch.run.shear('F_bar')]")
+    page.get_by_role("slider", name="Press depth").focus()
+    page.keyboard.press("ArrowRight")
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.delta_bar") == 0.01
+    assert page.evaluate("[...punch.run.shear('F_bar')]") != before
+    assert page.evaluate("[...punch.ghost.shear('F_bar')]") == before
+    assert drawn(page, "forces", "ghost_F") == len(before)
+    assert "delta_bar=0.01" in page.url
+    assert page.input_value("#delta_bar-entry") == "0.01"
+    assert page.inner_text("[data-name=delta_bar] .unit") == "= 0.1 nm"
+
+
+@pytest.mark.thorough
+def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
+    page = visit()
+    finished(page)
+    page.focus("#delta_bar")
+    for _ in range(12):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function("punch.status.values.delta_bar === 0.12", timeout=PATIENCE)
+    finished(page, run=2)
+    assert page.evaluate("punch.run.values(punch.run.length - 1).delta") == pytest.approx(1.2)
+    assert page.evaluate("punch.status.run") <= 13  # one for each move at most
+
+
+CURSOR = """async () => {
+    const [{ frameBox }, { figures, parts }] = await Promise.all(["bokeh", "figures"].map((name) => (
+        import(new URL(`./app/static/js/${name}.js`, document.baseURI)))))
+    const bar = document.querySelector(".view[data-view=forces] .cursor"), { left, width } = bar.getBoundingClientRect()
+    const wanted = punch.run.curves.U_x[punch.drawn], { visible, location } = parts.forces.cursor
+    const off = left + width / 2 - bar.parentElement.getBoundingClientRect().left - frameBox(figures.forces).X(wanted)
+    return bar.hidden ? visible && location === wanted : !visible && Math.abs(off) < 1
+}"""
+
+
+def test_play_pause_step_and_reset(visit):
+    page = visit(**PLAYING)
+    finished(page)
+    page.wait_for_function("punch.drawn > punch.run.sheared + 3")  # it plays by itself
+    assert page.evaluate(CURSOR)
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_function("document.getElementById('status').textContent.includes('paused')")
+    assert page.evaluate(CURSOR)
+    at = page.evaluate("Math.floor(punch.at)")
+    page.get_by_role("button", name="Step forward").click()
+    assert page.evaluate("punch.drawn") == at + 1
+    page.get_by_role("button", name="Step back").click()
+    assert page.evaluate("punch.drawn") == at
+    page.locator("body").press("Shift+ArrowRight")
+    assert page.evaluate("punch.drawn") == at + 10
+    page.locator("body").press("Home")
+    assert page.inner_text("#readout").startswith("approach 0")
+    page.locator("body").press("End")
+    assert "40.0 nm" in page.inner_text("#readout")
+    page.locator("body").press("Space")
+    page.wait_for_function("punch.playing")
+    page.focus("#phi_ratio")
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("punch.run.scene?.phi_ratio < 1 && !punch.run.followed")
+    finished(page, run=2)
+    page.get_by_role("button", name="Reset", exact=True).click()
+    page.wait_for_function("punch.status.values.phi_ratio === 1")
+    finished(page)
+    assert sliders(page) == {"delta_bar": 0, "phi_ratio": 1, "E": 70}
+    assert page.evaluate("punch.ghost") is None
+    assert drawn(page, "forces", "ghost_F") == 0
+
+
+def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(look):
+    page = look()
+    help_ = page.get_by_role("dialog", name="Keys")
+    page.get_by_role("button", name="Keys and other help").click()
+    for key in ("Space", "Shift", "Home", "End", "R", "←", "→"):
+        assert help_.locator("kbd", has_text=re.compile(rf"^{key}$")).count() >= 1
+    at = page.evaluate("punch.status.run")
+    page.keyboard.press("r")  # behind an open help nothing happens
+    page.keyboard.press("Escape")
+    help_.wait_for(state="hidden")
+    assert page.evaluate("punch.status.run") == at
+    page.locator("body").press("?")
+    help_.wait_for(state="visible")
+    help_.get_by_role("button", name="Close").click()
+    help_.wait_for(state="hidden")
+
+
+@pytest.mark.thorough
+def test_the_speed_chosen_is_that_of_the_top(visit):
+    page = visit(**PLAYING)
+    finished(page)
+    page.select_option("#speed", "20")
+    assert page.evaluate("punch.speed") == 20
+    # frames passed while the clock of the page ran on, whatever its pace
+    at, now = page.evaluate("[punch.at, punch.clock]")
+    page.wait_for_function(f"punch.clock > {now} + 0.2 || punch.at < {at}")
+    passed, frames = page.evaluate(f"[punch.clock - {now}, punch.at - {at}]")
+    assert frames < 0 or frames * 0.1 == pytest.approx(20 * passed)
+
+
+@pytest.mark.thorough
+def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
+    page = visit("?E=10&delta_bar=1")
+    page.wait_for_function(
+        "() => window.punch?.run?.sheared >= 0 && punch.status.state === 'running'", timeout=PATIENCE
+    )
+    assert re.search(r"running\s+\d+ of \d+ increments", page.inner_text("#status"))
+    page.fill("#E-entry", "500")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.E") == 500
+    assert 0 < page.evaluate("punch.ghost.shear('F_bar').length") < 401  # what was there of the slow one
+
+
+def test_hovering_and_clicking_a_curve_moves_every_view(look):
+    page = look()
+    page.keyboard.press("Home")
+    at = page.evaluate("punch.drawn")
+    box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
+    page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
+    page.wait_for_function(f"punch.drawn > {at} + 50")
+    page.wait_for_function("document.getElementById('scrub').value === `${punch.drawn}`")
+    page.mouse.move(5, 5)
+    page.wait_for_function(f"punch.drawn === {at}")
+    page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
+    page.mouse.move(5, 5)
+    page.wait_for_function(f"punch.at > {at} + 50 && punch.preview === null")
+
+
+def test_a_bad_entry_is_explained_and_the_run_stays(visit):
+    page = visit()
+    finished(page)
+    for text, said in (("7000000", "“7000000”"), ("stiff", "“stiff”"), ("nan", "Stiffness “nan”")):
+        page.fill("#E-entry", text)
+        page.keyboard.press("Enter")
+        page.wait_for_function("said => document.getElementById('E-error').textContent.includes(said)", arg=said)
+        assert "0.01 to 10⁶ GPa" in page.inner_text("#E-error")
+    assert page.evaluate("punch.run.number") == 1
+    page.fill("#E-entry", "73.5")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert page.locator("#E-error").is_hidden()
+
+
+def test_what_was_taken_stands_in_its_own_unit_and_what_was_refused_beside_no_other_depth(visit):
+    page = visit()
+    finished(page)
+    read = "name => document.getElementById(`${name}-entry`).value"
+    for text in ("70 GPa", "0.08 TPa", "70e9 Pa"):
+        page.fill("#E-entry", text)
+        page.keyboard.press("Enter")
+        page.wait_for_function(f"({read})('E') === '{80 if 'T' in text else 70}'")
+    page.fill("#delta_bar-entry", "-3")
+    page.keyboard.press("Enter")
+    page.locator("#delta_bar-error").wait_for()
+    assert page.inner_text("[data-name=delta_bar] .unit") == "" and page.evaluate(read, "delta_bar") == "-3"
+    page.fill("#delta_bar-entry", "2.5")
+    page.keyboard.press("Enter")
+    page.wait_for_function("document.getElementById('delta_bar').title.startsWith('2.5 lies beyond')")
+
+
+def test_names_that_mean_nothing_are_told_though_they_are_all_there_is_in_the_address(look):
+    said = look("?foo=1&delta=0.5").inner_text("#notes")
+    assert "“foo” in the address means nothing" in said and re.search("“delta” .* is it .*delta_bar", said)
+
+
+def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
+    page = visit("?delta_bar=0.4&phi_ratio=lots&E=200&theme=dark")
+    finished(page)
+    assert sliders(page) == {"delta_bar": 0.4, "phi_ratio": 1, "E": 200}
+    assert "phi_ratio" in page.inner_text("#notes") and "0 to 100" in page.inner_text("#notes")
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+
+
+@pytest.mark.thorough
+def test_the_theme_follows_the_browser_and_switches_without_losing_the_run(visit):
+    page = visit(color_scheme="dark")
+    finished(page)
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+    page.get_by_role("button", name="Switch between light and dark").click()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert page.evaluate("punch.run.number") == 1

@@ -1,0 +1,174 @@
+"""What app/static/js/bokeh.js takes for granted of BokehJS and its documentation does not promise, a test for each."""
+
+import pytest
+
+JS = "new URL('./app/static/js/{}.js', document.baseURI)"
+PIXELS = """() => [...function* find(node) {
+    if (node.tagName === "CANVAS" && node.width > 50) yield node.toDataURL()
+    for (const child of [...node.children ?? [], ...node.shadowRoot?.children ?? []]) yield* find(child)
+}(document.querySelector("figure[aria-label^=Friction] .view"))].join()"""
+
+
+@pytest.fixture
+def still(look):
+    """The app, paused, with `bokeh` (the module) and `figures`, `parts` of figures.js as globals."""
+    page = look()
+    page.evaluate("punch.fresh = true")  # drawn anew, whatever another test has filled in
+    page.wait_for_function("() => !punch.fresh && punch.mapped")
+    page.evaluate(
+        f"""async () => {{
+            window.bokeh = await import({JS.format("bokeh")})
+            const {{ figures, parts }} = await import({JS.format("figures")})
+            Object.assign(window, {{ figures, parts, pixels: {PIXELS} }})
+            window.screen2 = () => new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))
+            await screen2()
+        }}"""
+    )
+    return page
+
+
+def test_the_index_finds_the_view_of_a_figure_and_says_when_it_is_drawn(still):
+    assert still.evaluate("Object.values(figures).every((figure) => bokeh.viewOf(figure).model === figure)")
+    still.wait_for_function("() => Object.values(figures).every(bokeh.isDrawn)")
+
+
+def test_a_painting_asks_for_no_style_of_the_page_and_leaves_style_sheets_as_they_are(still):
+    asked, written = still.evaluate(
+        """async () => {
+            let asked = 0, written = 0
+            const ask = CSSStyleDeclaration.prototype.getPropertyValue
+            CSSStyleDeclaration.prototype.getPropertyValue = function (name) {
+                asked += name.startsWith("--bk-")
+                return ask.call(this, name)
+            }
+            const sheets = [...function* find(node) {
+                if (node.tagName === "STYLE") yield node
+                for (const child of [...node.children ?? [], ...node.shadowRoot?.children ?? []]) yield* find(child)
+            }(document.body)]
+            if (!sheets.length) throw new Error("no style sheets")
+            const watch = new MutationObserver((changes) => { written += changes.length })
+            for (const sheet of sheets) watch.observe(sheet, { childList: true, characterData: true })
+            const before = pixels()
+            bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] })
+            await bokeh.bokehPainted()
+            await screen2()
+            CSSStyleDeclaration.prototype.getPropertyValue = ask
+            return pixels() === before ? null : [asked, written]
+        }"""
+    )
+    assert asked == 0 and written < 5  # and not one for each of some 30 things that are drawn
+
+
+def test_a_change_is_painted_once_and_that_can_be_awaited(still):
+    painted = still.evaluate(
+        """async () => {
+            const before = pixels()
+            let times = { forces: 0, area: 0 }
+            for (const name in times) {
+                const view = bokeh.viewOf(figures[name]), was = view.paint
+                view.paint = (...given) => { times[name]++; return was.apply(view, given) }
+            }
+            bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [1, 0, 1] })
+            bokeh.fill(parts.forces.L, { U_x: [0, 20, 40], value: [0, 1, 0] })
+            await bokeh.bokehPainted()
+            const awaited = pixels()
+            await screen2()
+            return [awaited !== before, awaited === pixels(), times.forces, times.area]
+        }"""
+    )
+    assert painted == [True, True, 1, 0]
+
+
+def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(still):
+    sent = still.evaluate(
+        f"""async () => {{
+            const send = WebSocket.prototype.send, said = []
+            WebSocket.prototype.send = function (text) {{ said.push(text); return send.call(this, text) }}
+            bokeh.set(figures.forces.y_range, {{ start: -3, end: 3 }})
+            bokeh.fill(parts.forces.L, {{ U_x: [0], value: [0] }})
+            bokeh.tint(parts.forces.L, "#ff0000")
+            await screen2()
+            const {{ order }} = await import({JS.format("channel")})
+            order("pause")
+            await screen2()
+            WebSocket.prototype.send = send
+            return said.flatMap((text) => JSON.parse(text).events ?? []).map((event) => event.attr ?? event.kind)
+        }}"""
+    )
+    layout = {"inner_width", "inner_height", "outer_width", "outer_height"}  # which Bokeh tells by itself
+    assert set(sent) - layout == {"order"}
+
+
+def test_every_part_of_a_figure_is_found_by_its_name_and_takes_its_colour(still):
+    assert set(still.evaluate("Object.keys(parts.forces)")) == {
+        *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor", "pins", "ways")
+    }
+    still.evaluate("bokeh.tint(parts.forces.F, '#123456')")
+    line, bokeh_value = "parts.forces.F.glyph.line_color", still.evaluate("parts.forces.F.glyph.line_color")
+    assert "#123456" in (bokeh_value, still.evaluate(f"{line}.value")), bokeh_value
+
+
+def test_an_image_is_of_the_kind_that_came_from_the_server_and_has_its_shape(still):
+    shape = still.evaluate("bokeh.image(parts.map.map, new Float32Array(6), [2, 3])[0].shape")
+    assert list(shape) == [2, 3]
+
+
+def test_what_a_part_has_drawn_can_be_read_from_it(still):
+    assert still.evaluate("bokeh.drawnBy(parts.forces.F).x.length === bokeh.drawnBy(parts.forces.F).y.length")
+    assert still.evaluate(
+        "(({ image, rows, columns }) => image.length === rows * columns)(bokeh.drawnBy(parts.map.map))"
+    )
+    assert still.evaluate("bokeh.drawnBy(parts.forces.cursor)") is None
+
+
+def test_a_figure_knows_its_size_on_screen(still):
+    assert still.evaluate("bokeh.stretch(figures.punch)") > 1
+    assert still.evaluate("bokeh.stretch(undefined)") is None
+
+
+def test_a_figure_knows_where_its_axes_enclose_it(still):
+    box = still.evaluate("bokeh.frameBox(figures.punch)")
+    view = still.locator("#punch-view").bounding_box()
+    assert 0 < box["left"] < box["left"] + box["width"] <= view["width"]
+    assert 0 <= box["top"] < box["top"] + box["height"] <= view["height"]
+
+
+def test_changes_and_events_of_a_model_are_heard(still):
+    heard = still.evaluate(
+        """() => {
+            let changes = 0
+            bokeh.onChange(figures.forces.y_range, "end", () => changes++)
+            bokeh.set(figures.forces.y_range, { end: 7 })
+            return changes
+        }"""
+    )
+    assert heard == 1
+    still.evaluate("window.taps = []; bokeh.onEvent(figures.area, 'tap', ({ x }) => taps.push(x))")
+    box = still.locator("figure[aria-label^='Contact area'] .view").bounding_box()
+    still.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    still.wait_for_function("() => taps.length === 1 && taps[0] > 0 && taps[0] < 40")
+
+
+def test_no_canvas_is_a_stop_of_the_tab_key(still):
+    assert still.evaluate("Object.values(figures).every((f) => bokeh.viewOf(f).canvas_view.events_el.tabIndex === -1)")
+
+
+def test_a_figure_becomes_an_svg_with_its_words(still):
+    svg = still.evaluate("bokeh.svgOf(figures.forces)")
+    assert svg.startswith("<svg") and "displacement of the top" in svg
+
+
+def test_the_element_that_holds_a_figure_is_found_from_within_it(still):
+    view = "document.querySelector('figure[aria-label^=Friction] .view')"
+    assert still.evaluate(f"bokeh.holderOf(figures.forces) === {view}")
+
+
+def test_a_line_gets_thicker_by_what_it_was_composed_with(still):
+    widths = still.evaluate(
+        """() => [2, 3, 1].map((times) => {
+            bokeh.thicken(parts.forces.F, times)
+            return bokeh.plain(parts.forces.F.glyph.line_width)
+        })"""
+    )
+    once = [width["value"] if isinstance(width, dict) else width for width in widths]
+    assert once[0] == pytest.approx(2 * once[2]) and once[1] == pytest.approx(3 * once[2])

@@ -1,0 +1,170 @@
+"""A slider dragged with the mouse, in a real Chromium: what follows the hand, what stays, and what takes its place."""
+
+import pytest
+from served import PATIENCE, finished, paused_at
+
+pytestmark = [pytest.mark.thorough]
+AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map((name) => {
+    const { x_range, y_range } = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === name)
+    return [name, [x_range.start, x_range.end, y_range.start, y_range.end]]
+}))"""
+COLOURS = "[document.getElementById('map-low').textContent, document.getElementById('map-high').textContent]"
+WORD = "document.querySelector('#status b').textContent"
+DRAWN = """async () => {  // the curves as Bokeh has them, and as the run on screen has them
+    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+    const [{ parts }, { drawnBy }] = [await of("figures"), await of("bokeh")]
+    const F = drawnBy(parts.forces.F), A = drawnBy(parts.area.A)
+    return [[[...F.y], [...A.y]], [[...punch.run.shear("F")], [...punch.run.shear("A")]]]
+}"""
+GLYPHS = """async () => {
+    const { parts } = await import(new URL("./app/static/js/figures.js", document.baseURI))
+    return Object.values(parts.punch).filter(({ glyph, visible }) => glyph && visible).length
+}"""
+WATCH = """() => {  // what is on screen with every run that is painted whole
+    window.seen = []
+    let last = punch.run
+    const look = () => {
+        const { run } = punch
+        if (run !== last && run.whole && !punch.fresh && punch.begun === run.number) {
+            last = run
+            const { stale } = document.querySelector(".page").dataset
+            const of = { followed: Boolean(run.followed), stale: stale === "true" }
+            seen.push({ ...of, held: punch.dragging, word: %s, axes: %s, colours: %s,
+                at: run.curves.U_x[Math.floor(punch.at)] })
+        }
+        requestAnimationFrame(look)
+    }
+    look()
+}""" % (WORD, AXES, COLOURS)  # noqa: UP031
+
+
+def grab(page, name):
+    """Press the mouse on the thumb of a slider; returns where each of its positions is."""
+    slider = page.locator(f"#{name}")
+    box, (at, last) = slider.bounding_box(), slider.evaluate("(e) => [Number(e.value), Number(e.max)]")
+
+    def point(steps):
+        thumb = 16.0  # px
+        return box["x"] + thumb / 2 + (box["width"] - thumb) * (at + steps) / last, box["y"] + box["height"] / 2
+
+    page.mouse.move(*point(0))
+    page.mouse.down()
+    return point
+
+
+def paused(visit, query):
+    page = visit(query)
+    finished(page)
+    paused_at(page, 300)
+    return page
+
+
+def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_over(visit):
+    page = paused(visit, "?E=71.3&delta_bar=0.1")
+    before = page.evaluate("[...punch.run.shear('F_bar')]")
+    axes, colours, at = page.evaluate(f"[{AXES}, {COLOURS}, punch.run.curves.U_x[300]]")
+    page.evaluate(WATCH)
+    page.evaluate("punch.rests = 1e6")  # on however slow a machine, this hand rests when it lets go
+    point = grab(page, "delta_bar")
+    for steps in (1, 2, 3):
+        page.mouse.move(*point(steps))
+        page.wait_for_function(f"punch.run.followed && punch.run.scene.delta_bar === {0.1 + 0.01 * steps:.2f}")
+    page.wait_for_function("!punch.fresh && punch.mapped")
+    drawn, followed = page.evaluate(DRAWN)
+    assert drawn == followed
+    page.evaluate("document.querySelector('.map .as-table').click()")
+    page.wait_for_selector("#table[open]")
+    known = page.evaluate(
+        "[...document.querySelectorAll('#table tbody tr')].map((row) => row.cells[2].textContent !== '–')"
+    )
+    assert 1 <= sum(known) <= 2 < len(known)  # a predicted run has the fields of two increments
+    page.evaluate("document.getElementById('table').close()")
+    assert page.inner_text("figure[aria-label^='Friction'] .ghost") == "before: δ/δ₀ = 0.1"
+    page.mouse.up()
+    page.wait_for_function("!punch.run.followed", timeout=PATIENCE)
+    finished(page)
+    page.wait_for_function(f"{WORD} !== 'followed' && punch.mapped")
+    seen = page.evaluate("seen")
+    held = [each for each in seen if each["held"]]
+    assert held and all(each["followed"] and each["word"] == "followed" for each in held)
+    wider = [each["axes"].pop("area") for each in held]  # which the area would leave that this drag adds
+    narrow = axes.pop("area")
+    assert wider[0] == narrow and all(a[2] == narrow[2] and a[3] >= narrow[3] for a in wider)
+    assert [(each["axes"], each["colours"]) for each in held] == [(axes, colours)] * len(held)
+    assert not any(each["stale"] for each in seen)
+    assert all(each["at"] == pytest.approx(at, abs=0.01) for each in seen)  # what was looked at
+    assert page.evaluate("punch.run.scene.delta_bar") == 0.13 and page.evaluate("punch.run.head.step") < 0.2
+    assert page.evaluate("[...punch.ghost.shear('F_bar')]") == before  # the run before the drag, and exact
+    drawn, exact = page.evaluate(DRAWN)
+    assert drawn == exact
+    assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
+
+
+def test_a_flat_chosen_while_paused_shows_one_row_of_nodes(visit):
+    page = paused(visit, "?E=71.4")
+    assert page.evaluate(GLYPHS) > 0
+    page.locator("#row input[value='fig4a-blue']").evaluate("(radio) => radio.click()")
+    page.wait_for_function("punch.run.head.flat && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    assert page.evaluate(GLYPHS) == 0  # Bokeh draws none: they are drawn enlarged on the canvas over it
+
+
+def test_the_longest_arrow_stays_that_of_the_largest_force_while_the_stiffness_is_dragged(visit):
+    page = paused(visit, "?E=71.5&delta_bar=0.1")
+    before = page.evaluate("punch.run.strongest")
+    page.evaluate("punch.rests = 1e6")
+    point = grab(page, "E")
+    page.mouse.move(*point(40))
+    page.wait_for_function("punch.run.followed && punch.run.scene.E > 100")
+    F, L, strongest = page.evaluate("[...['F', 'L'].map((name) => punch.run.curves[name]), punch.run.strongest]")
+    assert strongest == pytest.approx(max(before, *map(abs, F + L)))
+    page.mouse.up()
+
+
+def test_the_sentence_says_the_numbers_of_the_run_on_screen_also_where_it_slides_as_before(visit):
+    """Both slide without slips, so that the sentence is the same but for its numbers."""
+    page = paused(visit, "?phi_ratio=0.004")
+    page.keyboard.press("End")
+    page.wait_for_function("document.getElementById('sentence').textContent.includes('slides without slips')")
+    before = page.locator("#sentence").inner_text()
+    page.locator("#phi_ratio-entry").fill("0.008")
+    page.keyboard.press("Enter")
+    page.wait_for_function("punch.run.scene.phi_ratio == 0.008 && punch.run.whole")
+    page.wait_for_function("(before) => document.getElementById('sentence').textContent !== before", arg=before)
+    high = page.evaluate("Math.max(...punch.run.curves.F)")
+    assert f"{high:.3g} N/m" in page.locator("#sentence").inner_text()
+
+
+def test_a_hand_that_rests_but_holds_on_gets_the_exact_run_and_one_drag_has_one_ghost(visit):
+    page = paused(visit, "?E=71.6&delta_bar=0.1")
+    point = grab(page, "delta_bar")
+    page.mouse.move(*point(1))
+    page.wait_for_function(
+        "punch.run.scene?.delta_bar === 0.11 && !punch.run.followed && punch.run.whole", timeout=PATIENCE
+    )
+    page.mouse.move(*point(2))
+    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar === 0.12", timeout=PATIENCE)
+    assert page.evaluate("punch.ghost.scene.delta_bar") == 0.1
+    page.mouse.up()
+    page.wait_for_function("!punch.run.followed && punch.run.scene.delta_bar === 0.12", timeout=PATIENCE)
+    finished(page)
+    assert page.evaluate("punch.ghost.scene.delta_bar") == 0.1
+
+
+def test_the_hand_on_the_punch_and_the_wheel_are_followed_as_the_slider_is(visit):
+    page = paused(visit, "?E=71.9&delta_bar=0.1")
+    box = page.locator("#punch-view").bounding_box()
+    x, y = box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 8)
+    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar > 0.1", timeout=PATIENCE)
+    page.mouse.up()
+    page.wait_for_function("!punch.run.followed", timeout=PATIENCE)
+    finished(page)
+    depth = page.evaluate("punch.run.scene.delta_bar")
+    page.focus("#delta_bar")
+    page.locator("#delta_bar").hover()
+    page.mouse.wheel(0, 100)
+    page.wait_for_function(f"punch.run.followed && punch.run.scene.delta_bar < {depth}", timeout=PATIENCE)
+    page.wait_for_function("!punch.run.followed", timeout=PATIENCE)  # it rests by itself
+    finished(page)

@@ -1,0 +1,77 @@
+"""The drawer of all parameters: beside what it changes, only what applies, each with a way back."""
+
+import pytest
+from served import FAULTS, PATIENCE, finished, laid_out
+
+pytestmark = [pytest.mark.thorough]
+QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
+def test_the_views_make_room_for_the_drawer(visit, size):
+    page = visit()
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    finished(page)
+    page.get_by_role("button", name="Parameters").click()
+    drawer = page.get_by_role("dialog", name="Parameters")
+    drawer.wait_for()
+    laid_out(page)
+    assert not page.evaluate(FAULTS)
+    page.locator("main figure:visible").last.scroll_into_view_if_needed()
+    page.mouse.wheel(0, 5000)
+    page.wait_for_function("() => scrollY + innerHeight >= document.documentElement.scrollHeight - 1")
+    figure, box = page.locator("main figure:visible").last.bounding_box(), drawer.bounding_box()
+    assert figure["x"] + figure["width"] <= box["x"] + 1 or figure["y"] + figure["height"] <= box["y"] + 1
+    page.mouse.move(1, 1)  # off the terms, whose explanations Escape takes away first
+    page.keyboard.press("Escape")
+    drawer.wait_for(state="hidden")
+    page.wait_for_function("document.activeElement.id === 'more'")
+
+
+def test_it_shows_what_applies_finds_and_restores(visit):
+    page = visit(f"?surface=rough&{QUICK}")
+    finished(page)
+    page.get_by_role("button", name="Parameters").click()
+    shown = lambda name: page.locator(f"#{name}-entry").is_visible()  # noqa: E731
+    page.locator("#hurst-entry").wait_for()
+    assert shown("u_x_max") and not shown("radius") and not shown("amplitude")
+    page.select_option("#surface-entry", "wave")
+    finished(page, run=2)
+    page.wait_for_function("() => document.getElementById('amplitude-entry').checkVisibility()")
+    assert not shown("hurst")
+    page.get_by_label("Find a parameter").fill("poisson")
+    assert shown("nu") and not shown("amplitude")
+    page.fill("#nu-entry", "0,3")
+    page.keyboard.press("Enter")
+    finished(page, run=3)
+    assert page.evaluate("punch.status.values.nu") == 0.3 and "decimal point" in page.inner_text("#notes")
+    page.get_by_role("button", name="Poisson's ratio of the layer: as in the preset").click()
+    finished(page, run=4)
+    assert page.evaluate("punch.status.values.nu") == 0.45
+
+
+@pytest.mark.thorough
+def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visit):
+    page = visit()
+    finished(page)
+    page.get_by_role("button", name="Parameters").click()
+    page.select_option("#surface-entry", "measured")
+    page.locator("#surface-error").wait_for(timeout=PATIENCE)
+    assert page.input_value("#surface-entry") == "circular"
+    page.set_input_files("#profile", {"name": "mine.csv", "mimeType": "text/csv", "buffer": b"one column"})
+    page.locator("#profile-error").wait_for(timeout=PATIENCE)
+    assert page.input_value("#profile").endswith("mine.csv")
+
+
+@pytest.mark.thorough
+def test_entries_take_what_people_type(visit):
+    page = visit(f"?{QUICK}")
+    finished(page)
+    for run, (name, text, value) in enumerate(
+        (("E", "80 GPa", 80), ("delta_bar", "−0,25", -0.25), ("phi_ratio", "0.5", 0.5)), start=2
+    ):
+        page.fill(f"#{name}-entry", text)
+        page.keyboard.press("Enter")
+        finished(page, run=run)
+        assert page.evaluate(f"punch.status.values.{name}") == value

@@ -1,0 +1,77 @@
+"""No view is blank or white without a reason: approach, no shear, surfaces apart, loops, increments without a frame."""
+
+from itertools import pairwise
+
+import pytest
+from served import finished
+
+pytestmark = [pytest.mark.thorough]
+MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
+
+
+def column(page, part, name):
+    return page.evaluate(f"[...{MODEL.format(part)}.data_source.data.{name}]")
+
+
+def along(page):
+    return page.evaluate(f"{MODEL.format('forces')}.below[0].axis_label")
+
+
+def test_the_approach_is_drawn_along_the_indentation_with_its_jump_into_contact(visit):
+    page = visit("?du_x=0.5")
+    finished(page)
+    page.locator("body").press("Home")
+    page.wait_for_function("!punch.fresh && punch.mapped && punch.approach")
+    assert along(page) == "indentation δ (nm)"
+    delta = column(page, "forces.L", "U_x")
+    assert (delta[0], delta[-1]) == (-10, pytest.approx(0))
+    assert column(page, "forces.slips_F", "U_x") == [pytest.approx(-4.153, abs=0.01)]  # the jump into contact
+    page.locator("body").press("End")
+    page.wait_for_function("!punch.approach")
+    assert along(page).startswith("displacement of the top")
+    assert len(column(page, "forces.L", "U_x")) == 81
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("query", ["?u_x_max=0", "?path=unload&delta_bar=-1", "?delta_bar=-1&du_x=1"])
+def test_a_run_without_shear_or_without_contact_has_axes_and_says_why(visit, query):
+    page = visit(query)
+    finished(page)
+    start, end = page.evaluate(f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.x_range)")
+    assert start < end
+    assert len(column(page, "forces.L", "U_x")) > 0
+    apart = "Too far apart to hold on" in page.inner_text("main")
+    assert apart == ("delta_bar=-1" in query)
+
+
+@pytest.mark.thorough
+def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
+    page = visit("?path=loop&u_x_max=10&du_x=0.5")
+    finished(page)
+    right, left = pytest.approx(-1.5708, abs=1e-3), pytest.approx(1.5708, abs=1e-3)
+    assert column(page, "forces.ways", "angle") == [right, right, left, left, right, right]
+    assert page.locator("#branch").is_visible()  # the edges on the way that is not shown have a key
+    page.select_option("#preset", "fig6")
+    finished(page, run=2)
+    assert column(page, "forces.ways", "angle") == []
+    assert page.locator("#branch").is_hidden()
+    page.select_option("#preset", "unload")
+    finished(page, run=3)
+    places = sorted(column(page, "forces.ways", "U_x"))  # both ways lie on each other here, their heads do not
+    assert min(b - a for a, b in pairwise(places)) > 0.05 * 12
+
+
+@pytest.mark.thorough
+def test_increments_in_which_the_surface_never_rests_are_hatched_and_named(visit):
+    page = visit("?du_x=0.5")
+    finished(page)
+    assert page.locator("#unrested").is_hidden()
+    page.evaluate(
+        """() => { // as if the surface had not come to rest in the three increments before its last slip
+            const k = punch.run.curves.slip.lastIndexOf(1)
+            for (const list of [punch.run.places, ...Object.values(punch.run.curves)]) list.splice(k - 3, 3)
+            punch.fresh = true
+        }"""
+    )
+    page.locator("#unrested").wait_for(state="visible")
+    assert column(page, "map.unrested", "width") == [pytest.approx(1.5)]

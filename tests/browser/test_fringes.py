@@ -1,0 +1,20 @@
+"""The colours of the fringes, in a real Chromium: one stress a fringe for all runs, which only the user changes."""
+
+import pytest
+from served import finished, values_are
+
+pytestmark = [pytest.mark.thorough]
+KEY = "document.getElementById('fringe-most').textContent"
+
+
+def test_a_fringe_stands_for_one_stress_whatever_the_scene_until_the_user_chooses_another(visit):
+    page = visit("?E=71.6")
+    finished(page)
+    page.wait_for_function(f"{KEY} === '0.6 GPa'")
+    page.locator("#delta_bar-entry").fill("0.4")  # pressed harder: the tractions are larger
+    page.keyboard.press("Enter")
+    values_are(page, delta_bar=0.4)
+    page.wait_for_function("!punch.fresh && punch.drawn >= 0")
+    assert page.evaluate(KEY) == "0.6 GPa"
+    page.locator("#fringe").evaluate("(of) => { of.value = '0.5'; of.dispatchEvent(new Event('change')) }")
+    page.wait_for_function(f"{KEY} === '1.5 GPa'")

@@ -1,0 +1,88 @@
+"""Terms of the field: explained by a click, a key or a touch, and listed below the theory."""
+
+import pytest
+from served import FAULTS, finished, laid_out
+
+from app.glossary import forms
+
+pytestmark = [pytest.mark.thorough]
+FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('glossary.html')).length"
+
+
+def test_a_click_on_a_term_explains_it_and_nothing_is_loaded_before(look):
+    page = look()
+    assert page.evaluate(FETCHED) == 0
+    term = page.locator("#said .term, figcaption .term").first
+    term.hover()
+    assert page.locator("#term").is_hidden()
+    term.click()
+    page.locator("#term b").wait_for()
+    assert page.evaluate(FETCHED) == 1
+    page.mouse.click(2, 2)
+    page.locator("#term").wait_for(state="hidden")
+
+
+def test_a_click_on_a_term_of_a_heading_does_not_enlarge_its_curve(look):
+    page = look("?view=hero")
+    term = page.locator(".area figcaption .term").first
+    if term.is_hidden():
+        page.locator("#chosen label", has_text="Contact").click()
+        page.locator("#chosen label", has_text="Force").click()
+    page.evaluate("document.querySelector('.area figcaption .term').click()")
+    page.locator("#term b").wait_for()
+    assert page.locator("main").get_attribute("data-chosen") == "forces"
+
+
+@pytest.mark.thorough
+def test_what_the_sentence_and_the_sliders_name_is_explained_there(look):
+    page = look()
+    page.locator("#sentence .term").first.click()
+    page.locator("#term").wait_for()
+    page.locator(".control .term", has_text="Stiffness").click()
+    page.locator("#term", has_text="Young").wait_for()
+
+
+@pytest.mark.thorough
+def test_what_to_mind_in_a_result_is_said_behind_a_button(look):
+    page = look("?preset=rough")
+    assert page.locator("#notes").is_hidden()
+    page.locator("#caution").click()
+    assert "may flutter" in page.inner_text("#cautions")
+
+
+@pytest.mark.thorough
+def test_enter_explains_a_term_to_the_eye_and_the_ear_and_escape_hides_it(look):
+    page = look()
+    term = page.locator("#look .term").first
+    term.focus()
+    page.keyboard.press("Enter")
+    page.locator("#term b").wait_for()
+    assert page.inner_text("#told") == page.inner_text("#term")
+    page.keyboard.press("Escape")
+    page.locator("#term").wait_for(state="hidden")
+    assert page.evaluate("document.activeElement.className") == "term"
+
+
+@pytest.mark.thorough
+def test_a_touch_explains_a_term_within_the_screen_until_the_next_touch_elsewhere(visit):
+    page = visit(has_touch=True)
+    page.set_viewport_size({"width": 390, "height": 844})
+    finished(page)
+    page.locator("#look .term").last.tap()
+    tip = page.locator("#term")
+    tip.wait_for()
+    laid_out(page)
+    box = tip.bounding_box()
+    assert box["x"] >= 0 and box["x"] + box["width"] <= 390 and box["y"] >= 0 and box["y"] + box["height"] <= 844
+    assert not page.evaluate(FAULTS)
+    page.locator("h1").tap()
+    tip.wait_for(state="hidden")
+
+
+@pytest.mark.thorough
+def test_every_term_is_listed_with_the_theory(look):
+    page = look()
+    page.locator("#open-theory").click()
+    page.locator("#theory .glossary").wait_for()
+    listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")
+    assert set(listed) == set(forms().values()) >= {"traction", "gap", "work", "branch", "fold", "flutter", "peel"}

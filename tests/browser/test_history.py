@@ -1,0 +1,108 @@
+"""Undo, redo, Back, and the address that brings a scene, an increment and a page back, in a real Chromium."""
+
+import pytest
+from served import PATIENCE, PLAYING, finished, values_are
+
+pytestmark = [pytest.mark.thorough]
+
+
+def enter(page, name, text):
+    page.fill(f"#{name}-entry", text)
+    page.keyboard.press("Enter")
+
+
+def test_ctrl_z_takes_settled_changes_back_one_by_one_and_ctrl_y_brings_them_again(visit):
+    page = visit("?du_x=0.5&u_x_max=10")
+    finished(page)
+    assert page.get_by_role("button", name="Undo").is_disabled()
+    page.focus("#delta_bar")
+    for _ in range(5):  # one movement of the hand is one change
+        page.keyboard.press("ArrowRight")
+    values_are(page, delta_bar=0.05)
+    enter(page, "E", "200")
+    values_are(page, delta_bar=0.05, E=200)
+    page.evaluate("document.activeElement.blur()")
+    page.locator("body").press("Control+z")
+    values_are(page, delta_bar=0.05, E=70)
+    assert "E=" not in page.url and "delta_bar=0.05" in page.url
+    page.locator("body").press("Control+z")
+    values_are(page, delta_bar=0, E=70)
+    assert page.get_by_role("button", name="Undo").is_disabled()
+    page.locator("body").press("Control+y")
+    values_are(page, delta_bar=0.05, E=70)
+    page.locator("body").press("Control+Shift+z")
+    values_are(page, delta_bar=0.05, E=200)
+    assert page.get_by_role("button", name="Redo").is_disabled()
+    assert page.input_value("#E-entry") == "200"
+
+
+def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(visit):
+    page = visit()
+    finished(page)
+    page.select_option("#preset", "fig7-case2")
+    values_are(page, delta_bar=0.4)
+    page.wait_for_url("**preset=fig7-case2**")  # a settled change is an entry of the history
+    page.get_by_role("button", name="Interface law").click()
+    page.wait_for_url("**page=law**")
+    page.go_back()
+    values_are(page, delta_bar=0)
+    page.wait_for_function("document.getElementById('preset').value === 'fig6'")
+    assert "page=law" in page.url
+    page.go_forward()
+    values_are(page, delta_bar=0.4)
+    page.wait_for_function("document.getElementById('preset').value === 'fig7-case2'")
+    page.wait_for_url("**preset=fig7-case2**")
+
+
+@pytest.mark.thorough
+def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):
+    page = visit("?u_x_max=4&du_x=0.5")
+    finished(page)
+    page.get_by_role("button", name="Parameters").click()
+    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    page.set_input_files("#profile", tmp_path / "wave.csv")
+    values_are(page, surface="measured")
+    curve = page.evaluate("punch.run.curves.F_bar")
+    page.locator("#drawer").get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="Reset", exact=True).click()
+    values_are(page, surface="circular", width=2500)
+    page.get_by_role("button", name="Undo").click()
+    values_are(page, surface="measured", width=500)
+    assert page.evaluate("punch.run.curves.F_bar") == curve
+    page.reload()
+    page.wait_for_function("() => window.punch?.status.values", timeout=PATIENCE)
+    values_are(page, surface="measured", width=500)
+    assert page.evaluate("punch.run.curves.F_bar") == curve
+
+
+def test_the_address_names_the_increment_at_rest_and_brings_it_back(visit):
+    page = visit("?v=1&delta_bar=0.1&k=209")
+    finished(page)
+    page.wait_for_function("punch.drawn === 209 && !punch.playing")
+    page.locator("body").press("ArrowRight")
+    page.wait_for_function("new URLSearchParams(location.search).get('k') === '210'")
+    page.locator("body").press("Space")
+    page.wait_for_function("!new URLSearchParams(location.search).has('k')")
+
+
+@pytest.mark.thorough
+def test_an_increment_beyond_the_run_or_that_is_none_does_no_harm(visit):
+    page = visit("?k=99999")
+    finished(page)
+    page.wait_for_function("punch.drawn === punch.run.length - 1 && !punch.playing")
+    page = visit("?k=-3", **PLAYING)
+    finished(page)
+    page.wait_for_function("punch.drawn > punch.run.sheared + 1")  # it plays
+
+
+def test_an_embedded_page_shows_the_views_alone_paused_with_their_parameters(visit):
+    page = visit("?embed=1&delta_bar=0.1&k=150")
+    finished(page)
+    page.wait_for_function("punch.drawn === 150 && !punch.playing")
+    for part in ("header", ".controls"):
+        assert not page.locator(part).first.is_visible()
+    assert page.locator(".player button:visible").count() == 1 and page.locator("#scrub").is_visible()
+    assert page.locator("figure:visible").count() == 4
+    assert "δ/δ₀ = 0.1" in page.inner_text("#caption")
+    assert "embed" not in page.get_attribute("#whole-app", "href")
+    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")

@@ -1,0 +1,178 @@
+"""The page at every size of screen: nothing cut, nothing over something else, no plot too low to be read."""
+
+import pytest
+from served import FAULTS, PATIENCE, finished, laid_out
+
+pytestmark = [pytest.mark.thorough]
+
+SIZES = (
+    (360, 740),
+    (390, 844),
+    (844, 390),
+    (768, 1024),
+    (820, 1180),
+    (1024, 768),
+    (1000, 820),
+    (1280, 720),
+    (1440, 900),
+    (1920, 1080),
+    (2560, 1440),
+    (960, 600),  # 1440 x 900 at 150 %
+    (720, 450),  # and at 200 %
+)
+
+
+WHOLE = SIZES[4:10]  # the first screen without scrolling; with tools from 1280 px on
+
+
+# What is wrong with the page as it is laid out now, in sentences
+def faults_at_every_size(page, whole=False):
+    """{size: what is wrong there}"""
+    found = {}
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        faults = page.evaluate(FAULTS)
+        high = page.evaluate("document.documentElement.scrollHeight")
+        tools = page.evaluate("'tools' in document.documentElement.dataset")
+        if whole and (width, height) in WHOLE and high > height and not (tools and width < 1280):
+            faults.append(f"{high} px high")
+        if faults:
+            found[f"{width} x {height}"] = faults
+    return found
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("view", ["hero", "lab", "projector"])
+def test_the_experiment_fits_every_screen(visit, view):
+    page = visit(f"?view={view}")
+    finished(page)
+    page.keyboard.press("End")  # the longest readout
+    assert not faults_at_every_size(page, whole=True)
+
+
+def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(visit):
+    page = visit("?view=hero")
+    page.set_viewport_size({"width": 390, "height": 844})
+    finished(page)
+    punch, player = (page.locator(what).bounding_box() for what in ("#punch-view", ".player"))
+    assert punch["y"] + 140 < player["y"]
+    law = page.get_by_role("button", name="Interface law")
+    assert not law.is_visible()
+    page.get_by_role("button", name="Menu").click()
+    law.click()
+    page.locator("#law").wait_for()
+    assert not page.locator("nav").is_visible()  # the menu folds itself
+    page.get_by_role("button", name="Menu").click()
+    page.get_by_role("button", name="Parameters").click()
+    page.wait_for_function("document.getElementById('find').getBoundingClientRect().bottom < innerHeight - 150")
+
+
+@pytest.mark.thorough
+def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
+    page = visit()
+    finished(page)
+    widths = "['delta_bar', 'phi_ratio', 'E'].map((name) => document.getElementById(name).clientWidth)"
+    before = page.evaluate(widths)
+    page.fill("#E-entry", "abc")
+    page.keyboard.press("Enter")
+    page.locator("#E-error").wait_for()
+    assert page.evaluate(widths) == before
+
+
+SHARES = {(1440, 900): 0.55, (1280, 720): 0.55, (390, 844): 0.45}  # of the first screen that is the hero's
+
+
+@pytest.mark.thorough
+def test_the_hero_has_its_share_of_every_screen_and_a_curve_is_always_in_sight(visit):
+    page = visit("?view=hero")
+    finished(page)
+    for width, height in (*SHARES, (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        hero, curve = (page.locator(what).bounding_box() for what in (".hero", ".view[data-view=forces]"))
+        assert hero["width"] * hero["height"] >= SHARES.get((width, height), 0.4) * width * height, (width, height)
+        player = page.locator(".player").bounding_box()["y"]
+        assert max(box["y"] + box["height"] for box in (hero, curve)) <= player, (width, height)
+
+
+CONTROLS = """() => {
+    const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden]')
+    const all = [...document.querySelectorAll('button, input, select, a[href], summary')].filter(seen)
+    return all.filter((e) => e.getBoundingClientRect().width > 1).map((e) => e.name || e.id)
+}"""
+
+
+LONGEST = "It slips by one site, 2.4 nm: friction drops from 50.4 to 39.2 N/m, and nothing is pressed together."
+ALONE = "Nothing is pressed together any more, yet it holds: attraction alone carries the friction."
+REASON = (
+    "Pressed deeper: it slips later, at 13.5 nm instead of 10.8 nm, 264 N/m instead of 195 N/m; "
+    "there is more contact to hold it."
+)
+
+
+def test_curves_and_sliders_stay_where_they_are_whatever_is_said(visit):
+    page = visit("?view=hero")
+    finished(page)
+    where = """() => ["figure.forces .view", ".control[data-shown]", ".player"].map((name) => (
+        ((box) => [box.top, box.height])(document.querySelector(name).getBoundingClientRect())))"""
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        places = []
+        for sentence, reason, state in (
+            ("", "", "paused"),
+            (LONGEST, REASON, "followed"),
+            (ALONE, REASON, "followed"),
+            ("It slips.", "", "running"),
+        ):
+            page.evaluate(
+                """(said) => ["sentence", "why"].forEach((id, i) => {
+                    document.getElementById(id).textContent = said[i]
+                    document.getElementById(id).dataset.long = said[i].length > 80
+                    document.getElementById("status").dataset.state = said[2]
+                })""",
+                [sentence, reason, state],
+            )
+            places.append(page.evaluate(where))
+        assert all(place == places[0] for place in places), (width, height)
+
+
+def test_the_first_screen_has_twelve_controls(visit):
+    page = visit("?view=hero")
+    finished(page)
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.keyboard.press("Home")
+    laid_out(page)
+    shown = page.evaluate(CONTROLS)
+    entries = {
+        name for name in shown if name.endswith("-entry")
+    }  # a slider and its entry are one, as is a group of choices
+    assert len(set(shown) - entries) <= 12, sorted(set(shown))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])
+def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
+    page = visit("?view=hero")
+    finished(page)
+    page.get_by_role("button", name="Menu").click()
+    page.get_by_role("button", name=title).click()
+    page.wait_for_function("() => document.querySelector('.sheet:not([hidden]):not([data-drawing])')")
+    if title == "Area laws":
+        page.wait_for_function("() => document.querySelectorAll('#arealaws-rows tr').length === 10", timeout=PATIENCE)
+        page.set_viewport_size({"width": 1440, "height": 900})
+        left, right = (page.locator(".tables table").nth(k).bounding_box() for k in (0, 1))
+        assert left["x"] + left["width"] <= right["x"]
+    assert not faults_at_every_size(page)
+
+
+@pytest.mark.thorough
+def test_on_a_phone_held_sideways_punch_and_curve_are_side_by_side(visit):
+    page = visit("?view=hero")
+    finished(page)
+    page.set_viewport_size({"width": 844, "height": 390})
+    laid_out(page)
+    punch, curve, play = (page.locator(what).bounding_box() for what in ("#punch-view", "#chosen", "#play"))
+    assert punch["x"] + punch["width"] <= curve["x"]
+    assert play["y"] + play["height"] <= 390

@@ -1,0 +1,153 @@
+"""Other loadings and surfaces in a real Chromium."""
+
+import csv
+import io
+import re
+
+import pytest
+from served import PATIENCE, finished, paused_at
+
+pytestmark = [pytest.mark.thorough]
+AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
+
+
+def test_a_friction_loop_is_drawn_and_its_dissipation_told(visit):
+    page = visit("?preset=loop")
+    finished(page)
+    stages = page.evaluate("[...new Set(punch.run.curves.stage.map((s) => punch.run.head.stages[s]))]")
+    assert stages == ["approach", "shear", "back", "forth"]
+    assert page.evaluate("[Math.min(...punch.run.curves.U_x), Math.max(...punch.run.curves.U_x)]") == [-20, 20]
+    page.wait_for_function("() => document.getElementById('status').textContent.includes('dissipated in a cycle')")
+    area = page.evaluate(
+        """() => {  // of the loop of F over U_x, nJ/m, straight between the increments
+            const { U_x, F_bar: F, stage } = punch.run.curves, scale = 70 * 2500
+            const part = (k) => 0.5 * (F[k] + F[k - 1]) * (U_x[k] - U_x[k - 1]) * scale
+            return F.reduce((sum, _, k) => sum + (stage[k] >= 2 ? part(k) : 0), 0)
+        }"""
+    )
+    assert page.evaluate("punch.run.dissipated") == pytest.approx(area, rel=0.02)  # slips lie between increments
+
+
+@pytest.mark.thorough
+def test_unloading_is_drawn_along_the_indentation(visit):
+    page = visit("?preset=unload")
+    finished(page)
+    assert "δ" in page.evaluate(AXIS)
+    low, high = page.evaluate("punch.run.extent()")
+    assert low <= -10 and high == 2
+    page.select_option("#preset", "fig6")
+    finished(page, run=2)
+    assert "Uₓ" in page.evaluate(AXIS)
+    assert page.evaluate("punch.ghost") is None  # another experiment: nothing to compare
+
+
+def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
+    page = visit()
+    finished(page)
+    paused_at(page, 300)
+    before = page.evaluate("punch.run.curves.F_bar.slice(0, 301)")
+    page.get_by_label("carry on from here").check()
+    page.fill("#E-entry", "90")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert page.evaluate("punch.run.curves.F_bar.slice(0, 301)") == before
+    assert page.evaluate("punch.run.curves.U_x[301]") == page.evaluate("punch.run.curves.U_x[300]")
+    assert page.evaluate("punch.run.curves.U_x.at(-1)") == 40
+    assert page.evaluate("punch.drawn") == 300  # what was looked at stays on screen
+
+
+WORDS = """() => {  // what is written over the punch, from now on
+    const pen = CanvasRenderingContext2D.prototype, { fillText } = pen
+    window.words = []
+    pen.fillText = function (text, ...place) {
+        window.words.push(text)
+        return fillText.call(this, text, ...place)
+    }
+}"""
+
+
+def told(page, k):
+    """The friction of increment k in N/m, by all that shows it, and what else the readout says."""
+    page.mouse.move(0, 0)  # over a curve it would show the increment there
+    page.evaluate("window.words = []")
+    paused_at(page, k)
+    page.wait_for_function(f"punch.drawn === {k} && !punch.fresh")
+    page.get_by_role("button", name="Friction and load against displacement, as a table").press("Enter")
+    page.locator("#table").wait_for()
+    at = f"[{k} - punch.run.sheared]"
+    row = page.evaluate(f"[...document.querySelectorAll('#table tbody tr')]{at}.cells[2].textContent")
+    page.keyboard.press("Escape")
+    page.locator("#table").wait_for(state="hidden")
+    said, words = page.inner_text("#readout"), " ".join(page.evaluate("window.words"))
+    spoken = page.text_content("#told")
+    seen = {
+        "punch": re.findall(r"F = (\S+) N/m", words)[-1],
+        "readout": re.search(r"F = (\S+) N/m", said)[1],
+        "table": row,
+        "spoken": re.search(r"friction (\S+),", spoken)[1] if "friction" in spoken else "0",
+        "curve": page.evaluate(f"punch.run.shear('F'){at}"),
+    }
+    return {name: float(str(value).replace("−", "-")) for name, value in seen.items()}, said
+
+
+def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increment(visit):
+    """After E = 200 at the sixth slip, all before was once told by 200 in the punch, by 70 in the curve."""
+    page = visit()
+    finished(page)
+    page.evaluate(WORDS)
+    slips = page.evaluate("punch.run.curves.slip.flatMap((slip, k) => (slip && k >= punch.run.sheared ? [k] : []))")
+    looked = slips[1]  # where it rests, the page says its forces aloud
+    before, said = told(page, looked)
+    for name, value in before.items():
+        assert value == pytest.approx(before["curve"], rel=5e-3), name
+    assert "computed with" not in said
+    page.get_by_role("button", name="Pin", exact=True).press("Enter")
+    page.locator(".chip").wait_for()
+    told(page, slips[5])
+    page.get_by_label("carry on from here").check()
+    page.fill("#E-entry", "200")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    again, said = told(page, looked)
+    assert again == before and "computed with E = 70 GPa" in said
+    assert page.inner_text(".here[data-name=E]") == "here 70 GPa"
+    after, said = told(page, slips[5] + 4)
+    after.pop("spoken")  # of the last slip that was looked at
+    assert max(after.values()) == pytest.approx(min(after.values()), rel=5e-3) and "computed with" not in said
+    assert page.inner_text(".here[data-name=E]") == ""
+    page.get_by_role("button", name="Numbers").press("Enter")
+    own, pinned = (page.locator("#numbers-table tbody tr").nth(k) for k in (0, 1))
+    for measure in ("U_s", "F_s", "A_s", "tau_c"):
+        cells = [row.locator(f"[data-measure={measure}]").inner_text() for row in (own, pinned)]
+        assert cells[0] == cells[1]
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Share").press("Enter")
+    page.wait_for_function("document.getElementById('share-python').value")
+    lines = page.input_value("#share-python")
+    assert f"legs = [(scene, {slips[5] + 1}), (scene.changed(E=200.0), None)]" in lines
+    with page.expect_download() as download:
+        page.locator("#save-csv").press("Enter")
+    rows = list(csv.DictReader(io.StringIO(download.value.path().read_text())))
+    assert {float(row["E"]) for row in rows} == {70.0, 200.0}
+    F = [float(row["F_bar"]) * float(row["E"]) * 2500 for row in rows]
+    assert pytest.approx(F, rel=1e-5, abs=1e-3) == page.evaluate("[...punch.run.shear('F')]")
+
+
+@pytest.mark.thorough
+def test_a_profile_is_uploaded_and_a_bad_one_leaves_the_run(visit, tmp_path):
+    page = visit("?u_x_max=4&du_x=0.5")
+    finished(page)
+    page.get_by_role("button", name="Parameters").click()
+    (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")
+    page.set_input_files("#profile", tmp_path / "bad.csv")
+    page.wait_for_function(
+        "() => document.getElementById('profile-error').textContent.includes('line 3')", timeout=PATIENCE
+    )
+    assert page.evaluate("punch.run.number") == 1
+    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    page.set_input_files("#profile", tmp_path / "wave.csv")
+    finished(page, run=2)
+    assert (
+        page.evaluate("punch.status.values.surface") == "measured" and page.evaluate("punch.status.values.width") == 500
+    )
+    assert "points" in page.inner_text("#notes") and page.locator("#profile-error").is_hidden()

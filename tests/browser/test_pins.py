@@ -1,0 +1,92 @@
+"""Pinned runs: kept in the browser, overlaid, in numbers, in a link; in a real Chromium."""
+
+import pytest
+from served import MODEL, PATIENCE, finished, values_are
+
+from solver import Scene, load_path, summarize
+from solver.presets import preset
+
+pytestmark = [pytest.mark.thorough]
+
+
+def lines(page, view):
+    """How many lines of pinned runs a figure has."""
+    return page.evaluate(f"{MODEL.format(f'{view}.pins')}.data_source.data.xs.length")
+
+
+@pytest.mark.thorough
+def test_a_run_is_pinned_shown_hidden_and_removed_by_keyboard(visit):
+    page = visit()
+    finished(page)
+    page.locator("body").press("End")
+    page.get_by_role("button", name="Pin", exact=True).press("Enter")
+    chip = page.locator(".chip")
+    chip.wait_for()
+    page.focus("#E")
+    page.keyboard.press("ArrowRight")
+    finished(page, run=2)
+    assert [lines(page, view) for view in ("forces", "area", "map", "punch")] == [2, 1, 2, 1]
+    assert page.locator(".page").get_attribute("data-ghost") == "false"  # nothing pale over it
+    # the force of the pinned run in N/m, whatever the stiffness of the run on screen
+    pinned = page.evaluate(f"{MODEL.format('forces.pins')}.data_source.data.ys[0][50]")
+    first = next(frame for frame in load_path(Scene()) if frame.stage == "shear" and frame.index == 50)
+    assert pinned == pytest.approx(first.F_bar * 70 * 2500, rel=1e-4)  # N/m
+    style = page.evaluate(
+        f"(({{ colour, dash }}) => [colour[0], dash[0]])({MODEL.format('forces.pins')}.data_source.data)"
+    )
+    assert style == page.evaluate(
+        "['--pin-1', '--pin-1-dash'].map((name) => getComputedStyle(document.documentElement).getPropertyValue(name))"
+    )
+    show = chip.get_by_role("button", name="Show")
+    show.press("Enter")
+    page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
+    assert show.get_attribute("aria-pressed") == "false"
+    show.press("Space")
+    chip.get_by_role("button", name="Remove Stick, peel, slip").press("Enter")
+    page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
+    assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "pin"
+
+
+def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit):
+    page = visit("?preset=fig7-case2")
+    finished(page)
+    page.get_by_role("button", name="Pin", exact=True).click()
+    page.locator(".chip").wait_for()
+    page.select_option("#preset", "fig6")
+    values_are(page, delta_bar=0)
+    page.get_by_role("button", name="Numbers").press("Enter")
+    rows = page.locator("#numbers-table tbody tr")
+    for row, scene in zip((0, 1), (Scene(), preset("fig7-case2").scene), strict=True):
+
+        def cell(measure, row=row):
+            return rows.nth(row).locator(f"[data-measure={measure}]")
+
+        def number(measure, cell=cell):
+            return float(cell(measure).inner_text().replace("−", "-"))
+
+        frames = list(load_path(scene))
+        known, force = summarize(scene, frames), scene.E * scene.width
+        assert number("slips") == known["slips"]
+        assert number("U_s") == pytest.approx(known["U_s"], rel=1e-3)
+        assert number("F_s") == pytest.approx(known["F_s"] * force, rel=1e-3)
+        assert number("A_s") == pytest.approx(known["A_s"] * scene.width, rel=1e-3)
+        assert number("tau_c") == pytest.approx(known["F_s"] * scene.E / known["A_s"], rel=1e-2)
+        shear = [frame for frame in frames if frame.stage == "shear"]
+        before = shear[next(k for k, frame in enumerate(shear) if frame.slip) - 1]
+        assert cell("dissipated").inner_text() == "–"
+    place = frames.index(before)  # of the pinned run
+    cell("F_s").press("Enter")
+    values_are(page, delta_bar=0.4)
+    page.wait_for_function(f"punch.drawn === {place} && !punch.playing")
+    assert not page.locator("#numbers").is_visible()
+
+
+@pytest.mark.thorough
+def test_pins_travel_in_the_address(visit):
+    page = visit("?E=100&pin=Soft*E*20&pin=*preset*fig7-case2")
+    finished(page)
+    page.wait_for_function(f"() => {MODEL.format('area.pins')}.data_source.data.xs.length === 2", timeout=PATIENCE)
+    assert page.locator(".chip").all_inner_texts()[0].startswith("Soft") or "Soft" in page.inner_text("#chips")
+    assert page.evaluate("punch.status.values.E") == 100 and page.evaluate("punch.run.number") == 1
+    page.get_by_role("button", name="Remove Soft").click()
+    assert "Soft" not in page.url and "fig7-case2" in page.url

@@ -1,0 +1,42 @@
+"""Projector mode: text and lines for the back row, the punch and one curve, nothing of the solver."""
+
+import pytest
+from served import finished
+
+pytestmark = [pytest.mark.thorough]
+MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
+WIDTH = f"(({{ line_width: w }}) => w.value ?? w)({MODEL.format('forces.F')}.glyph)"
+FONT = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0]"
+FONT += ".major_label_text_font_size"
+
+
+def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
+    page = visit()
+    finished(page)
+    thin = page.evaluate(WIDTH)
+    page.locator("body").press("p")
+    assert "view=projector" in page.url
+    assert page.evaluate(FONT) == "22px" and page.evaluate(WIDTH) >= 2 * thin
+    assert page.locator("main figure:visible").count() == 2  # the punch and one curve
+    page.get_by_role("button", name="Projector").click()
+    assert "view=lab" in page.url
+    assert page.evaluate(FONT) == "13px" and page.evaluate(WIDTH) == thin
+    assert page.locator("main figure:visible").count() == 5  # with the tools, as before
+
+
+@pytest.mark.thorough
+def test_the_address_opens_it_with_nothing_small_and_no_words_of_the_solver(visit):
+    page = visit("?view=projector&delta_bar=0.2")
+    finished(page)
+    page.keyboard.press("End")
+    said = page.inner_text(".page")
+    assert not any(word in said for word in ("increments", "residual", "evaluations"))
+    small = page.evaluate(
+        """() => [...document.querySelectorAll('.page :is(b, p, label, select, button, span, figcaption)')]
+            .filter((e) => e.checkVisibility() && !e.closest('.unseen, #row, .hero .key'))
+            .filter((e) => e.childElementCount === 0 && e.textContent.trim())
+            .filter((e) => parseFloat(getComputedStyle(e).fontSize) < 22).map((e) => e.outerHTML)"""
+    )
+    assert not small
+    page.keyboard.press("c")
+    assert page.locator("figure.area").is_visible() and not page.locator("figure.forces").is_visible()

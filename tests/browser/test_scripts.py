@@ -1,0 +1,218 @@
+"""The scripts without a page: each module in a blank tab of a real Chromium, fed with what a worker packs."""
+
+import base64
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from exact_interior import inside, principal_difference
+from visitor import slices
+
+from app.service import packing, tasks
+from solver import Scene, load_path
+
+APP = Path(__file__).parents[2] / "app"
+MODULES = sorted(
+    path.relative_to(APP).as_posix() for room in ("static", "pages") for path in (APP / room).rglob("*.js")
+)
+SHORT = Scene(nodes=256, width=625.0, radius=60.0, u_x_max=12.0, E=200.0)
+WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
+LOOP = SHORT.changed(path="loop", u_x_max=6.0)
+
+
+def run_of(tab, scene):
+    """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
+    frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time
+    blocks = []
+    for piece in slices(scene, 0.01):
+        assert not piece.failure
+        blocks += [base64.b64encode(block).decode() for block in piece.blocks]
+    tab.evaluate(
+        """async (blocks) => {
+            const { Run } = await import("http://scripts/js/run.js")
+            const { unpackLater } = await import("http://scripts/js/packed.js")
+            for (const text of blocks) {
+                const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+                const chunk = await unpackLater({ buffer, start: 0 })
+                if (text === blocks[0]) window.run = new Run(7, chunk.head)
+                window.run.add(chunk)
+            }
+        }""",
+        blocks,
+    )
+    return frames
+
+
+def test_messages_are_passed_on_in_their_order_though_some_are_unpacked_later(tab):
+    first, second = (base64.b64encode(packing.headed({"kind": "run", "number": k}, b"")).decode() for k in (0, 1))
+    passed_on = tab.evaluate(
+        """async (messages) => {
+            const { connect, listen, take } = await import("http://scripts/js/channel.js")
+            const listeners = {}, passedOn = []
+            const property = (name) => ({ change: { connect: (call) => { listeners[name] = call } } })
+            const wire = { properties: { message: property("message"), status: property("status") } }
+            const send = (name, value) => { wire[name] = value; listeners[name]() }
+            const unpacking = [Promise.withResolvers(), Promise.withResolvers()]
+            connect(wire)
+            listen("status", (message) => passedOn.push(message))
+            take("run", (message) => passedOn.push(message), ({ head }) => unpacking[head.number].promise)
+            const [run, next] = messages.map((text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
+            send("status", "first")
+            send("message", run)
+            send("message", null)
+            send("status", "second")
+            send("message", next)
+            send("status", "third")
+            unpacking[1].resolve("chunk 1")
+            await new Promise((then) => setTimeout(then))
+            const waited = passedOn.length === 1
+            unpacking[0].resolve("chunk 0")
+            await new Promise((then) => setTimeout(then))
+            return [waited, passedOn]
+        }""",
+        [first, second],
+    )
+    assert passed_on == [True, ["first", "chunk 0", "second", "chunk 1", "third"]]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_can_be_imported_alone_and_touches_no_page(tab, name):
+    tab.evaluate(f"import('http://scripts/{name}').then((module) => Object.keys(module))")
+
+
+def test_frames_arrive_as_the_solver_computed_them(tab):
+    frames = run_of(tab, SHORT)
+    assert tab.evaluate("[run.number, run.length, run.whole]") == [7, len(frames), True]
+    for name in ("index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations"):
+        mine = np.array([getattr(frame, name) for frame in frames], dtype=np.float32)
+        assert tab.evaluate(f"run.curves.{name}") == mine.tolist(), name
+    k = len(frames) - 1
+    shown = {name: tab.evaluate(f"[...run.frame({k}).{name}]") for name in ("x", "gap", "T_n", "T_t")}
+    frame = frames[k]
+    nodes = frame.first + np.arange(frame.u.shape[1])
+    true = {
+        "x": nodes * SHORT.spacing - SHORT.width / 2 + frame.u[0],
+        "gap": SHORT.profile[nodes % SHORT.nodes] + frame.u[1],
+        "T_n": frame.T[1],
+        "T_t": -frame.T[0],  # shown positive where it resists
+    }
+    for name, values in true.items():
+        assert np.abs(np.array(shown[name]) - values).max() < 1e-3 * np.abs(values).max(), name  # int16
+
+
+def test_the_shear_is_cut_off_the_approach_and_scaled(tab):
+    frames = run_of(tab, SHORT)
+    forces = [frame.F_bar for frame in frames if frame.stage == "shear"]
+    assert tab.evaluate("[...run.shear('F_bar', 1000)]") == pytest.approx([1000 * F for F in forces], rel=1e-6)
+
+
+def test_the_nearest_frame_of_a_loop_is_on_the_leg_that_is_shown(tab):
+    frames = run_of(tab, LOOP)
+    for stage in ("shear", "back", "forth"):
+        leg = [k for k, frame in enumerate(frames) if frame.stage == stage]
+        now = leg[len(leg) // 2]
+        k = tab.evaluate(f"run.nearest(2.04, {now})")
+        assert frames[k].stage == stage and frames[k].U_x == pytest.approx(2.04, abs=LOOP.du_x)
+
+
+def test_the_map_holds_the_traction_where_it_acts_and_nothing_where_it_does_not(tab):
+    frames = run_of(tab, WIDE)
+    shear = [frame for frame in frames if frame.stage == "shear"]
+    made = tab.evaluate(
+        """(() => {
+            const { image, rows, columns, start, low } = run.map(run.length - 1)
+            return { image: [...image].map((v) => (Number.isNaN(v) ? null : v)), rows, columns, start, low }
+        })()"""
+    )
+    image = np.array(made["image"], dtype=float).reshape(made["rows"], made["columns"])
+    assert made["columns"] == len(shear) and made["start"] == 0.0
+    peak = WIDE.phi_n / (np.e * WIDE.delta_n)
+    for column in (0, len(shear) // 2, -1):
+        frame = shear[column]
+        row = round(frame.first - 0.5 - (made["low"] + WIDE.width / 2) / WIDE.spacing)
+        own = image[row : row + frame.u.shape[1], column]
+        nodes = frame.first + np.arange(frame.u.shape[1])
+        gap = WIDE.profile[nodes % WIDE.nodes] + frame.u[1]
+        acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -packing.FREE * peak)
+        sure = np.abs(frame.T[1] + packing.FREE * peak) > 1e-3 * peak  # not on the limit, where int16 decides
+        assert (np.isfinite(own) == acts)[sure].all() and acts.any() and not acts.all()
+        assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=1e-3 * np.abs(frame.T[1]).max())
+
+
+def test_a_run_carried_on_begins_with_the_frames_of_the_other(tab):
+    run_of(tab, SHORT)
+    counts = tab.evaluate(
+        """(async () => {
+            const { Run } = await import("http://scripts/js/run.js"), next = new Run(8, run.head)
+            next.takeOver(run, run.sheared + 5)
+            return [next.length, run.sheared + 6, next.curves.U_x.at(-1), run.curves.U_x[run.sheared + 5]]
+        })()"""
+    )
+    assert counts[0] == counts[1] and counts[2] == counts[3]
+
+
+def test_numbers_are_written_with_a_true_minus_and_without_negative_zeros(tab):
+    written = tab.evaluate(
+        """import("http://scripts/js/dom.js").then(({ fixed, minus }) => [
+            fixed(-1.25, 1), fixed(-0.0004, 3).replace("−", ""), fixed(3, 0), minus("-2")])"""
+    )
+    assert written == ["−1.2", "0.000", "3", "−2"]
+
+
+@pytest.mark.parametrize(("low", "high"), [(-0.8, 0.4), (-0.8, 40.0), (-3.0, 3.0)])
+def test_shades_change_their_ramp_exactly_at_zero(tab, low, high):
+    ends = {"pull": [[255, 0, 0], [200, 0, 0]], "push": [[0, 0, 255], [0, 0, 200]]}
+    made = tab.evaluate(
+        f"""import("http://scripts/js/colours.js").then(({{ shades }}) =>
+            shades({low}, {high}, ["pull", "push"], (name) => ({json.dumps(ends)})[name]))"""
+    )
+    step = (made["high"] - made["low"]) / len(made["palette"])
+    below = round(-made["low"] / step)
+    assert -made["low"] / step == pytest.approx(below, abs=1e-6)
+    assert low - step <= made["low"] <= low and high <= made["high"] <= high + step
+    assert all(shade.endswith("0000") for shade in made["palette"][:below])  # red only
+    assert all(shade.startswith("#0000") for shade in made["palette"][below:])  # blue only
+
+
+def test_limits_are_rounded_up_to_a_number_that_is_read_easily(tab):
+    values = [0.012, 0.99, 1.0, 1.01, 37.0, 4200.0]
+    rounded = tab.evaluate(f"import('http://scripts/js/colours.js').then(({{ nice }}) => {values}.map(nice))")
+    assert rounded == [0.015, 1, 1, 1.5, 40, 5000]
+
+
+@pytest.mark.parametrize("scene", [SHORT, SHORT.changed(nu=0.2, height=0.05), Scene(surface="flat", u_x_max=2.0)])
+def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
+    """To 5e-4 of the largest stress: tractions come as int16, and modes that are not felt at a depth are left out."""
+    frame, rows, half = run_of(tab, scene)[-1], 40, 60.0
+    depth = min(half, scene.height * scene.width)
+    counts, scale, body = tasks.layer_table(scene, depth, rows, scene.nodes // 2)
+    assert len(body) == 12 * sum(counts)
+    table = base64.b64encode(packing.headed({"counts": counts, "scale": scale}, body)).decode()
+    made = tab.evaluate(
+        """async (table) => {
+            const { tableOf, sumsIn, middles, XX, ZZ, XZ, APART, SHEARED } = await import("http://scripts/js/inside.js")
+            const { opened } = await import("http://scripts/js/packed.js")
+            const weights = [XX, ZZ, XZ, APART, SHEARED]
+            const bytes = Uint8Array.from(atob(table), (c) => c.charCodeAt(0)).buffer
+            const sums = sumsIn(run, run.length - 1, tableOf(opened(bytes)), middles(50, 60), weights)
+            return sums.map((sum) => [...sum])
+        }""",
+        table,
+    )
+    *made, apart, sheared = np.array(made).reshape(-1, rows, 50)
+    first, T = (0, np.repeat(frame.T[:, :1], scene.nodes, 1)) if scene.surface == "flat" else (frame.first, frame.T)
+    x, z = scene.width / 2 + half * ((np.arange(50) + 0.5) / 25 - 1), (np.arange(rows) + 0.5) * (depth / rows)
+    true = inside(scene, first, T, (0.0, 0.0), x, z)
+    assert np.array(made) == pytest.approx(true.stress, abs=5e-4 * np.abs(true.stress).max())
+    exact = principal_difference(true.stress)
+    assert np.hypot(apart, sheared) == pytest.approx(exact, abs=5e-4 * exact.max())
+
+
+def test_the_state_of_the_page_has_declared_fields_only(tab):
+    refused = """import("http://scripts/js/state.js").then(({ me }) => {
+        me.at = 3
+        try { me.att = 3 } catch (error) { return [me.at, error.name] }
+    })"""
+    tab.evaluate("document.body.innerHTML = ''")
+    assert tab.evaluate(f"(async () => {{ 'use strict'; return await {refused} }})()") == [3, "TypeError"]

@@ -1,0 +1,148 @@
+"""What is taken away from a run: link, QR code, pictures, data and Python lines; in a real Chromium."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from served import PATIENCE, finished
+
+from solver.cli import main as command_line
+
+pytestmark = [pytest.mark.thorough]
+
+
+@pytest.fixture
+def sheet(look):
+    """The sheet of a run at rest, opened by keyboard."""
+    page = look("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
+    page.wait_for_function("punch.drawn === 209")
+    page.get_by_role("button", name="Share").press("Enter")
+    page.wait_for_function("document.getElementById('share-python').value")
+    yield page
+    page.keyboard.press("Escape")
+
+
+def saved(page, button):
+    """The bytes of the file that a button saves."""
+    with page.expect_download(timeout=PATIENCE) as download:
+        page.locator(button).press("Enter")
+    return download.value.path().read_bytes()
+
+
+def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, visit):
+    link = sheet.input_value("#share-link")
+    assert "v=1" in link and "k=209" in link
+    sheet.wait_for_function("document.getElementById('share-qr').naturalWidth > 100")
+    again = visit(link[link.index("?") :])
+    finished(again)
+    again.wait_for_function("punch.drawn === 209 && !punch.playing")
+    assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
+
+
+def test_where_there_is_no_clipboard_copying_works_or_says_what_to_press(visit):
+    """As on plain http: the page has no navigator.clipboard, and a promise that nobody awaited was rejected."""
+    page = visit()
+    finished(page)
+    page.evaluate(
+        """() => {
+            const later = setTimeout
+            window.setTimeout = (call, time) => later(call, time / 100)
+            window.rejected = 0
+            addEventListener("unhandledrejection", () => rejected++)
+            Object.defineProperty(navigator, "clipboard", { value: undefined })
+        }"""
+    )
+    page.get_by_role("button", name="Share").press("Enter")
+    page.locator("#copy-link").press("Enter")
+    page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-said').textContent)")
+    page.evaluate("() => new Promise((done) => setTimeout(done, 1100))")  # after that for the clipboard's answer
+    assert page.evaluate("rejected") == 0
+
+
+def test_the_sheet_has_html_to_embed_the_experiment_and_names_the_setting_that_allows_it(sheet):
+    html = sheet.input_value("#share-frame")
+    assert html.startswith("<iframe src=") and "embed=1" in html and "delta_bar=0.4" in html
+    assert "APP_FRAME_ANCESTORS" in sheet.inner_text("#share-frames")
+
+
+@pytest.mark.parametrize("answers", [True, False])
+def test_link_and_lines_are_copied_by_keyboard_also_where_the_clipboard_never_answers(sheet, answers):
+    sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    if not answers:
+        sheet.evaluate("void (navigator.clipboard.writeText = () => new Promise(() => {}))")
+    for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
+        sheet.locator("#share-said").evaluate("(said) => { said.textContent = '' }")
+        sheet.locator(button).press("Enter")
+        sheet.wait_for_function("document.getElementById('share-said').textContent.includes('copied')")
+        assert sheet.evaluate("navigator.clipboard.readText()") == sheet.input_value(field)
+    sheet.evaluate("delete navigator.clipboard.writeText")
+
+
+def test_the_python_lines_run_and_give_as_many_increments(sheet):
+    lines = sheet.input_value("#share-python")
+    assert len(lines.split("\n")) == 3
+    ran = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=300, check=True)
+    assert int(ran.stdout.split()[0]) == sheet.evaluate("punch.run.length")
+
+
+def test_data_are_those_of_the_command_line(sheet, tmp_path):
+    files = {kind: tmp_path / f"run.{kind}" for kind in ("csv", "npz", "json")}
+    options = [text for kind, file in files.items() for text in (f"--{kind}", str(file))]
+    assert command_line(["run", "--set", "delta_bar=0.4", "phi_ratio=0.1", *options]) == 0
+    scene, units, *lines = saved(sheet, "#save-csv").decode().splitlines()
+    assert scene.startswith("# ") and "δ/δ₀ = 0.4" in scene and units.startswith("# U_x, delta, residual in nm")
+    own = list(csv.DictReader(lines))
+    assert [row["U_x"] for row in own[:4]] == ["0", "0.1", "0.2", "0.3"]  # not 0.30000001
+    rows = list(csv.DictReader(files["csv"].open()))
+    assert len(own) == len(rows) and own[0].keys() == rows[0].keys()
+    for name in ("U_x", "F_bar", "A_bar", "slip"):
+        assert [float(row[name]) for row in own] == pytest.approx(
+            [float(row[name]) for row in rows], rel=1e-6, abs=1e-9
+        )
+    arrays, expected = np.load(io.BytesIO(saved(sheet, "[data-file=npz]"))), np.load(files["npz"])
+    assert arrays.files == expected.files
+    for name in expected.files:
+        if name in ("u", "T", "F_bar", "L_bar", "A_bar"):  # a worker has other FFT plans: the same to the tolerance
+            np.testing.assert_allclose(arrays[name], expected[name], rtol=1e-6, atol=1e-7)
+    report, written = json.loads(saved(sheet, "[data-file=json]")), json.loads(files["json"].read_text())
+    assert report.keys() == written.keys()
+    assert all(report[name] == written[name] for name in ("version", "method", "scene", "converged", "slips"))
+    assert all(report[name] == pytest.approx(written[name], rel=1e-6) for name in ("U_s", "F_s", "A_s", "A_0"))
+
+
+def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
+    names = sheet.evaluate("[...document.getElementById('share-view').options].map((one) => one.value)")
+    assert names == ["punch", "traction", "forces", "area", "map"]
+    for name in names:
+        sheet.select_option("#share-view", name)
+        png = saved(sheet, "#save-png")
+        assert png.startswith(b"\x89PNG") and len(png) > 5000
+        root = ET.fromstring(saved(sheet, "#save-svg"))
+        text = " ".join("".join(node.itertext()) for node in root.iter() if node.tag.endswith("}text"))
+        assert "δ/δ₀ = 0.4" in text and "φₜ/φₙ = 0.1" in text
+        assert name in ("punch", "traction") or "displacement of the top" in text  # its own axis, also above another
+        assert (name == "map") == ("colours: from" in text)
+        assert len(list(root.iter())) > 20  # axes and curves
+
+
+@pytest.mark.thorough
+def test_lines_of_a_measured_surface_read_its_profile_from_the_json(visit, tmp_path):
+    page = visit("?u_x_max=4&du_x=0.5")
+    finished(page)
+    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    page.get_by_role("button", name="Parameters").click()
+    page.set_input_files("#profile", tmp_path / "wave.csv")
+    finished(page, run=2)
+    page.locator("#drawer").get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="Share").click()
+    page.wait_for_function("document.getElementById('share-python').value")
+    (tmp_path / "mixed-mode-contact.json").write_bytes(saved(page, "[data-file=json]"))
+    lines = page.input_value("#share-python")
+    command = [sys.executable, "-c", lines]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
+    assert int(ran.stdout.split()[0]) == page.evaluate("punch.run.length")

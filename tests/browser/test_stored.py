@@ -1,0 +1,138 @@
+"""Stored runs: what they hold of the solver's, and that a page shows one while nothing else is there."""
+
+import base64
+
+import numpy as np
+import pytest
+from conftest import Tabs
+from served import PATIENCE, PLAYING, Server, finished, paused_at
+
+from app.service import packing, stored, worker
+
+CURVES = 1e-3  # of the largest value: processors differ in round-off, and slips amplify it
+FIELDS = 0.06  # of the largest value: twice stored.APART, one for straight lines over nodes, with roundings
+NOBODY = "tcp://127.0.0.1:9"  # the port "discard": no scheduler, thus no worker
+COMPARE = """async (texts) => {
+    const { unpackLater } = await import("http://scripts/js/packed.js")
+    const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer
+    const [one, other] = await Promise.all(texts.map((text) => unpackLater({ buffer: bytes(text), start: 0 })))
+    const apart = (a, b) => a.length === b.length && a.reduce((most, v, i) => Math.max(most, Math.abs(v - b[i])), 0)
+        / b.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-9)
+    const of = (kind, names) => Object.fromEntries(
+        names.map((name) => [name, apart(one[kind][name], other[kind][name])]))
+    const { scene, frames, nodes } = one.head
+    return { scene, size: [frames, nodes], columns: of("columns", %s), fields: of("fields", %s) }
+}"""
+PLAYS = """() => new Promise((then) => {
+    const { drawn } = punch, look = () => (punch.drawn === drawn ? requestAnimationFrame(look) : then())
+    look()
+})"""
+RANGES = """['punch', 'traction', 'forces', 'area', 'map'].flatMap((name) => {
+    const { x_range, y_range } = Bokeh.documents[0].get_model_by_name(name)
+    return [x_range.start, x_range.end, y_range.start, y_range.end]
+})"""
+ALIKE = ("stage", "U_x", "delta", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A", "work")
+
+
+@pytest.mark.parametrize("name", stored.row())
+@pytest.mark.once(2)
+def test_a_stored_run_is_that_of_the_solver(tab, name):
+    scene = stored.row()[name].scene
+    made = worker.compute(scene, None, np.inf, limit=np.inf)
+    (block,) = made.blocks
+    run = stored.path_of(name).read_bytes()
+    assert len(run) <= stored.LARGEST
+    texts = [base64.b64encode(message).decode() for message in (run, block)]
+    compared = tab.evaluate(COMPARE % (list(ALIKE), list(packing.FIELDS)), texts)
+    assert compared["size"] == [made.frames, packing.header(block)["nodes"]]
+    assert compared["scene"] == packing.header(block)["scene"], "write the runs anew: python -m app.service.stored"
+    assert {name: apart for name, apart in compared["columns"].items() if apart > CURVES} == {}
+    assert {name: apart for name, apart in compared["fields"].items() if apart > FIELDS} == {}
+
+
+@pytest.fixture
+def held_back(browser):
+    """A page of a server without workers."""
+    server = Server(APP_SCHEDULER=NOBODY)
+    server.wait_for("visitors open|for a class")
+    tabs = Tabs(server, browser)
+    yield server, tabs
+    tabs.close()
+    if server.process.poll() is None:
+        server.stop()
+
+
+@pytest.mark.slow
+def test_without_workers_a_page_plays_a_stored_run_marked_so_and_goes_on_without_the_server(held_back):
+    server, tabs = held_back
+    page = tabs.open("?view=hero", **PLAYING)
+    page.wait_for_function(
+        "window.punch?.run?.stored && punch.drawn > punch.run.sheared && punch.status.state === 'warming'"
+    )
+    assert page.locator("#status").inner_text().startswith("stored")
+    assert page.evaluate("punch.run.length") > 400 and page.evaluate("!punch.stale")
+    page.evaluate(PLAYS)
+    page.locator("[data-preset=fig4a-blue]").click()
+    page.wait_for_function("punch.run.stored && punch.run.head.flat && !punch.fresh")
+    assert not tabs.problems
+    server.process.kill()
+    page.wait_for_function("punch.lost")
+    page.evaluate(PLAYS)
+
+
+class HeldBack:
+    """The server's messages to a page, from the first with bytes on: passed on when they are released."""
+
+    def __init__(self, page):
+        self.messages, self.socket, self.released = [], None, False
+        page.route_web_socket("**/ws*", self._connect)
+
+    def _connect(self, socket):
+        self.socket = socket
+        socket.connect_to_server().on_message(self._pass_on)
+
+    def _pass_on(self, message):
+        if self.released or not (self.messages or isinstance(message, bytes)):
+            self.socket.send(message)
+        else:
+            self.messages.append(message)
+
+    def release(self):
+        self.released = True
+        for message in self.messages:
+            self.socket.send(message)
+
+
+@pytest.mark.slow
+def test_the_computed_run_takes_the_place_of_a_stored_one_at_the_same_increment_and_axes(server, browser):
+    page = browser.new_page(viewport={"width": 1280, "height": 720}, reduced_motion="reduce")
+    computed = HeldBack(page)
+    page.goto(server.address)
+    page.wait_for_function("window.punch?.run?.stored && !punch.fresh && punch.mapped", timeout=PATIENCE)
+    paused_at(page, 300)
+    before = page.evaluate(RANGES)
+    computed.release()
+    finished(page)
+    assert page.evaluate("[punch.run.stored ?? false, punch.drawn]") == [False, 300]
+    assert page.evaluate(RANGES) == pytest.approx(before, rel=0.02)
+    page.close()
+
+
+@pytest.mark.slow
+def test_before_a_run_is_on_screen_figures_and_play_are_not_offered(server, browser):
+    page = browser.new_page(reduced_motion="reduce")
+    stored_runs, computed = [], HeldBack(page)
+    page.route("**/static/runs/**", lambda route: stored_runs.append(route))
+    page.goto(server.address)
+    page.wait_for_function(
+        "document.getElementById('status').dataset.state === 'opening' && window.punch", timeout=PATIENCE
+    )
+    offered = """['play', 'grab', 'chosen', 'punch-view'].map((id) => document.getElementById(id))
+        .map((e) => e.checkVisibility({ visibilityProperty: true }) && !e.disabled)"""
+    assert page.evaluate(offered) == [False] * 4
+    for route in stored_runs:
+        route.abort()
+    computed.release()
+    finished(page)
+    assert page.evaluate(offered) == [True] * 4
+    page.close()

@@ -1,0 +1,232 @@
+"""The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
+
+import pytest
+from served import laid_out
+
+pytestmark = [pytest.mark.thorough]
+
+
+OWN = "?preset=fig6&theme=light"  # of the two tests that leave the page changed
+
+
+def at_first_slip(page):
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.keyboard.press("]")
+    page.wait_for_function("() => punch.run.curves.slip[punch.drawn] && punch.drawn > punch.run.sheared")
+
+
+def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(look):
+    page = look("?preset=fig6")
+    at_first_slip(page)
+    assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), A +7.8 %"
+    first = page.evaluate("punch.drawn")
+    page.keyboard.press("]")
+    page.wait_for_function(f"() => punch.drawn > {first}")
+    page.keyboard.press("[")
+    page.wait_for_function(f"() => punch.drawn === {first}")
+    page.keyboard.press("ArrowLeft")
+    page.locator("#slip").wait_for(state="hidden")
+
+
+@pytest.mark.thorough
+def test_where_the_contact_had_gone_a_slip_says_that_it_is_back(look):
+    page = look("?preset=fig7-case1")
+    at_first_slip(page)
+    assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), contact again"
+
+
+@pytest.mark.thorough
+def test_a_flat_slips_without_an_area_and_has_no_lens(look):
+    page = look("?preset=fig4a-blue")
+    at_first_slip(page)
+    assert page.locator("#slip").inner_text().startswith("slip: one site (2.4 nm)")
+    assert "A" not in page.locator("#slip").inner_text()
+    assert page.locator("#lens").is_hidden()
+
+
+def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(look):
+    page = look(OWN)
+    lens = page.locator("#lens")
+    place = "Number(document.getElementById('lens').getAttribute('aria-valuenow'))"
+    assert page.evaluate(place) < -50  # of a contact of some 180 nm
+    lens.focus()
+    before, drawn = page.evaluate(place), page.evaluate("punch.drawn")
+    page.keyboard.press("PageUp")
+    page.wait_for_function(f"() => {place} > {before} + 24")
+    assert page.evaluate("punch.drawn") == drawn  # the key was the lens's
+    assert "gap" in lens.get_attribute("aria-valuetext")
+    page.locator("#lens-on").uncheck()
+    lens.wait_for(state="hidden")
+
+
+@pytest.mark.thorough
+def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_held(look):
+    page = look("?preset=wave")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    k = page.evaluate("punch.run.curves.slip.findIndex((slip, i) => slip && i > 0)")  # a crest jumps in
+    page.evaluate(f"punch.at = {k - 1}")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function(f"() => punch.drawn === {k}")
+    place = page.locator("#lens")
+    assert float(place.get_attribute("aria-valuenow")) == pytest.approx(-625, abs=5)  # a quarter of the cell
+    assert place.get_attribute("aria-valuetext").endswith("adhering")
+    assert page.inner_text("#readout").endswith("JUMP")
+
+
+def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_another_indentation(look):
+    page = look(OWN)
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.evaluate("punch.at = punch.run.sheared")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("() => punch.drawn === punch.run.sheared + 1")
+    box = page.locator("#punch-view").bounding_box()
+    x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 10, y, steps=3)
+    page.mouse.move(x + 30, y, steps=3)
+    page.mouse.up()
+    page.wait_for_function("() => punch.drawn > punch.run.sheared + 5")
+    covered = page.evaluate("punch.run.curves.U_x[punch.drawn] / punch.run.curves.U_x.at(-1)")
+    assert covered == pytest.approx(0.5 * 30 / box["width"], rel=0.4)  # half a run for the width of the view
+    run, depth = page.evaluate("[punch.run.number, punch.status.values.delta_bar]")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 30, steps=4)
+    page.mouse.up()
+    page.wait_for_function(f"() => punch.run.number > {run} && punch.status.values.delta_bar > {depth} + 0.1")
+    assert page.evaluate("punch.status.values.delta_bar") == pytest.approx(depth + 0.2, abs=0.011)  # a third in 100 px
+    page.wait_for_function("() => location.search.includes('delta_bar=')")
+
+
+def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_the_increment_it_led_to(look):
+    page = look("?preset=fig6")
+    page.keyboard.press("Home")
+    page.locator("#slow").wait_for(state="hidden")
+    at_first_slip(page)
+    page.evaluate(
+        """() => {
+            window.seen = []
+            window.beside = [] // px: how high the ink is that stands right of the line drawn at the slip
+            const aside = (canvas) => {
+                const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
+                const inked = (x) => [...Array(height).keys()].filter((y) => data[4 * (y * width + x) + 3])
+                const columns = Array.from({ length: width }, (_, x) => inked(x))
+                const line = columns.findIndex((of) => of.length === Math.max(...columns.map((each) => each.length)))
+                const rows = columns.slice(line + 8).flat()
+                return rows.length ? Math.max(...rows) - Math.min(...rows) : 0
+            }
+            new MutationObserver(() => {
+                const text = document.getElementById("film").textContent
+                if (!text.startsWith("slow")) return
+                seen.push([text, document.getElementById("readout").textContent])
+                beside.push(aside(document.querySelector("[data-view=forces] canvas.story")))
+            }).observe(document.getElementById("film"), { childList: true })
+        }"""
+    )
+    k = page.evaluate("punch.drawn")
+    page.get_by_role("button", name="Slow motion").click()
+    page.wait_for_function("seen.length > 3")
+    assert page.locator("#slow").inner_text() == "Stop"
+    page.locator("#film").wait_for(state="hidden")  # it has come to its end
+    said = page.evaluate("seen")
+    assert {text for text, _ in said} == {"slow motion"}
+    assert max(page.evaluate("beside")) < 20  # words alone: the motion takes no way along Uₓ
+    assert all("Uₓ = 10.8 nm" in readout for _, readout in said)  # not 10.9, of the increment
+    assert page.evaluate("punch.drawn") == k and page.locator("#slip").is_visible()
+    assert page.locator("#slow").inner_text() == "Slow motion"
+
+
+@pytest.mark.thorough
+def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_ends_it(look):
+    page = look("?preset=loop")
+    at_first_slip(page)
+    k = page.evaluate("punch.drawn")
+    for _ in range(20):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function(f"() => punch.drawn === {k + 20}")
+    page.keyboard.press("m")
+    page.locator("#film").filter(has_text="slow motion").wait_for()
+    assert page.evaluate("punch.drawn") == k
+    page.keyboard.press("ArrowRight")
+    page.locator("#film").wait_for(state="hidden")
+    page.wait_for_function(f"() => punch.drawn === {k + 1}")
+
+
+@pytest.mark.thorough
+def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(look):
+    page = look("?preset=fig6&u_x_max=14")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Home")
+    page.keyboard.press("m")
+    said = page.locator("#film")
+    said.wait_for()
+    assert said.inner_text() == "Slow motion: no slip up to here; the key ] leads to the next."
+    said.wait_for(state="hidden")
+    at_first_slip(page)
+    page.keyboard.press("ArrowRight")
+    k = page.evaluate("punch.run.curves.slip[punch.at] = 1, punch.at")  # the server knows better
+    page.keyboard.press("m")
+    said.filter(has_text="Slow motion: no branch ends here.").wait_for()
+    assert page.locator("#slow").inner_text() == "Slow motion" and page.evaluate("punch.at") == k
+
+
+SIZES = ((1920, 1080), (1440, 900), (1366, 657), (1280, 720), (1024, 768), (900, 600), (820, 1180), (390, 844))
+# keeps what is written over the punch, and where
+RECORD = """() => {
+    window.written = []
+    const pen = CanvasRenderingContext2D.prototype, { fillText, clearRect } = pen
+    pen.clearRect = function (...box) {
+        if (this.canvas.id === 'story') written.length = 0
+        return clearRect.apply(this, box)
+    }
+    pen.fillText = function (text, x, y) {
+        const half = 0.4 * parseFloat(this.font.match(/([.\\d]+)px/)[1])
+        const box = { text, left: x, right: x + this.measureText(text).width, top: y - half, bottom: y + half }
+        if (this.canvas.id === 'story') written.push(box)
+        return fillText.call(this, text, x, y)
+    }
+}"""
+OVER_EACH_OTHER = """() => {
+    const { left, top } = document.getElementById('story').getBoundingClientRect()
+    const place = (id) => document.getElementById(id).getBoundingClientRect()
+    const said = ['slip', 'film', 'slow'].map((text) => [text, place(text)]).filter(([, box]) => box.width)
+    const found = [], all = [...written, ...said.map(([text, box]) => (
+        { text, left: box.left - left, right: box.right - left, top: box.top - top, bottom: box.bottom - top }))]
+    written.forEach((a, i) => {
+        for (const b of all.slice(i + 1)) {
+            const over = Math.min(a.right, b.right) - Math.max(a.left, b.left)
+            const under = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top)
+            if (over > 1 && under > 1) found.push(`${a.text} and ${b.text}`)
+        }
+        const lens = place('lens'), x = lens.left + lens.width / 2 - left, y = lens.top + lens.height / 2 - top
+        const apart = Math.hypot(x - Math.max(a.left, Math.min(x, a.right)), y - Math.max(a.top, Math.min(y, a.bottom)))
+        const within = a.text[0] === '×' // what it magnifies
+        if (apart < lens.width / 2 - 1 && !within) found.push(`${a.text} and the lens`)
+    })
+    return found
+}"""
+
+
+PICTURES = ["?preset=fig6", "?preset=fig6&view=projector", "?preset=fig7-case1", "?preset=fig7-case2", "?preset=rough"]
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("query", PICTURES)
+def test_nothing_that_is_said_over_the_punch_lies_over_anything_else_said_there(look, query):
+    page = look(query)
+    page.evaluate(RECORD)
+    at_first_slip(page)
+    found = {}
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        for key in ("[", "]", "ArrowRight", "ArrowLeft", "End"):
+            page.keyboard.press(key)
+            page.evaluate("() => new Promise(requestAnimationFrame)")
+            if over := page.evaluate(OVER_EACH_OTHER):
+                found[width, height, key] = over
+    assert not found

@@ -1,0 +1,138 @@
+"""The tour and the theory page, in a real Chromium."""
+
+import pytest
+from served import PATIENCE, laid_out
+
+
+def asked(page):
+    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+
+
+def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
+    page = visit("?tour=2&view=hero")
+    asked(page)
+    assert "2 of 7: The edges" in page.locator("#tour-card").inner_text()
+    assert page.evaluate("punch.drawn === punch.run.sheared && punch.status.preset") == "fig7-case2"
+    hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
+    assert hidden["width"] > 0.8 * view["width"] - 90
+    # nothing but the question: neither words nor a preset's name answer it beforehand
+    for what in ("#scrub", "#said", "#row", "#menu"):
+        assert page.locator(what).is_hidden()
+    page.keyboard.press("Shift+Digit3")
+    assert page.locator(".hands").inner_text().strip() == "1 hand"
+    page.evaluate("punch.speed = 20")
+    page.locator("button.answer", has_text="leading edge").click()
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
+    assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
+    assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(12.5, abs=0.11)  # not behind the slip
+    assert page.locator(".future:visible").count() == 1  # what comes next answers other stops
+    page.get_by_role("button", name="Your turn").click()
+    page.wait_for_function("!document.querySelector('.future:not([hidden])')")
+    assert page.locator("#tour-card .question").inner_text().startswith("Pull instead of pushing")
+    assert page.evaluate("document.activeElement.id") == "delta_bar" and page.locator("#scrub").is_visible()
+    page.get_by_role("button", name="Next: The slip").click()
+    asked(page)
+    page.get_by_role("button", name="End tour").click()
+    assert "tour=" not in page.url
+
+
+def test_the_tour_leads_back_to_the_stop_before_and_names_a_run_that_failed(visit):
+    page = visit("?tour=2&view=hero")
+    asked(page)
+    assert "tour=" not in page.url  # a link from here does not open the tour
+    page.evaluate("punch.speed = 40")
+    page.keyboard.press("1")
+    page.get_by_role("button", name="Previous").wait_for(timeout=PATIENCE)
+    page.evaluate(
+        """async () => {  // from now on every run fails
+            const { listen } = await import(new URL("./app/static/js/channel.js", document.baseURI))
+            listen("status", () => { punch.status = { ...punch.status, state: "failed", why: "It fluttered." } })
+        }"""
+    )
+    page.get_by_role("button", name="Previous").click()
+    page.locator("#tour-card h2", has_text="1 of 7").wait_for()
+    page.locator("#tour-card p", has_text="The run of this stop failed: It fluttered. Go to another stop.").wait_for()
+    page.get_by_role("button", name="Next: The edges").click()
+    page.locator("#tour-card h2", has_text="2 of 7").wait_for()
+
+
+def test_back_in_the_tour_ends_it(visit):
+    page = visit("?E=100&view=hero")
+    page.wait_for_function("window.punch?.status.state === 'finished'")
+    page.evaluate("history.pushState({ entry: 1 }, '', location.href)")
+    page.locator("#tour").click()
+    asked(page)
+    page.go_back()
+    page.locator("#tour-card").wait_for(state="hidden")
+
+
+def test_the_last_stop_asks_about_a_scene_never_seen_and_judges_by_its_run(visit):
+    page = visit("?tour=7&view=hero")
+    asked(page)
+    page.wait_for_function("Object.keys(punch.status.address).length > 0")
+    page.evaluate("punch.speed = 40")
+    page.keyboard.press("1")
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    right = page.locator("button[data-mark=right]").inner_text()
+    slip = page.evaluate(
+        "punch.run.curves.slip_at[punch.run.curves.slip.findIndex((s, k) => s && k > punch.run.sheared)]"
+    )
+    usual = 10.8  # nm, of the first slip at the default: of the paper's Fig. 6
+    assert ("shorter" in right) == (slip < usual - 0.1) and ("longer" in right) == (slip > usual + 0.1)
+
+
+@pytest.mark.thorough
+def test_a_curve_can_be_sketched_before_the_run_draws_itself(visit):
+    page = visit("?tour=3&view=hero")
+    asked(page)
+    box = page.locator("#tour-sketch").bounding_box()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"], steps=8)
+    page.mouse.up()
+    inked = (
+        "(() => { const c = document.getElementById('tour-sketch');"
+        " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v) })()"
+    )
+    page.wait_for_function(inked)
+    page.get_by_role("button", name="End tour").click()
+    page.locator("#tour-card").wait_for(state="hidden")
+    assert "tour=" not in page.url and page.locator(".future:visible").count() == 0
+
+
+SEEN = """(curve) => {
+    const box = (what) => document.querySelector(what).getBoundingClientRect()
+    const inside = (b) => b.width > 0 && b.top >= 0 && b.bottom <= innerHeight + 1
+    const under = (a, b) => a.bottom <= b.top + 1, beside = (a, b) => a.right <= b.left + 1
+    const apart = (a, b) => under(a, b) || under(b, a) || beside(a, b) || beside(b, a)
+    const card = box('#tour-card'), asked = box(`.view[data-view=${curve}]`), punch = box('.punch')
+    return inside(asked) && inside(card) && inside(punch) && apart(asked, card) && apart(punch, card)
+}"""
+SIZES = ((1440, 900), (1280, 720), (390, 844), (844, 390))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("query", ["&view=hero", "&view=projector"])
+def test_the_curve_that_is_asked_about_is_fully_in_sight_at_every_step(visit, query):
+    page = visit(f"?tour=3{query}")
+    asked(page)
+    for phase in ("ask", "why"):
+        for width, height in SIZES:
+            page.set_viewport_size({"width": width, "height": height})
+            laid_out(page)
+            assert page.evaluate(SEEN, "area"), (phase, width)
+        if phase == "ask":
+            page.evaluate("punch.speed = 20")
+            page.keyboard.press("2")
+            page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+
+
+def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(look):
+    page = look()
+    page.locator("#open-theory").click()
+    page.locator("#theory math").first.wait_for()
+    assert page.locator("#theory math").count() >= 11
+    assert "Khajeh Salehani" in page.locator("#theory").inner_text()
+    page.keyboard.press("Escape")
+    page.locator("#theory").wait_for(state="hidden")

@@ -1,0 +1,132 @@
+"""What is on screen is true: it says whose run it is, and a lost server is told, waited for and made good."""
+
+import time
+
+import pytest
+from served import PATIENCE, Server, finished, patient
+
+pytestmark = [pytest.mark.thorough]
+GREY = "document.querySelector('.page').dataset.stale === 'true'"
+SAID = "document.getElementById('stale').textContent"
+
+
+@pytest.mark.thorough
+def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_there(visit):
+    page = visit("?E=20&delta_bar=0.3")
+    finished(page)
+    assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
+    page.evaluate(
+        f"""() => new MutationObserver(() => {{
+            if ({GREY}) (window.saidThen ??= []).push([punch.run.number, {SAID}])
+        }}).observe(document.querySelector('.page'), {{ attributes: true }})"""
+    )
+    page.fill("#E-entry", "21.5")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert {tuple(said) for said in page.evaluate("window.saidThen")} == {(1, "computed for E = 20")}
+    assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
+    page.fill("#E-entry", "7000000")  # refused: the run on screen is that of the sliders
+    page.keyboard.press("Enter")
+    page.wait_for_function("document.getElementById('E-error').textContent.includes('7000000')")
+    assert not page.evaluate(GREY)
+
+
+WATCHED = """() => {
+    // what is on screen from now on: [whether the loss is told, whether it is grey, E of the run, E of the controls]
+    window.watched = []
+    const look = () => {
+        if (window.punch?.run && punch.status.values) {
+            const grey = document.querySelector(".page").dataset.stale === "true"
+            const lost = !document.getElementById("lost").hidden
+            const [of, entry] = [punch.run.scene?.E, Number(document.getElementById("E-entry").value)]
+            watched.push([lost, grey, of, entry])
+        }
+        requestAnimationFrame(look)
+    }
+    look()
+}"""
+
+
+def test_a_lost_server_is_told_waited_for_and_made_good_and_nothing_wrong_is_shown_meanwhile(server, browser):
+    """No clock: between what was seen and what was done lie the page's own attempts, 2 s apart at most."""
+    mortal = Server()
+    mortal.wait_for("workers are warm")
+    page = patient(browser.new_page())
+    problems, attempts = [], []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.add_init_script(f"addEventListener('DOMContentLoaded', {WATCHED})")
+    page.goto(f"{mortal.address}?delta_bar=0.2&E=300")
+    finished(page)
+    page.locator("body").press("End")
+    for _ in range(20):
+        page.locator("body").press("Shift+ArrowLeft")
+    page.wait_for_function("Math.abs(punch.run.curves.U_x[punch.drawn] - 20.0) < 1e-4")  # drawn with the next frame
+    told = time.monotonic()
+    mortal.process.kill()
+    page.get_by_role("alert").filter(has_text="what you change takes effect when the server answers").wait_for(
+        timeout=PATIENCE
+    )
+    print(f"told {time.monotonic() - told:.1f} s after the server was killed")
+    page.locator("body").press("ArrowRight")  # scrubbing goes on
+    page.wait_for_function("Math.abs(punch.run.curves.U_x[punch.drawn] - 20.1) < 1e-4")  # drawn with the next frame
+    # in one picture, as what is being typed is not yet a change; it waits
+    page.locator("#E-entry").evaluate("(entry) => { entry.value = 310; entry.dispatchEvent(new Event('change')) }")
+    assert page.evaluate(SAID) == "computed for E = 300" and not page.evaluate(GREY)  # it goes on playing
+    assert "E=300" in page.url
+    # sliders and experiments live, and look so; what only the server can do is locked
+    assert page.evaluate("getComputedStyle(document.querySelector('.controls')).opacity") == "1"
+    assert page.evaluate("[...document.querySelectorAll('nav button')].every((button) => button.disabled)")
+    assert page.is_enabled("#E") and page.is_enabled("#row input >> nth=0")
+    page.locator("#take").dispatch_event("click")
+    page.locator("#share-said", has_text="server does not answer").wait_for()
+    assert page.is_disabled("#copy-python")
+    page.keyboard.press("Escape")
+    before = page.evaluate("watched")
+    page.on("request", lambda request: attempts.append(request.method))
+    while attempts.count("HEAD") < 4:  # it goes on trying, as long as it takes
+        page.wait_for_event("request", timeout=PATIENCE)
+    begun = time.monotonic()
+    again = Server(port=mortal.port)
+    again.wait_for("Bokeh app running")
+    up = time.monotonic()
+    page.wait_for_function("window.punch?.status.values?.E === 310", timeout=PATIENCE)
+    finished(page)
+    print(f"back {time.monotonic() - begun:.1f} s after the restart, {time.monotonic() - up:.1f} s after it serves")
+    assert page.evaluate("punch.status.values.delta_bar") == 0.2
+    page.wait_for_function("Math.abs(punch.run.curves.U_x[punch.drawn] - 20.1) < 1e-4")  # drawn with the next frame
+    assert not page.evaluate("punch.playing")
+    assert page.locator("#lost").is_hidden() and not page.evaluate(GREY)
+    page.wait_for_function("watched.at(-1).join() === 'false,false,310,310'")
+    after = page.evaluate("watched")
+    page.close()
+    again.stop()
+    mortal.process.wait(30)
+    assert not problems
+    assert {tuple(row[2:]) for row in before if not row[0]} == {(300, 300)}
+    # while the server answers, a run that is not that of the sliders is grey
+    assert not [row for row in before + after if row[2] not in (None, row[3]) and not (row[0] or row[1])]
+
+
+@pytest.mark.thorough
+def test_a_long_run_says_how_long_and_can_be_skipped_with_what_it_has(visit):
+    # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
+    page = visit(
+        "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200"
+    )
+    page.get_by_role("button", name="Skip").wait_for(timeout=PATIENCE)
+    said = page.locator("#status")
+    page.wait_for_function(
+        """() => /^\\d+ of \\d+ increments · (solving a (slip|jump) near .* for \\d+ s|about \\d+ s left)/.test(
+            document.querySelector("#status span").textContent)"""
+    )
+    assert page.evaluate("punch.status.frames < punch.status.total && punch.run.sheared >= 0")
+    page.get_by_role("button", name="Skip").click()
+    page.wait_for_function("punch.status.state === 'skipped'")
+    assert page.locator("#skip").is_hidden() and "what was computed stays" in said.inner_text()
+    frames = page.evaluate("punch.run.length")
+    assert frames == page.evaluate("punch.status.frames")
+    page.locator("body").press("End")
+    page.wait_for_function(f"punch.drawn === {frames - 1}")
+    page.select_option("#preset", "fig6")  # and the server is free for what comes next
+    finished(page, run=2)
+    assert page.evaluate("punch.run.length") == page.evaluate("punch.status.total")

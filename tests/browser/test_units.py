@@ -1,0 +1,61 @@
+"""Forces are drawn and told in N/m, whatever the stiffness of the run and of the one before; over wE on request."""
+
+import re
+
+import pytest
+from served import finished
+
+pytestmark = [pytest.mark.thorough]
+MODELS = "[...Bokeh.documents[0]._all_models.values()]"
+
+
+def drawn(page, part):
+    """The values of a curve as they are drawn."""
+    return page.evaluate(f"[...{MODELS}.find((model) => model.name === '{part}').data_source.data.value]")
+
+
+def axis(page):
+    return page.evaluate(f"{MODELS}.find((model) => model.name === 'forces').left[0].axis_label")
+
+
+def test_a_stiffer_punch_slides_against_more_force_on_screen_and_the_run_before_keeps_its_own(visit):
+    page = visit("?E=20&du_x=0.5")
+    finished(page)
+    soft = max(drawn(page, "forces.F"))
+    assert soft == pytest.approx(20 * 2500 * max(page.evaluate("punch.run.curves.F_bar")), rel=1e-6)
+    page.fill("#E-entry", "700")
+    page.keyboard.press("Enter")
+    finished(page, run=2)
+    assert max(drawn(page, "forces.ghost_F")) == pytest.approx(soft, rel=1e-6)
+    assert max(drawn(page, "forces.F")) > 2 * soft  # over wE it would fall to less than a tenth
+    assert axis(page) == "F, L (N/m)"
+
+
+@pytest.mark.thorough
+def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visit):
+    page = visit()
+    finished(page)
+    assert re.search(r"F = \S+ N/m, L = \S+ N/m, A = \S+ nm \(Ā = ", page.inner_text("#readout"))
+    page.get_by_label("F̄").check()
+    page.wait_for_function("!punch.fresh")
+    assert axis(page) == "F̄, L̄ (10⁻³)"
+    assert max(drawn(page, "forces.F")) == pytest.approx(1000 * max(page.evaluate("punch.run.curves.F_bar")), rel=1e-6)
+    assert "force=bar" in page.url
+    page.reload()
+    finished(page)
+    assert axis(page) == "F̄, L̄ (10⁻³)"
+    page.get_by_label("F̄").uncheck()
+    assert "force" not in page.url
+
+
+@pytest.mark.thorough
+def test_an_area_axis_that_does_not_begin_at_zero_says_so_and_stacked_plots_line_up(look):
+    page = look()
+    start = page.evaluate(f"{MODELS}.find((model) => model.name === 'area').y_range.start")
+    assert start > 0
+    assert re.search(r"axis begins at \d+ nm", page.inner_text("#area-from"))
+    lefts = [
+        page.evaluate(f"{MODELS}.find((model) => model.name === '{name}').inner_width")
+        for name in ("forces", "area", "map")
+    ]
+    assert lefts[0] == lefts[1] == lefts[2] > 0

@@ -1,0 +1,152 @@
+"""What the views of the experiment show, read from their models and their words, in a real Chromium."""
+
+import pytest
+from served import MODEL, finished, laid_out, paused_at
+
+pytestmark = [pytest.mark.thorough]
+FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
+
+
+def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(look):
+    page = look("?E=3000&delta_bar=1&theme=light")  # repels 80 times as strongly as it attracts
+    mapper = MODEL.format("map.map") + ".glyph.color_mapper"
+    page.wait_for_function(f"() => {mapper}.high > 30")
+    low, high, palette = page.evaluate(f"(({{ low, high, palette }}) => [low, high, palette])({mapper})")
+    step = (high - low) / len(palette)
+    assert -0.9 < low < -0.7 and step < 0.1
+    zero = -low / step
+    assert zero == pytest.approx(round(zero), abs=1e-6)
+    style = page.evaluate(
+        "['pull', 'push'].map((name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}-0`))"
+    )
+    # half a step from zero: the palest of its own ramp, which has some 30 steps on the side of attraction
+    for shade, palest, tolerance in zip(palette[round(zero) - 1 : round(zero) + 1], style, (8, 1), strict=True):
+        apart = [int(shade[i : i + 2], 16) - int(palest.strip()[i : i + 2], 16) for i in (1, 3, 5)]
+        assert max(map(abs, apart)) <= tolerance
+
+
+@pytest.mark.thorough
+def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(look):
+    page = look("?E=3000&delta_bar=1&theme=light")
+    start = f"{FIGURE.format('punch')}.y_range.start"
+    lowest = page.evaluate("punch.run.lowest")
+    low = page.evaluate(start)
+    assert low < lowest < -2.0
+    for frame in (110, 300):
+        paused_at(page, frame)
+        assert page.evaluate(start) == low
+        assert page.evaluate(f"Math.min(...punch.run.frame({frame}).gap)") >= lowest
+
+
+def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_zero(look):
+    page = look()
+    paused_at(page, 110)
+    states = ("free", "adhering", "repulsive", "contact")
+    drawn = {s: page.evaluate(f"[...{MODEL.format(f'punch.{s}')}.data_source.data.gap]") for s in states}
+    tractions = page.evaluate(f"[...{MODEL.format('punch.free')}.data_source.data.T_n]")
+    peak = page.evaluate("punch.run.head.adhesion")
+    assert min(drawn["free"]) > 4.0 and min(tractions) > -0.05 * peak and not drawn["contact"]
+    assert max(drawn["repulsive"]) < min(drawn["adhering"]) < 0.1
+    assert "5 %" in page.get_attribute("figure .key span[title]", "title")
+
+
+@pytest.mark.thorough
+def test_each_view_says_which_x_it_has(look):
+    page = look()
+    short = f"{FIGURE.format('map')}.left[0].axis_label"
+    assert page.evaluate(short) == "x (nm)"  # for a low view
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.wait_for_function(f"{short} !== 'x (nm)'")
+    for view, axis, said in (
+        ("punch", "below", "substrate"),
+        ("traction", "below", "substrate"),
+        ("map", "left", "undeformed"),
+    ):
+        assert said in page.evaluate(f"{FIGURE.format(view)}.{axis}[0].axis_label")
+
+
+def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
+    page = visit("?preset=fig4a-blue")
+    finished(page)
+    half = page.evaluate(f"{FIGURE.format('punch')}.x_range.end")
+    for frame in (150, 400):
+        paused_at(page, frame)
+        x = page.evaluate(f"[...{MODEL.format('traction.T_t')}.data_source.data.x]")
+        assert min(x) <= -half and max(x) >= half
+    assert page.evaluate(f"{MODEL.format('punch.contact')}.data_source.data.x.length") == len(x)
+    assert "in contact" in page.inner_text("figure >> nth=0") and "adhering" not in page.inner_text("figure >> nth=0")
+    for name in ("Contact area", "Contact map"):
+        figure = page.locator(f"figure[aria-label^='{name}']")
+        assert "flat on flat" in figure.inner_text() and not figure.locator(".view").is_visible()
+    page.select_option("#preset", "fig6")
+    finished(page, run=2)
+    page.locator("figure[aria-label^='Contact map'] .view").wait_for(state="visible")
+    assert not page.locator("figure[aria-label^='Contact area'] .said").is_visible()
+
+
+@pytest.mark.thorough
+def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
+    page = visit("?theme=dark")
+    finished(page)
+    box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    page.locator(".bk-Tooltip >> nth=0").wait_for(state="visible")
+    card = page.evaluate("getComputedStyle(document.getElementById('preset')).backgroundColor")
+    assert page.evaluate("getComputedStyle(document.querySelector('.bk-Tooltip')).backgroundColor") == card
+
+
+@pytest.mark.thorough
+def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
+    page = visit("?preset=unload")
+    page.set_viewport_size({"width": 800, "height": 4000})  # narrow and high: more than a hundredfold
+    finished(page)
+    page.wait_for_function(f"() => /×[1-9][0-9]0$/.test({MODEL.format('punch')}.left[0].axis_label)")
+    tiny = page.evaluate("punch.run.curves.F_bar.findIndex((F) => F < 0 && F > -4e-7)")
+    assert tiny >= 0
+    paused_at(page, tiny)
+    assert "F = 0.000 N/m" in page.inner_text("#readout")
+
+
+@pytest.mark.thorough
+def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
+    page = visit("?preset=unload")
+    finished(page)
+    jumps = page.evaluate(f"[...{MODEL.format('forces.slips_F')}.data_source.data.value]")
+    assert jumps and max(jumps) < -0.05  # 10^-3, tensile; the friction is zero
+    assert "jump" in page.inner_text("figure[aria-label^='Friction']")
+    page.select_option("#preset", "fig6")
+    finished(page, run=2)
+    assert min(page.evaluate(f"[...{MODEL.format('forces.slips_F')}.data_source.data.value]")) > 0.5
+    assert "jump" not in page.inner_text("main")
+
+
+@pytest.mark.thorough
+def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
+    page = visit("?preset=loop")
+    finished(page)
+    slips = f"{MODEL.format('map.slips_map')}.data_source.data.U_x.length"
+    for stage in ("shear", "back", "forth"):
+        paused_at(page, page.evaluate(f"punch.run.curves.stage.lastIndexOf(punch.run.head.stages.indexOf('{stage}'))"))
+        own = page.evaluate(
+            f"punch.run.curves.slip.filter((slip, k) => slip && punch.run.stage(k) === '{stage}').length"
+        )
+        assert 0 < own < page.evaluate("punch.run.curves.slip.filter((slip) => slip).length")
+        page.wait_for_function(f"() => {slips} === {own}")
+    assert "against +x" in page.inner_text("figure[aria-label^='Traction']")
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("query", ["", "?page=law", "?page=solid"])
+@pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
+def test_no_caption_is_cut(look, query, size):
+    page = look(query)
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    laid_out(page)
+    page.wait_for_function("() => !document.querySelector('[data-drawing]')")
+    cut = page.evaluate(
+        """() => [...document.querySelectorAll('figcaption, header, nav')]
+            .filter((e) => e.clientWidth && getComputedStyle(e).overflow !== 'visible')
+            .filter((e) => e.scrollWidth > e.clientWidth || e.scrollHeight > e.clientHeight + 1)
+            .map((e) => e.textContent)"""
+    )
+    assert not cut

@@ -1,0 +1,129 @@
+"""The page under its own policy in a real browser: nothing is blocked that it needs, frames only where allowed."""
+
+import http.server
+import threading
+
+import pytest
+from served import PATIENCE, Server, finished, patient
+
+pytestmark = [pytest.mark.thorough]
+
+
+@pytest.mark.thorough
+def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit):
+    page = visit()
+    finished(page)
+    page.evaluate("window.same = true")
+    page.locator("#E-entry").fill("80")
+    page.locator("#E-entry").press("Enter")
+    finished(page, run=2)
+    assert page.evaluate("window.same && punch.status.values.E") == 80
+
+
+@pytest.mark.thorough
+def test_a_full_class_lets_in_who_waits(browser, monkeypatch):
+    monkeypatch.setenv("APP_VISITORS", "1")
+    full = Server()
+    full.wait_for("workers are warm")
+    try:
+        context = browser.new_context()
+        first, second = patient(context.new_page()), patient(context.new_page())
+        first.goto(full.address)
+        finished(first)
+        second.goto(full.address)
+        assert "class is full" in second.inner_text("body")
+        first.close()
+        finished(second)  # it has tried again by itself
+        context.close()
+    finally:
+        full.stop()
+
+
+FORBIDDEN = """for (const name of ["localStorage", "sessionStorage"]) {
+    Object.defineProperty(window, name, { get() { throw new DOMException("forbidden", "SecurityError") } })
+}"""
+
+
+def test_a_browser_that_forbids_storage_shows_and_keeps_the_page_for_its_visit(server, browser):
+    page = patient(browser.new_page())
+    problems = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.add_init_script(FORBIDDEN)
+    page.goto(server.address)
+    finished(page)
+    page.locator("#fringes-on").evaluate("(box) => box.click()")
+    page.keyboard.press("l")
+    page.wait_for_function("document.documentElement.dataset.view === 'lab'")
+    assert not problems
+    page.close()
+
+
+def test_a_page_whose_websocket_is_refused_says_so_and_shows_why_the_server_refuses_it(server, browser):
+    page = patient(browser.new_page())
+    page.clock.install()
+    page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
+    page.goto(server.address)
+    page.clock.run_for(9_000)
+    assert page.locator("#lost").is_hidden()
+    page.clock.run_for(2_000)
+    page.get_by_role("alert").filter(has_text="its websocket does not open").wait_for()
+    page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
+    page.get_by_role("button", name="Try now").click()
+    page.get_by_text("The class is full").wait_for()
+    page.close()
+
+
+def test_a_page_that_is_refused_since_it_was_sent_gives_way_to_the_reason(server, browser):
+    page = patient(browser.new_page())
+    page.clock.install()
+    page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
+    page.goto(server.address)
+    page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
+    page.clock.run_for(11_000)
+    page.get_by_text("The class is full").wait_for()
+    page.close()
+
+
+@pytest.fixture
+def elsewhere(server):
+    """Address of a page on another origin that shows the app in a frame."""
+
+    class Frame(http.server.BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(f'<iframe src="{server.address}{self.path[1:]}"></iframe>'.encode())
+
+        def log_message(self, *_):
+            pass
+
+    site = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Frame)
+    threading.Thread(target=site.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{site.server_port}/"
+    site.shutdown()
+
+
+def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhere):
+    page = patient(browser.new_page())
+    said = []
+    page.on("console", lambda message: said.append(message.text))
+    with page.expect_event("console", lambda message: "frame-ancestors" in message.text, timeout=PATIENCE):
+        page.goto(f"{elsewhere}?embed=1")
+    page.close()
+
+
+@pytest.mark.thorough
+def test_a_site_that_was_named_may_frame_what_is_to_be_embedded(browser, elsewhere, monkeypatch, server):
+    monkeypatch.setenv("APP_FRAME_ANCESTORS", elsewhere.rstrip("/"))
+    other = Server()
+    other.wait_for("workers are warm")
+    try:
+        page = patient(browser.new_page())
+        page.goto(f"{elsewhere}?embed=1")
+        page.evaluate("address => { document.querySelector('iframe').src = address }", f"{other.address}?embed=1")
+        frame = page.frame_locator("iframe")
+        frame.locator("#punch-view canvas").first.wait_for(state="attached", timeout=PATIENCE)
+        page.close()
+    finally:
+        other.stop()

@@ -1,0 +1,470 @@
+"""The command line: exit codes, one-line errors, and what the files hold."""
+
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numba
+import numpy as np
+import pytest
+from numba.core.event import install_listener
+
+import solver.cli as cli
+from app import console
+from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
+from solver.__main__ import CLOSED_PIPE, CompilingNotice
+from solver.continuation import gfmd
+from solver.files import SCHEMA
+from solver.scene import CHOICES, PARAMETERS
+
+ROOT = Path(__file__).parents[2]
+SMALL = ("nodes=64", "width=160", "u_x_max=2")
+HEADER = "U_x,delta,F_bar,L_bar,A_bar,residual,evaluations,slip,stage"
+
+
+@pytest.fixture
+def call(capsys):
+    """call(*arguments) -> (exit code, standard output, standard error), within this process."""
+
+    def run(*arguments):
+        try:
+            code = cli.main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """The three files of one small run that slips, from a real process, and that process."""
+    folder = tmp_path_factory.mktemp("run")
+    files = {kind: folder / f"out.{kind}" for kind in ("csv", "npz", "json")}
+    options = [word for kind, file in files.items() for word in (f"--{kind}", file)]
+    settings = ["--set", "nodes=64", "width=160", "--set", "u_x_max=8"]
+    command = [sys.executable, "-m", "solver", "run", *settings, *options]
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    return SimpleNamespace(**files, process=process)
+
+
+def rows(file):
+    with open(file, newline="") as text:
+        return list(csv.DictReader(text))
+
+
+def wrote(err):
+    """The files that a command reports on standard error; it may print nothing else."""
+    assert all(line.startswith("wrote ") for line in err.splitlines()), err
+    return [Path(line.removeprefix("wrote ")) for line in err.splitlines()]
+
+
+def strict(file):
+    return json.loads(file.read_text(), parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
+
+
+@pytest.mark.slow
+def test_a_run_succeeds_with_a_summary_and_names_the_files_it_wrote(written):
+    """With a cold cache a line on compiling comes first."""
+    assert written.process.returncode == 0
+    lines = [line for line in written.process.stderr.splitlines() if not line.startswith("Compiling")]
+    assert lines == [f"wrote {file}" for file in (written.csv, written.npz, written.json)]
+    shown, summary = written.process.stdout, json.loads(written.json.read_text())
+    width, unit = summary["scene"]["width"], summary["scene"]["width"] * summary["scene"]["E"]
+    first = f"F = {summary['F_s'] * unit:.4g} N/m, A = {summary['A_s'] * width:.4g} nm"
+    assert f"first slip at U_x = {summary['U_s']:.2f} nm: {first}" in shown
+    assert f"A_0 = {summary['A_0'] * width:.4g} nm" in shown and "evaluations" in shown
+
+
+def test_json_names_its_schema_and_what_computed_it(written):
+    summary = json.loads(written.json.read_text())
+    assert (summary["schema"], summary["version"]) == (SCHEMA, __version__)
+    assert summary["commit"] is None or re.fullmatch(r"[0-9a-f]{7,}\+?", summary["commit"])
+
+
+def test_plots_are_pages_that_open_offline(call, tmp_path):
+    """Each holds its scripts: nothing but the links of Bokeh's own toolbar leads elsewhere."""
+    curve, pages = tmp_path / "curve.csv", {name: tmp_path / f"{name}.html" for name in ("run", "fit", "map")}
+    small = ("--set", *SMALL, "radius=0.6", "delta_bar=0.1", "E=30", "u_x_max=12")
+    assert call("run", *small, "--csv", curve, "--html", pages["run"])[0] == 0
+    code, out, _ = call("fit", curve, "--free", "E", *small, "--html", pages["fit"])
+    assert code == 0 and "The curve fits the data" in out
+    axes = ("--x", "delta_bar=0:0.1:2", "--y", "E=20:30:2")
+    assert call("map", *axes, *small, "--csv", tmp_path / "map.csv", "--html", pages["map"])[0] == 0
+    for page in pages.values():
+        text = page.read_text(encoding="utf-8")
+        assert "bokeh" in text.lower() and not re.search(r"<(script|link)[^>]*(src|href)=\"http", text)
+
+
+def test_a_plot_is_refused_before_the_run_if_its_name_has_another_suffix(call, tmp_path):
+    code, _, err = call("run", "--set", *SMALL, "--html", tmp_path / "run.txt")
+    assert code == 2 and ".html" in err and len(err.splitlines()) == 1
+
+
+def test_csv_has_a_row_per_shear_increment_from_zero(written):
+    assert written.csv.read_text().split("\n")[0] == HEADER
+    table = rows(written.csv)
+    assert [float(row["U_x"]) for row in table] == [0.1 * k for k in range(81)]
+    assert {row["slip"] for row in table} == {"0", "1"}
+    assert all(float(row["residual"]) <= 1e-8 for row in table)
+
+
+def test_csv_numbers_are_complete(written):
+    for row in rows(written.csv):
+        assert row["evaluations"] == str(int(row["evaluations"]))
+        assert all(row[name] == repr(float(row[name])) for name in ("U_x", "F_bar", "L_bar", "A_bar", "residual"))
+
+
+def test_json_holds_scene_version_method_and_summary(written):
+    report = strict(written.json)
+    table = rows(written.csv)
+    assert Scene(**report["scene"]) == Scene(nodes=64, width=160.0, u_x_max=8.0)
+    assert (report["version"], report["method"], report["converged"]) == (__version__, "fast", True)
+    assert report["A_0"] == float(table[0]["A_bar"])
+    assert report["slips"] >= sum(row["slip"] == "1" for row in table) > 0
+    assert report["seconds"] > 0
+    # The approach counts too.
+    assert report["evaluations"] > sum(int(row["evaluations"]) for row in table)
+    k = next(k for k, row in enumerate(table) if row["slip"] == "1")
+    assert float(table[k - 1]["U_x"]) <= report["U_s"] <= float(table[k]["U_x"])
+    # The force at the end of the branch, within what it changes by in the last part of an increment.
+    assert report["F_s"] == pytest.approx(float(table[k - 1]["F_bar"]), rel=0.05)
+
+
+def test_npz_holds_curves_and_fields_that_agree(written):
+    scene = Scene(nodes=64, width=160.0, u_x_max=8.0)
+    with np.load(written.npz) as data:
+        frames, m = len(data["U_x"]), len(data["x"])
+        assert frames == 81
+        assert data["u"].shape == data["T"].shape == (frames, 2, m)
+        for name in HEADER.split(","):
+            kind = str if name == "stage" else float
+            assert data[name].tolist() == [kind(row[name]) for row in rows(written.csv)]
+        # Outside the patch nothing acts: the sums over it are the forces (round-off of 64 terms).
+        scale = scene.spacing / (scene.width * scene.E)
+        assert np.allclose(-data["T"][:, 0].sum(1) * scale, data["F_bar"], rtol=1e-10, atol=1e-15)
+        assert np.allclose(data["T"][:, 1].sum(1) * scale, data["L_bar"], rtol=1e-10, atol=1e-15)
+        assert np.allclose(np.diff(data["x"]), scene.spacing)
+
+
+def test_npz_pads_where_the_patch_grew(tmp_path):
+    def frame(first, m):
+        curves = {
+            "U_x": 0.0,
+            "delta": 0.0,
+            "stage": "shear",
+            "F_bar": 0.0,
+            "L_bar": 0.0,
+            "A_bar": 0.0,
+            "residual": 0.0,
+            "evaluations": 1,
+            "slip": False,
+        }
+        return SimpleNamespace(scene=Scene(), first=first, u=np.full((2, m), 1.0), T=np.full((2, m), 2.0), **curves)
+
+    cli.write_npz(tmp_path / "grown", Scene(), [frame(10, 3), frame(8, 6)])
+    with np.load(tmp_path / "grown") as data:
+        assert np.allclose(data["x"], Scene().spacing * np.arange(8, 14))
+        assert np.isnan(data["u"][0, :, [0, 1, 5]]).all()
+        assert (data["T"][0] == [0, 0, 2, 2, 2, 0]).all()
+        assert (data["u"][1] == 1).all()
+
+
+@pytest.mark.parametrize("method", ["fast", "gfmd"])
+def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
+    code, out, _ = call("run", "--method", method, "--set", *SMALL, "--json", tmp_path / "j")
+    report = strict(tmp_path / "j")
+    assert (code, report["method"], report["slips"]) == (0, method, 0)
+    assert report["U_s"] is report["F_s"] is report["A_s"] is None
+    assert "0 slips" in out
+
+
+def test_infinite_damping_is_taken_and_written_as_text(call, tmp_path):
+    code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=1", "damping=inf", "--json", tmp_path / "j")
+    assert code == 0 and strict(tmp_path / "j")["scene"]["damping"] == "inf"
+
+
+@pytest.mark.slow
+def test_every_end_of_a_branch_is_an_event_with_its_kind_and_load(call, tmp_path):
+    call("run", "--set", "du_x=0.5", "u_x_max=12", "--json", tmp_path / "j")
+    events = strict(tmp_path / "j")["events"]
+    assert {e["stage"] for e in events} == {"approach", "shear"}
+    assert all(e["kind"] == "fold" and e["located"] is True for e in events)
+    assert all(("delta" if e["stage"] == "approach" else "U_x") in e and e["F_bar"] is not None for e in events)
+
+
+def test_a_decimal_comma_and_a_unit_are_read_and_the_comma_is_reported(call, tmp_path):
+    small = "nodes=64", "width=0.16 µm", "u_x_max=0", "delta_bar=−0,5"
+    code, out, err = call("run", "--set", *small, "--json", tmp_path / "j")
+    scene = strict(tmp_path / "j")["scene"]
+    assert (code, scene["width"], scene["delta_bar"]) == (0, 160.0, -0.5) and wrote(err) == [tmp_path / "j"]
+    assert "decimal point, -0.5" in out and "µm" not in out
+
+
+def test_without_shear_the_csv_has_one_row(call, tmp_path):
+    code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=0", "--csv", tmp_path / "c")
+    assert code == 0
+    assert [row["U_x"] for row in rows(tmp_path / "c")] == ["0.0"]
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_beyond_a_limit_one_line_names_parameter_value_and_range(call, name):
+    low, high = LIMITS[name][:2]
+    for value in (low - 1, high * 2):
+        code, out, err = call("run", "--set", f"{name}={value}")
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert re.search(rf"{name} = {re.escape(f'{float(value)!r}')}.*{re.escape(f'{low:g} .. {high:g}')}", err)
+
+
+@pytest.mark.parametrize(
+    ("setting", "named"),
+    [
+        ("delta_bar=nan", ("delta_bar", "nan", "-1 .. 100")),
+        ("delta_bar=deep", ("delta_bar", "deep", "-1 .. 100")),
+        ("delta_bar=", ("delta_bar", "''", "-1 .. 100")),
+        ("nodes=1e9", ("nodes", "1000000000", "4 .. 16384")),
+        ("nodes=" + "9" * 400, ("nodes", "inf", "4 .. 16384")),
+        ("nodes=64.5", ("nodes", "64.5", "4 .. 16384")),
+        ("nodes=16", ("nodes", "16", "nm must lie within")),
+        ("surface=bumpy", ("surface", "bumpy", "circular, flat, wave, rough, measured")),
+        ("surface=measured", ("surface", "measured", "profile=FILE")),
+        ("measured=file.csv", ("measured", "allowed", "surface")),
+        ("waves=1.5", ("waves", "1.5", "a whole number")),
+        ("seed=one", ("seed", "one", "0 .. 999999")),
+        ("Ebar=3", ("Ebar", "allowed", "delta_bar")),
+        ("foo", ("foo", "NAME=VALUE", "delta_bar")),
+        ("=3", ("''", "allowed", "delta_bar")),
+    ],
+)
+def test_bad_settings_give_one_line_and_exit_code_two(call, setting, named):
+    code, out, err = call("run", "--set", setting)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert all(word in err for word in named)
+
+
+@pytest.mark.parametrize(
+    "arguments", [("run", "--method", "magic"), ("run", "--st"), ("walk",), (), ("stability", "--limit", "0.5")]
+)
+def test_bad_arguments_give_one_line_and_exit_code_two(call, arguments):
+    code, out, err = call(*arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+
+
+@pytest.mark.parametrize("option", ["--csv", "--npz", "--json"])
+def test_a_file_that_cannot_be_written_is_refused_before_the_run(call, tmp_path, monkeypatch, option):
+    monkeypatch.setattr(cli, "load_path", lambda *_, **__: pytest.fail("ran"))
+    for file in (tmp_path / "missing" / "file", tmp_path):
+        code, _, err = call("run", option, file)
+        assert (code, err.count("\n")) == (2, 1)
+        assert option in err
+        assert str(file) in err
+
+
+def test_a_measured_profile_is_read_reported_and_written(call, tmp_path):
+    file = tmp_path / "hills.csv"
+    file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
+    settings = (f"profile={file}", "nodes=64", "du_z=0.5", "du_x=0.5", "u_x_max=2")
+    code, out, err = call("run", "--set", *settings, "--json", tmp_path / "j")
+    assert code == 0 and wrote(err) == [tmp_path / "j"]
+    assert out.count("profile: ") == 4 and "a tilt of" in out
+    scene = strict(tmp_path / "j")["scene"]
+    again = Scene(**scene | {"measured": Profile(**scene["measured"])})
+    assert again == Scene(
+        surface="measured", measured=read_profile(file), width=160.0, nodes=64, du_z=0.5, du_x=0.5, u_x_max=2.0
+    )
+    assert call("run", "--set", *settings, "width=80", "nodes=32")[0] == 0
+
+
+@pytest.mark.parametrize(("text", "reason"), [("x,z\n1,2\n1,3\n", "line 3: x = 1 after 1"), (None, "is not a file")])
+def test_a_bad_profile_gives_one_line_and_exit_code_two(call, tmp_path, text, reason):
+    file = tmp_path / "bad.csv"
+    if text is not None:
+        file.write_text(text)
+    code, out, err = call("run", "--set", f"profile={file}")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"profile = {str(file)!r}: ") and reason in err
+
+
+def test_bad_input_leaves_files_as_they_are(call, tmp_path):
+    kept = tmp_path / "kept.csv"
+    kept.write_text("mine")
+    assert call("run", "--csv", kept, "--json", tmp_path / "new", "--npz", tmp_path / "no" / "x")[0] == 2
+    assert kept.read_text() == "mine"
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.fixture
+def cut_short(monkeypatch):
+    """cut_short(error, frames): every load path ends with `error` after that many frames; the warm-up is left alone."""
+
+    def cut(error, count):
+        def failing(scene, method):
+            for k, frame in enumerate(load_path(scene, method=method)):
+                if k == count and scene not in cli.WARM_UP:
+                    raise error
+                yield frame
+
+        monkeypatch.setattr(cli, "load_path", failing)
+
+    return cut
+
+
+def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_frames_before(call, tmp_path, cut_short):
+    message = "Not converged at U_x = 0.5: residual 2e-5; try a smaller du_x"
+    cut_short(NotConverged(message), 101 + 5)
+    code, _, err = call(
+        "run", "--set", *SMALL, "--csv", tmp_path / "c", "--npz", tmp_path / "n", "--json", tmp_path / "j"
+    )
+    assert code == 1 and err.splitlines()[-1] == message and len(err.splitlines()) == 4  # after three files
+    assert [float(row["U_x"]) for row in rows(tmp_path / "c")] == [0.1 * k for k in range(5)]
+    report = strict(tmp_path / "j")
+    assert report["converged"] is False
+    assert report["failure"] == message
+    assert report["evaluations"] > 0
+
+
+def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
+    monkeypatch.setattr("solver.continuation.gfmd.OPTIONS", replace(gfmd.OPTIONS, budget=100))
+    code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
+    assert (code, err.count("\n")) == (1, 1)
+    assert re.search("(delta|U_x) = .* nm: residual .* try ", err)
+
+
+@pytest.mark.parametrize("count", [0, 50])
+def test_no_convergence_in_the_approach_still_writes_files(call, tmp_path, cut_short, count):
+    cut_short(NotConverged("Not converged at delta = -5"), count)
+    code, *_ = call("run", "--set", *SMALL, "--csv", tmp_path / "c", "--npz", tmp_path / "n", "--json", tmp_path / "j")
+    assert code == 1
+    assert (tmp_path / "c").read_text() == HEADER + "\n"
+    assert strict(tmp_path / "j")["converged"] is False
+    with np.load(tmp_path / "n") as data:
+        assert len(data["U_x"]) == 0
+
+
+def test_an_interrupt_keeps_the_frames_computed(call, tmp_path, cut_short):
+    cut_short(KeyboardInterrupt(), 101 + 5)
+    code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c")
+    assert code == 130
+    assert "shear increment 4" in err
+    assert len(rows(tmp_path / "c")) == 5
+
+
+def test_a_residual_above_tolerance_is_never_reported_as_converged(call, tmp_path, monkeypatch):
+    def sloppy(scene, method):
+        for frame in load_path(scene, method=method):
+            if frame.stage == "shear" and frame.index == 3:
+                frame = cli.replace(frame, residual=2e-5)
+            yield frame
+
+    monkeypatch.setattr(cli, "load_path", sloppy)
+    code, out, _ = call("run", "--set", *SMALL, "--json", tmp_path / "j")
+    assert code == 1 and "NOT converged" in out
+    assert strict(tmp_path / "j")["converged"] is False
+
+
+def test_progress_is_drawn_on_a_terminal_only(call, monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    for stream, drawn in ((Terminal(), True), (io.StringIO(), False)):
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert call("run", "--set", *SMALL)[0] == 0
+        assert (" increments" in stream.getvalue()) is drawn
+        assert not stream.getvalue().split("\r")[-1].strip()  # it is wiped
+
+
+def test_parameters_lists_every_parameter_with_its_range_in_100_columns(call):
+    code, out, _ = call("parameters")
+    assert code == 0 and max(map(len, out.splitlines())) <= 100
+    for name, parameter in PARAMETERS.items():
+        assert re.search(rf"^{name} +{re.escape(parameter.span)}, default ", out, re.M), name
+    assert all(f" {word}: " in out for words in CHOICES.values() for word in words)
+
+
+@pytest.mark.parametrize("name", ["run", "accuracy", "stability", "map", "sensitivities", "fit", "spread"])
+def test_the_help_of_a_command_fits_100_columns_and_a_screen(call, monkeypatch, name):
+    monkeypatch.setenv("COLUMNS", "100")
+    code, out, _ = call(name, "--help")
+    assert code == 0 and max(map(len, out.splitlines())) <= 100 and len(out.splitlines()) <= 45
+
+
+@pytest.mark.parametrize(
+    ("setting", "meant"),
+    [("e=70", "E"), ("delta_baar=1", "delta_bar"), ("surfce=flat", "surface"), ("u_max=3", "u_x_max")],
+)
+def test_an_unknown_parameter_is_answered_with_the_most_similar_one(call, setting, meant):
+    code, _, err = call("run", "--set", setting)
+    assert code == 2 and err.endswith(f"; did you mean {meant}?\n")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("run",),
+        ("accuracy",),
+        ("sensitivities",),
+        ("map", "--x", "E=1:2:2", "--y", "nu=0:0.1:2", "--csv"),
+        ("flats", "--csv"),
+        ("fit", "f", "--free", "E"),
+        ("spread", "--of", "E=1%"),
+    ],
+)
+def test_every_command_that_computes_a_scene_knows_the_presets(call, tmp_path, arguments):
+    files = [tmp_path / "map.csv"] if arguments[-1] == "--csv" else []
+    code, _, err = call(*arguments, *files, "--preset", "fig9")
+    assert code == 2 and err.startswith("preset 'fig9': allowed: fig6, ")
+
+
+def test_fit_takes_its_arguments_in_the_order_that_its_usage_prints(call):
+    _, out, _ = call("fit", "--help")
+    assert out.startswith("usage: python -m solver fit FILE --free NAME [NAME ...] [options]\n")
+    code, _, err = call("fit", "nowhere.csv", "--free", "E", "nu", "--set", "E=50")
+    assert code == 2 and "nowhere.csv" in err and "required" not in err
+
+
+def test_a_reader_that_ends_early_leaves_no_traceback():
+    """`parameters | head -n 0`: the pipe is closed before anything is written to it."""
+    command = [sys.executable, "-m", "solver", "parameters"]
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "wb") as closed:
+        process = subprocess.run(command, cwd=ROOT, stdout=closed, stderr=subprocess.PIPE, text=True, timeout=120)
+    assert (process.stderr, process.returncode) == ("", CLOSED_PIPE)
+
+
+def test_compiling_is_reported_once_and_only_where_something_is_compiled(capsys):
+    @numba.njit
+    def double(x):
+        return x + x
+
+    with install_listener("numba:compile", CompilingNotice()):
+        double(1)
+        first = capsys.readouterr()
+        double(1)  # compiled already
+        double(1.0)  # another type: compiled again
+    assert (first.out, first.err.count("\n")) == ("", 1) and "Compiling" in first.err
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_console_script_has_all_commands_and_serve(capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["mixed-mode-contact", "--help"])
+    with pytest.raises(SystemExit) as ended:
+        console.main()
+    shown = capsys.readouterr().out
+    assert ended.value.code == 0 and shown.startswith("usage: mixed-mode-contact ")
+    names = re.findall(r"^    (\w+) ", cli.parser().format_help(), re.M)
+    assert len(names) > 5 and all(f"    {name} " in shown for name in [*names, "serve"])
+
+
+def test_ci_runs_exactly_the_test_command_of_the_readme():
+    shown = subprocess.run([ROOT / ".ci" / "run", "--print"], capture_output=True, text=True, timeout=60, check=True)
+    assert shown.stdout == 'pip install -e ".[test]" && pytest\n'
+    assert f"- test: `{shown.stdout.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")

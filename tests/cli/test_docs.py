@@ -1,0 +1,103 @@
+"""README and docs: short enough to read, every link leads somewhere, every block of code and every command runs.
+
+The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
+"""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from solver.cli import parser
+from solver.presets import presets
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [page for page in PAGES if "_build" not in page.parts]
+CODE = re.compile(r"^```(?P<kind>\S*)[^\n]*\n(?P<text>.*?)^```", re.M | re.S)
+
+
+def names(page):
+    return str(page.relative_to(ROOT))
+
+
+def test_the_readme_is_one_page():
+    text = README.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 130 and len(text.encode()) <= 8192
+    prose = re.sub(r"\$\$.*?\$\$|\(https?:[^)]*\)|\([\w/.]+\)", "", CODE.sub("", text), flags=re.S)
+    paragraphs = [" ".join(block.split()) for block in re.split(r"\n\s*\n|\n- |\n\|", prose)]
+    longest = max(
+        (sentence for block in paragraphs for sentence in re.split(r"[.?:;] ", block)), key=lambda s: len(s.split())
+    )
+    assert len(longest.split()) <= 30, longest
+
+
+@pytest.mark.parametrize("page", PAGES, ids=names)
+def test_every_link_inside_the_repository_leads_to_a_file(page):
+    text = CODE.sub("", page.read_text(encoding="utf-8"))
+    for target in re.findall(r"\]\(([^)#\s]+)", text):
+        if not target.startswith("http"):
+            assert (page.parent / target).is_file(), target
+
+
+def test_the_python_of_the_readme_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = [block["text"] for block in CODE.finditer(README.read_text(encoding="utf-8")) if block["kind"] == "python"]
+    assert blocks
+    for block in blocks:
+        exec(block, {})
+    assert (tmp_path / "run.html").is_file()
+
+
+def commands(page):
+    """Arguments of every `python -m solver ...` of a page, indented or quoted."""
+    text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+    for line in re.findall(r"(?:^    |`)python -m solver ([^`\n]+)", text, re.M):
+        yield shlex.split(line.partition(" && ")[0])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=names)
+def test_every_command_of_the_docs_is_accepted(page):
+    for arguments in commands(page):
+        if "--help" in arguments:
+            continue
+        known = parser().parse_args(arguments)
+        assert getattr(known, "preset", None) in (None, *presets()), arguments
+
+
+def test_every_tutorial_and_page_is_in_the_table_of_contents():
+    listed = set(re.findall(r"^([\w/]+)$", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), re.M))
+    pages = {str(page.relative_to(ROOT / "docs").with_suffix("")) for page in PAGES[1:]} - {"index"}
+    assert listed == pages
+
+
+def test_presets_that_the_docs_name_exist():
+    named = {name for page in PAGES for name in re.findall(r"preset=([\w-]+)", page.read_text(encoding="utf-8"))}
+    assert named and named <= set(presets())
+
+
+def collected(*arguments):
+    """The tests of a file that pytest would run."""
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "--collect-only",
+        "-q",
+        "-n",
+        "0",
+        "tests/solver/test_slip.py",
+        *arguments,
+    ]
+    shown = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=True).stdout
+    return {line for line in shown.splitlines() if "::" in line}
+
+
+def test_a_named_file_runs_all_its_tests_and_a_choice_leaves_thorough_ones_out():
+    thorough = collected("-m", "thorough")
+    assert thorough and thorough <= collected()
+    assert not thorough & collected("-m", "not slow")

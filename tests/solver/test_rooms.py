@@ -1,0 +1,158 @@
+"""What may import what: the core stands without reports, and nothing in the solver knows the app."""
+
+import ast
+import inspect
+import re
+import sys
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import solver
+
+HERE = Path(solver.__file__).parent
+ROOMS = ["mechanics", "continuation", "run", "following"]
+CORE = ["tables.py", "schema.py", "scene.py", "surfaces.py", "text.py", "profile.py", *ROOMS]
+REPORTS = {"analysis", "validation"}
+NUMERICS = {"numpy", "scipy", "numba", "pyfftw"}
+STANDARD = sys.stdlib_module_names
+
+
+def modules(*places):
+    paths = [HERE / place for place in places]
+    return [path for one in paths for path in ([one] if one.suffix else sorted(one.rglob("*.py")))]
+
+
+def imported(path):
+    """Dotted names of what a module imports, its own package as `solver....`; those within functions too."""
+    package = ["solver", *path.relative_to(HERE).parent.parts] if HERE in path.parents else []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            stem = ".".join([*base, *([node.module] if node.module else [])])
+            yield from (f"{stem}.{alias.name}" for alias in node.names)
+
+
+@pytest.mark.parametrize("path", modules(*CORE), ids=lambda path: str(path.relative_to(HERE)))
+def test_the_core_needs_numerics_only_and_no_report(path):
+    for name in imported(path):
+        first, *rest = name.split(".")
+        assert first == "solver" or first in STANDARD | NUMERICS, name
+        assert first != "solver" or rest[0] not in REPORTS, name
+
+
+@pytest.mark.parametrize("path", modules("continuation"), ids=lambda path: path.name)
+def test_continuation_knows_nothing_of_contacts(path):
+    for name in imported(path):
+        assert not name.startswith("solver.") or name.startswith("solver.continuation"), name
+
+
+@pytest.mark.parametrize("path", modules("mechanics"), ids=lambda path: path.name)
+def test_mechanics_knows_nothing_of_runs(path):
+    assert not any(name.startswith("solver.run") for name in imported(path))
+
+
+@pytest.mark.parametrize("path", modules("."), ids=lambda path: str(path.relative_to(HERE)))
+def test_the_solver_does_not_know_the_app(path):
+    assert not any(name.split(".")[0] == "app" for name in imported(path))
+    assert '"app"' not in path.read_text()
+
+
+def lines():
+    """{module or folder: number of its line} in the list of the solver's docstring."""
+    text = solver.__doc__.split("below its own:\n")[1]
+    named = [re.split(" {2,}", line)[0].split(", ") for line in text.splitlines() if line and line[:3] != "cli"]
+    return {name.rstrip("/"): k for k, names in enumerate(named) for name in names}
+
+
+def test_modules_import_only_from_their_line_of_the_docstring_and_above():
+    order = lines()
+    assert {"scene", "mechanics", "run", "validation"} <= order.keys()
+    for path in modules(*(f"{name}.py" if (HERE / f"{name}.py").is_file() else name for name in order)):
+        own = path.relative_to(HERE).parts[0].removesuffix(".py")
+        for name in imported(path):
+            first, *rest = name.split(".")
+            if first == "solver" and rest[0] in order:
+                assert order[rest[0]] <= order[own], f"{path.relative_to(HERE)} imports {name}"
+
+
+def test_no_test_borrows_from_another():
+    for path in Path(__file__).parents[1].rglob("*.py"):
+        borrowed = [name for name in imported(path) if name.split(".")[0].startswith("test_")]
+        assert not borrowed, f"{path.name}: {borrowed}"
+
+
+def exported():
+    """(name, function) of each function that `solver` exports, and of the methods and properties of its classes."""
+    for name in solver.__all__:
+        one = getattr(solver, name)
+        for member, value in vars(one).items() if inspect.isclass(one) else [("", one)]:
+            function = getattr(value, "fget", None) or getattr(value, "func", value)  # of properties, kept or not
+            if inspect.isfunction(function) and (member == "__init__" or not member.startswith("_")):
+                yield f"{name}.{member}".rstrip("."), function
+
+
+def test_all_exports_of_the_solver_are_annotated():
+    functions = dict(exported())
+    assert {"load_path", "SceneError.__init__", "Scene.changed", "Frame.F", "Skeleton.slips"} <= set(functions)
+    for name, function in functions.items():
+        signature = inspect.signature(function)
+        bare = [p.name for p in signature.parameters.values() if p.annotation is p.empty and p.name != "self"]
+        assert not bare and signature.return_annotation is not signature.empty, (name, bare)
+    assert (HERE / "py.typed").is_file()
+
+
+@pytest.mark.parametrize("path", modules("."), ids=lambda path: str(path.relative_to(HERE)))
+def test_public_functions_annotate_what_they_return(path):
+    def bare(body):
+        for node in body:
+            if isinstance(node, ast.ClassDef) and node.name[0] != "_":
+                yield from bare(node.body)
+            elif isinstance(node, ast.FunctionDef) and node.name[0] != "_" and node.returns is None:
+                yield node.name
+
+    assert not list(bare(ast.parse(path.read_text()).body))
+
+
+APP = HERE.parent / "app"
+WALLS = {
+    "service": {"app.session", "app.views", "app.pages"},
+    "session": {"app.views", "app.pages"},
+    "views": {"app.session", "app.pages"},
+    "pages": {"app.session"},
+}
+
+
+@pytest.mark.parametrize("room", WALLS)
+def test_rooms_of_the_app_do_not_import_each_other_but_what_they_stand_on(room):
+    """Pages are given a session and never make one, and a session is given its pages (app/page.py)."""
+    for path in (APP / room).rglob("*.py"):
+        through = [name for name in imported(path) if any(f"{name}.".startswith(f"{wall}.") for wall in WALLS[room])]
+        assert not through, f"{path.name}: {through}"
+
+
+def scripts():
+    """{script: scripts that it needs at once}; those that it fetches when they are asked for come later."""
+    found = {}
+    for path in [*(APP / "static").rglob("*.js"), *(APP / "pages").rglob("*.js")]:
+        names = re.findall(r'(?:from|^import) "(\.[^"]+)"', path.read_text(encoding="utf-8"), re.M)
+        found[path] = {(path.parent / name).resolve() for name in names}
+    return found
+
+
+def test_no_script_leads_back_to_itself():
+    graph = scripts()
+    assert len(graph) > 35 and all(path.is_file() for needed in graph.values() for path in needed)
+    TopologicalSorter(graph).prepare()
+
+
+def test_elements_are_made_in_one_place():
+    makers = [
+        path.name
+        for path in scripts()
+        if re.search(r"createElement(NS)?\((?!\"canvas\")", path.read_text(encoding="utf-8"))
+    ]
+    assert makers == ["dom.js"]
