@@ -1,5 +1,6 @@
 """The console script `mixed-mode-contact`: all commands of `python -m solver`, and `serve` for the page."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +18,8 @@ def main() -> int:
 def serve(options: list[str]) -> int:
     """Serves the page with options of `panel serve`, from wherever this package is installed."""
     command = [sys.executable, "-m", "panel", "serve", str(Path(__file__).parent), *options]
+    if os.name == "posix":  # signals then reach the server itself
+        os.execv(command[0], command)
     try:
         return subprocess.run(command).returncode
     except KeyboardInterrupt:

@@ -20,6 +20,7 @@ INTERFACES = {
     "fig8-blue": {"phi_n": 2.0, "phi_ratio": 0.1},
 }
 INDENTATIONS = (-0.3, -0.2, -0.15, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6)
+CREEP = 1e-6  # growth of the reach that is no reason to go on: the strength of a surface at rest changes by round-off
 FINE = 8192  # points per lattice period of the flat interface's branches
 
 
@@ -64,7 +65,8 @@ class Search:
 
 def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     """The Search after some `budget` more seconds; raises NotConverged. limit: as of `advance`."""
-    longer = _extended(scene, max(search.end, reach(scene)))
+    end = search.end or reach(scene)
+    longer = _extended(scene, end)
     frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
     rows, nodes, strength = list(search.rows), search.nodes, search.strength
     for frame in (frame for frame in frames if frame.stage == "shear"):
@@ -79,7 +81,7 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     if not checkpoint.done:
         return Search(checkpoint, tuple(rows), nodes, strength, search.end)
     farther = reach(scene, strength)
-    if _extended(scene, farther).u_x_max <= longer.u_x_max:
+    if farther <= (1.0 + CREEP) * max(end, scene.u_x_max) or _extended(scene, farther).u_x_max <= longer.u_x_max:
         return Search(outcome=_onset(scene, rows, nodes, False))
     return Search(extended(checkpoint), tuple(rows), nodes, strength, farther)
 
