@@ -51,6 +51,27 @@ def test_the_experiment_fits_every_screen(visit, view):
     assert not faults_at_every_size(page, whole=True)
 
 
+OVER_ENDS = """() => [...document.querySelectorAll('.ends')].flatMap((scale) => {
+    const labels = [...scale.querySelectorAll(':scope > span, .mark span')]
+    const boxes = labels.map((e) => [e.textContent, e.getBoundingClientRect()])
+    return boxes.flatMap(([name, box], i) => boxes.slice(i + 1)
+        .filter(([, other]) => box.right > other.left && other.right > box.left)
+        .map(([other]) => `${name} over ${other}`))
+})"""
+
+
+def test_with_tools_no_mark_covers_a_number_and_the_description_is_whole(visit):
+    page = visit("?view=lab")
+    finished(page)
+    page.set_viewport_size({"width": 1440, "height": 900})
+    laid_out(page)
+    page.locator(".mark span").first.wait_for()
+    assert not page.evaluate(OVER_ENDS)
+    page.keyboard.press("Home")
+    whole, shown = page.evaluate("(({ scrollHeight, clientHeight }) => [scrollHeight, clientHeight])(reasons)")
+    assert whole <= shown
+
+
 def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(visit):
     page = visit("?view=hero")
     page.set_viewport_size({"width": 390, "height": 844})
