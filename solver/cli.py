@@ -36,6 +36,7 @@ from .reports import add_accuracy, add_stability
 from .run.load_steps import load_steps_of
 from .run.shortcuts import account
 from .scene import CHOICES, PARAMETERS
+from .text import counted
 from .threads import one_thread
 from .verify import add_verify
 
@@ -212,7 +213,7 @@ def described(report: dict[str, Any], increments: int) -> str:
     state = "converged" if report["converged"] else "NOT converged"
     return (
         f"{report['method']}: {increments} increments {state}, {report['evaluations']} evaluations,"
-        f" {report['seconds']:.3g} s\n{shown('A_0', 'A_0', width, 'nm')}\n{report['slips']} slips; {first}"
+        f" {report['seconds']:.3g} s\n{shown('A_0', 'A_0', width, 'nm')}\n{counted(report['slips'], 'slip')}; {first}"
     )
 
 

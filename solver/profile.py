@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from .scene import LIMITS
 from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
 from .tables import read_table
-from .text import UNITS
+from .text import UNITS, counted
 
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 LARGEST = 1e9  # nm, a metre: beyond it the unit is wrong
@@ -82,7 +82,7 @@ def _points(source):
 
 def _reject_few(points):
     if points.x.size < FEWEST_POINTS:
-        raise ProfileError(f"only {points.x.size} points, at least {FEWEST_POINTS} are needed", points.last)
+        raise ProfileError(f"only {counted(points.x.size, 'point')}, at least {FEWEST_POINTS} are needed", points.last)
 
 
 def _middle(points, width):

@@ -21,6 +21,7 @@ from .run.frame import Frame, slips_in
 from .run.load_steps import load_steps_of
 from .run.loadpath import load_path
 from .scene import PARAMETERS, Scene
+from .text import counted
 
 if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
     import holoviews as hv
@@ -107,7 +108,7 @@ class Result:
         if len(sliding):
             first = sliding.iloc[0]
             slipping = f"first slip at U_x = {first['load (nm)']:.2f} nm: F = {first['F (N/m)']:.4g} N/m"
-            slipping += f", A = {first['A (nm)']:.4g} nm; {len(self.slips)} slips"
+            slipping += f", A = {first['A (nm)']:.4g} nm; {counted(len(self.slips), 'slip')}"
         lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
         return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self._after, self._along)
 

@@ -63,6 +63,11 @@ def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, no
     return Scene(**values)
 
 
+def counted(count: int, noun: str) -> str:
+    """The count with its noun in singular or plural: 1 slip, 2 slips."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def changes(scene: Scene) -> str:
     """'name=value ...' of what differs from the default, as `--set` takes it; a measured profile as profile=FILE."""
     values = scene.differences() | ({"profile": "FILE"} if scene.measured else {})

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Scene, load_path, simulate, summarize, sweep
+from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
 
@@ -81,3 +82,8 @@ def test_importing_the_solver_imports_no_web_stack():
     check = f"import sys, solver; print(sorted({heavy} & set(sys.modules)))"
     shown = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, timeout=120, check=True)
     assert shown.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(("count", "text"), [(0, "0 slips"), (1, "1 slip"), (2, "2 slips")])
+def test_a_count_of_one_takes_the_singular(count, text):
+    assert counted(count, "slip") == text

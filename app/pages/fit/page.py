@@ -17,6 +17,7 @@ from app.service import tasks
 from app.service.pool import HEAVY, LATER
 from app.views.plots import Quantity, curve, dots, level, rendered
 from solver import load_path
+from solver.text import counted
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
 FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
@@ -129,7 +130,7 @@ class Page(Sheet):
         along = {"start": min(0.0, float(measured.U_x[0])), "end": float(measured.U_x[-1])}
         for view in self.views.values():
             view.figure.x_range.update(**along)
-        points, slips = _counted(measured.U_x.size, "point"), _counted(len(measured.slips), "slip")
+        points, slips = counted(measured.U_x.size, "point"), counted(len(measured.slips), "slip")
         noise = measured.noise["F_bar"] * self._unit
         said = f"{points}, {slips} recognised, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
         said += " Move the sliders until the curves meet, or click Fit."
@@ -167,7 +168,7 @@ class Page(Sheet):
             return self.publish(busy=None, texts={"fit-said": f"No fit: {found or LOST}."})
         self.found = found
         self._draw_fitted()
-        runs = _counted(found.runs, "predicted run")
+        runs = counted(found.runs, "predicted run")
         said = f"χ² per point {found.chi2:.3g}, from {runs}." + "".join(map(in_words, found.warnings))
         told = {
             "values": {name: float(f"{value:.5g}") for name, value in found.values.items()},
@@ -176,10 +177,6 @@ class Page(Sheet):
             "correlations": np.round(found.correlations, 2).tolist(),
         }
         self.publish(busy=None, texts={"fit-said": said}, fit=told)
-
-
-def _counted(count, what):
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def in_words(sentence):
