@@ -90,3 +90,13 @@ def test_pins_travel_in_the_address(visit):
     assert page.evaluate("punch.status.values.E") == 100 and page.evaluate("punch.run.number") == 1
     page.get_by_role("button", name="Remove Soft").click()
     assert "Soft" not in page.url and "fig7-case2" in page.url
+
+
+@pytest.mark.thorough
+def test_a_pinned_run_of_a_link_that_fails_shows_why_and_can_be_removed(visit):
+    page = visit("?pin=Lifted*nodes*64*width*160*radius*0.6*E*30*hold*load*delta_bar*-0.1")
+    chip = page.locator(".chip", has_text="Lifted: failed")
+    chip.wait_for(timeout=PATIENCE)
+    assert page.inner_text("#pins-said").startswith("Lifted failed: ")
+    page.get_by_role("button", name="Remove Lifted").click()
+    assert not page.locator(".chip").count() and not page.locator("#pins").is_visible()

@@ -13,7 +13,7 @@ import { value } from "../words.js"
 const MOST = 4
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
-export const pins = [] // {run, scene, name, slot, shown, carried}: scene {name: text} as in an address, slot 1 .. MOST
+export const pins = [] // {run, scene, name, slot, shown, carried, failure}; scene {name: text} as in an address, slot 1 .. MOST
 
 // Only the run itself was carried on from another: loaded, or in a link, its scene begins anew
 export const titleOf = ({ name, carried }) => `${name}${carried ? ", carried on" : ""}`
@@ -116,7 +116,7 @@ function chip(one) {
     redraw()
     chipOf(one)?.querySelector("button").focus()
   }, { "aria-pressed": one.shown })
-  show.append(swatch(one.slot), ` ${titleOf(one)}${one.run ? "" : " …"}`)
+  show.append(swatch(one.slot), ` ${titleOf(one)}${one.failure ? ": failed" : one.run ? "" : " …"}`)
   return make("span", { className: "chip", data: { slot: one.slot } }, show, button("×", `Remove ${one.name}`, () => remove(one)))
 }
 
@@ -132,7 +132,8 @@ export const onPins = (call) => listeners.push(call)
 
 function tell() {
   by("pins").hidden = !pins.length
-  by("pins-said").textContent = ""
+  const failures = pins.filter(({ failure }) => failure).map(({ name, failure }) => `${name} failed: ${failure}.`)
+  by("pins-said").textContent = failures.join(" ")
   by("chips").replaceChildren(...pins.map(chip))
   readdress((now) => {
     now.delete("pin")
@@ -169,17 +170,16 @@ function receive(chunk) {
   redraw()
 }
 
-// A run of a link that cannot be computed
-function drop({ head: { pin, why } }) {
-  const at = pins.findIndex(({ slot }) => slot === pin)
-  if (at < 0) return
-  const [{ name }] = pins.splice(at, 1)
+// The chip of a run that failed stays, with the reason, until the user removes it
+function fail({ head: { pin, why } }) {
+  const one = pins.find(({ slot }) => slot === pin)
+  if (!one) return
+  one.failure = why
   redraw()
-  say(`${name} was not computed: ${why}`)
 }
 
 take("pinned", receive, unpackLater)
-take("pinned failed", drop)
+take("pinned failed", fail)
 overlays.curves = (run, part, name) => drawable(run).map((one) => part(one.run, name).value)
 overlays.drawn = drawBeside
 overlays.has = (run) => pins.some((one) => one.shown && one.run === run)
