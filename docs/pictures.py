@@ -1,10 +1,10 @@
-"""Take the pictures of the README anew, from the real app in a real Chromium.
+"""Take the pictures of README and docs from the real app in a real Chromium.
 
-    python docs/pictures.py [--chromium PATH]
+    python docs/pictures.py [--chromium PATH] [--quick]
 
-Draws the small pictures of the row of experiments (row.py). Then starts the app on a free port; writes app.png,
-fringes.png and slip.gif, the punch through two slips, beside this file.
-Then measures the default scene for a minute, and writes the first diagrams of that report: accuracy.png.
+Draws the small pictures of the row of experiments (row.py) and run.png, the plot of README's example. Then starts the
+app on a free port; writes app.webp, fringes.webp and slip.webp, the punch through two slips, beside this file. Without
+--quick it measures the default scene for a minute, and writes the first diagrams of that report: accuracy.png.
 """
 
 import argparse
@@ -21,11 +21,14 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 from row import main as draw_row
 
+from solver import Scene, simulate
+
 HERE = Path(__file__).parent
 READY = "() => window.punch?.status.state === 'finished' && punch.run.whole && !punch.fresh"
 SHOW = "([scrub, k]) => { scrub.value = k; scrub.dispatchEvent(new Event('input')) }"
 FIRST, LAST, STEP = 96, 146, 2  # increments of the shear in the animation
-COLOURS, PACE = 160, 120  # of the animation; ms for each picture
+PACE, WIDE = 120, 720  # of the animation: ms for each picture, pixels
+SMALL = {"quality": 75, "method": 6}  # of WebP: text stays sharp at a sixth of a PNG's bytes
 
 
 def served():
@@ -61,23 +64,27 @@ def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
     page.locator("[data-name=E] .mark").first.wait_for(timeout=120_000)  # the last to be computed
-    page.screenshot(path=HERE / "app.png")
+    _save(page, "app.webp")
     for _ in range(2):
         page.evaluate("document.getElementById('lens-on').click()")
     page.evaluate("document.getElementById('fringes-on').click()")  # their colours are too many for a GIF
     images = []
     for k in range(FIRST, LAST, STEP):
         shown(page, k)
-        images.append(Image.open(BytesIO(page.locator("#punch-view").screenshot())).convert("RGB"))
-    palette = images[(110 - FIRST) // STEP].quantize(COLOURS)  # of a slip, which has all colours
-    frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    frames[0].save(HERE / "slip.gif", save_all=True, append_images=frames[1:], duration=PACE, loop=0, optimize=True)
+        image = Image.open(BytesIO(page.locator("#punch-view").screenshot())).convert("RGB")
+        images.append(image.resize((WIDE, WIDE * image.height // image.width)))
+    images[0].save(HERE / "slip.webp", save_all=True, append_images=images[1:], duration=PACE, loop=0, **SMALL)
     page = opened(browser, f"{address}?page=solid&preset=fig7-case2", (1440, 900))
     shown(page, 100)
     page.wait_for_function("() => !document.querySelector('#solid[data-drawing]')")
     page.wait_for_load_state("networkidle")
     page.wait_for_timeout(3000)  # the field is computed in a worker
-    page.locator("#solid").screenshot(path=HERE / "fringes.png")
+    _save(page.locator("#solid"), "fringes.webp")
+
+
+def _save(what, name):
+    """A screenshot of a page or a part of it, beside this file."""
+    Image.open(BytesIO(what.screenshot())).convert("RGB").save(HERE / name, **SMALL)
 
 
 def measure(browser):
@@ -103,14 +110,17 @@ def picture(browser, report):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
+    parser.add_argument("--quick", action="store_true", help="leave accuracy.png as it is")
     arguments = parser.parse_args()
+    simulate(Scene(delta_bar=0.2, phi_ratio=0.5)).save(HERE / "run.png")
     draw_row()
     server, address = served()
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=arguments.chromium, args=["--no-sandbox"])
             take(browser, address)
-            measure(browser)
+            if not arguments.quick:
+                measure(browser)
             browser.close()
     finally:
         server.terminate()
