@@ -52,7 +52,10 @@ FAULTS = """() => {
     }
     // what stays on the screen while the rest scrolls lies above the rest by intention
     const layer = (e) => e.closest('.player, .side, dialog')
-    const controls = all('button, input, select, a, [role=slider]').map((e) => [e, e.getBoundingClientRect(), layer(e)])
+    const strip = document.getElementById('row')?.getBoundingClientRect() // scrolls: what lies beyond it is not seen
+    const beyond = (e) => e.closest('#row') && e.getBoundingClientRect().right > strip.right
+    const controls = all('button, input, select, a, [role=slider]').filter((e) => !beyond(e))
+        .map((e) => [e, e.getBoundingClientRect(), layer(e)])
     controls.forEach(([a, p, from], i) => {
         for (const [b, q, other] of controls.slice(i + 1)) {
             if (from !== other || a.contains(b) || b.contains(a)) continue

@@ -68,7 +68,7 @@ def test_a_touch_explains_a_term_within_the_screen_until_the_next_touch_elsewher
     page = visit(has_touch=True)
     page.set_viewport_size({"width": 390, "height": 844})
     finished(page)
-    page.locator("#look .term").last.tap()
+    page.locator("#sentence .term").last.tap()
     tip = page.locator("#term")
     tip.wait_for()
     laid_out(page)

@@ -136,7 +136,8 @@ def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_t
     assert {text for text, _ in said} == {"slow motion"}
     assert max(page.evaluate("beside")) < 20  # words alone: the motion takes no way along Uₓ
     assert all("Uₓ = 10.8 nm" in readout for _, readout in said)  # not 10.9, of the increment
-    assert page.evaluate("punch.drawn") == k and page.locator("#slip").is_visible()
+    page.wait_for_function("(k) => punch.drawn === k", arg=k)
+    page.wait_for_function("!document.getElementById('slip').hidden")
     assert page.locator("#slow").inner_text() == "Slow motion"
 
 

@@ -55,7 +55,7 @@ def test_each_view_says_which_x_it_has(look):
     page = look()
     short = f"{FIGURE.format('map')}.left[0].axis_label"
     assert page.evaluate(short) == "x (nm)"  # for a low view
-    page.set_viewport_size({"width": 1440, "height": 900})
+    page.set_viewport_size({"width": 1440, "height": 1400})
     page.wait_for_function(f"{short} !== 'x (nm)'")
     for view, axis, said in (
         ("punch", "below", "substrate"),
@@ -74,6 +74,8 @@ def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
         x = page.evaluate(f"[...{MODEL.format('traction.T_t')}.data_source.data.x]")
         assert min(x) <= -half and max(x) >= half
     assert page.evaluate(f"{MODEL.format('punch.contact')}.data_source.data.x.length") == len(x)
+    page.set_viewport_size({"width": 1600, "height": 1100})  # there is room for the key
+    page.locator("figure >> nth=0").get_by_text("in contact").wait_for()
     assert "in contact" in page.inner_text("figure >> nth=0") and "adhering" not in page.inner_text("figure >> nth=0")
     for name in ("Contact area", "Contact map"):
         figure = page.locator(f"figure[aria-label^='{name}']")

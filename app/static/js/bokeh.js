@@ -9,7 +9,10 @@ export const useIndex = (given) => { index = given }
 const known = new WeakMap() // model: its view, as Bokeh looks through all of them each time
 export function viewOf(model) {
   const view = known.get(model)
-  if (view?.el?.isConnected) return view
+  if (view?.el?.isConnected) {
+    skip(view)
+    return view
+  }
   const found = index.find_one(model)
   known.set(model, found)
   if (found?.canvas_view) prepare(found)
@@ -63,8 +66,14 @@ export function image(renderer, values, shape) {
 const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary" // methods of a visual, a style sheet, a plot
 let unburdened = false
 function prepare(view) {
-  view.canvas_view.events_el.tabIndex = -1 // no key does anything there
+  skip(view)
   if (!unburdened) unburden(view)
+}
+
+// No key does anything in a figure, so that the Tab key passes it; a canvas of a new size is a stop again
+function skip(view) {
+  const events = view.canvas_view?.events_el
+  if (events && events.tabIndex !== -1) events.tabIndex = -1
 }
 
 function unburden(view) {

@@ -1,7 +1,7 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
 import {
-  bokehPainted, fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint,
+  bokehPainted, fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
 import { by, digits, minus, say, tell } from "./dom.js"
@@ -225,6 +225,7 @@ export function paint() {
   const size = parseFloat(colour("--plot-text")), large = size > 15 // for a projector
   for (const name in figures) {
     const figure = figures[name]
+    viewOf(figure) // the Tab key passes it
     set(figure, { outline_line_color: grid, min_border_right: large ? 34 : 14 })
     for (const axis of [...figure.below, ...figure.left]) {
       set(axis, { axis_label_text_color: text, major_label_text_color: soft, axis_line_color: soft, major_tick_line_color: soft,
