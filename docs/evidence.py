@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 HERE = Path(__file__).parent
 ROOT, STORE, PAGE = HERE.parent, HERE / "evidence.json", HERE / "evidence.md"
-MOST = 25  # last lines of an output that the page shows: the summaries of all commands are shorter
+MOST = 25  # last lines of an output that are kept: the summaries of all commands are shorter
 
 
 class Entry(NamedTuple):
@@ -118,7 +118,7 @@ def measured(entry: Entry) -> dict[str, str]:
         "commit": output("git", "rev-parse", "--short", "HEAD"),
         "date": date.today().isoformat(),
         "processor": processor(),
-        "output": output(sys.executable, *entry.command),
+        "output": "\n".join(output(sys.executable, *entry.command).splitlines()[-MOST:]),
     }
 
 
@@ -158,7 +158,7 @@ def section(result: dict[str, str] | None, entry: Entry) -> list[str]:
         return [f"Not measured yet: `python {' '.join(entry.command)}`."]
     where = f"`{result['command']}`, commit {result['commit']}, {result['date']}, {result['processor']}:"
     lines = result["output"].splitlines()
-    return [where, "\n".join(["```text", *lines[-MOST:], "```"])]
+    return [where, "\n".join(["```text", *lines, "```"])]
 
 
 def main() -> None:
