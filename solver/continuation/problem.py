@@ -2,7 +2,7 @@
 
 A Problem is R(v; s) = 0 in unknowns v (size,) under a load s, in which R is linear. Its Dynamics are a motion that
 comes to rest in these equilibria. A Linearised describes small disturbances of one of them. Lengths are in nm, moduli
-in GPa, and each mode has unit mass. `mechanics.equilibrium` and tests/toys.py fulfil the contract.
+in GPa, and each mode has unit mass. `mechanics.equilibrium` and tests/shared/toys.py fulfil the contract.
 """
 
 from collections.abc import Callable

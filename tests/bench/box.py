@@ -7,7 +7,7 @@ scene), force evaluations, slips, and how many of them are located. A scene that
 
 --gfmd compares F_bar, L_bar and A_bar with the paper's GFMD, at the last increment at which both rest, relative to
 their largest values in the run. GFMD is the solver's method gfmd or, with `plain`, the independent one in
-tests/plain_gfmd.py. It also prints the ratio of GFMD's time to that of fast over the same increments at the same
+tests/shared/plain_gfmd.py. It also prints the ratio of GFMD's time to that of fast over the same increments at the same
 tolerance (du_x = du_z = 0.5, tolerance 1e-5), in units of a fixed numpy job, so that times may be cached.
 --cache keeps GFMD's results in a file; --only-gfmd fills it and does nothing else. Where the plain GFMD flutters for
 ever, its next increment starts from there, and the row gives the number of such increments. Where fast differs, the
@@ -29,7 +29,7 @@ import numpy as np
 
 from solver import NotConverged, Scene, load_path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "shared"))
 import plain_gfmd
 
 BOX = {

@@ -4,7 +4,7 @@
 
 Punches under a held load in tension, punches under any held load, and flats that form waves on the approach, in turn.
 A frame whose surface moved by more than delta_n beyond twice the step of the load should have an event. Where it has
-none, an explicit GFMD (tests/plain_gfmd.py) decides between a jump and a fast, continuous change: it halves the
+none, an explicit GFMD (tests/shared/plain_gfmd.py) decides between a jump and a fast, continuous change: it halves the
 increment HALVINGS times and keeps the half with the larger move. A jump keeps its size, a continuous change does not.
 A jump where the control changes (increment 0 of a stage) needs no decision.
 """

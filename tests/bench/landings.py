@@ -1,4 +1,4 @@
-"""Where slips land: the solver against an explicit GFMD that shares nothing with it but Scene (tests/plain_gfmd.py).
+"""Where slips land: the solver against an explicit GFMD that shares nothing with it but Scene (`plain_gfmd.py`).
 
     python tests/bench/landings.py [--scenes 300] [--from K] [--seed N] [--cache FILE] [--only-gfmd] [--json FILE]
     python tests/bench/landings.py --soft [--scenes 20] ...

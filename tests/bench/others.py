@@ -1,4 +1,4 @@
-"""Whether slips land where the paper's GFMD lands: 160 scenes unlike the default, against tests/plain_gfmd.py.
+"""Whether slips land where the paper's GFMD lands: 160 scenes unlike the default, against tests/shared/plain_gfmd.py.
 
     python tests/bench/others.py [--cache FILE] [--json FILE] [--only-gfmd] [--kinds NAME ...] [--every N]
 

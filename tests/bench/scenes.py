@@ -15,7 +15,7 @@ import numpy as np
 from solver import NotConverged, Scene, load_path, read_profile
 from solver.run.frame import slips_in
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # of plain_gfmd
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "shared"))  # of plain_gfmd
 
 BOX = {"E": (10.0, 1000.0), "delta_bar": (-0.6, 1.0), "phi_ratio": (0.02, 2.0)}  # the app's sliders
 # The motion took this slip two sites on, the paper's takes it one (FINDINGS X2).

@@ -177,7 +177,7 @@ for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
 @pytest.mark.slow
 def test_processes_end_with_a_parent_that_is_killed():
     """The worker is busy for ten minutes when its parent dies; it is gone long before (the poll ends after 20 s)."""
-    here = os.path.dirname(os.path.dirname(__file__))  # of the helpers
+    here = os.path.join(os.path.dirname(__file__), "..", "shared")
     program = f"import sys; sys.path.insert(0, {here!r})\nif __name__ == '__main__':\n" + "".join(
         f"    {line}\n" for line in KILLED.strip().splitlines()
     )

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from playwright.sync_api import TimeoutError as TookTooLong
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PATIENCE = 150_000  # ms; a limit against hanging, not a claim about speed
 PLAYING = {"reduced_motion": "no-preference"}  # options of a tab in which runs play on and on
 SETTLE = 30_000  # ms for what is laid out anew; after that a fault is one
