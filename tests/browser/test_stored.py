@@ -4,8 +4,8 @@ import base64
 
 import numpy as np
 import pytest
-from conftest import Tabs
 from served import PATIENCE, PLAYING, Server, finished, paused_at
+from tabs import Tabs
 
 from app.service import packing, stored, worker
 
