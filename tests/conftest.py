@@ -48,6 +48,22 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.thorough)
 
 
+@pytest.fixture
+def call(capsys):
+    """call(*arguments) -> (exit code, standard output, standard error), within this process."""
+
+    from solver import cli
+
+    def run(*arguments):
+        try:
+            code = cli.main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return run
+
+
 @pytest.fixture(scope="session")
 def chromium():
     """Path of the Chromium on this machine; skips without one, but fails where CI promised it."""

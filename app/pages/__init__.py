@@ -1,12 +1,18 @@
 """The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
 
-A page is a folder here. Its page.py has TITLE, ORDER in the menu, FIGURES (the slots of its figures), compose() ->
-[figure], each named page_slot, a class `Page`, a Sheet, and figure(scene), what a notebook shows of it; TEMPLATE, if
-any, holds values for its page.html. What a page publishes reaches the browser as one dictionary, of which it knows
-texts {element: text}, busy (part done or None), images {view.label: limits}, hidden {element: whether} and tables
-{element: rows of cells}, a cell a text or a button {said, pressed, ask: what it orders}; the rest is for the page's own
-script, page.js, if it has one. page.html is its section of the document; without it, the section is a title above the
-figures.
+A page is a folder here with a page.py:
+
+    TITLE, ORDER, FIGURES    its name, its place in the menu, the slots of its figures
+    compose()                the Bokeh figures, each named page_slot
+    Page                     a Sheet: the page as one visitor has it
+    figure(scene)            the figures for a notebook
+    TEMPLATE                 values for its page.html, if it needs any
+
+page.html is its section of the document; without it, the section is a title above the figures. page.js is its script.
+A page publishes one dictionary. The browser shows these entries of it, and page.js receives all:
+
+    texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)},
+    tables {element: rows}; a cell is a text or a button {said, pressed, ask: the order that it sends}
 """
 
 import json

@@ -46,6 +46,13 @@ def page_of(module, scene):
     return page
 
 
+def shown(module, scene):
+    """The figures of a page for a Scene, side by side, as the page draws them when it is opened."""
+    page = page_of(module, scene)
+    page.start()
+    return laid_out(page)
+
+
 def laid_out(page):
     """The figures of a Sheet side by side, in colours."""
     for view in page.views.values():

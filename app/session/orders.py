@@ -6,6 +6,7 @@ of that JSON, the JSON, the file.
 
 import json
 import struct
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, get_type_hints
 
@@ -71,7 +72,7 @@ Address = Annotated[dict[str, str], _is_address]
 FileEntry, Format = Annotated[str, FILES.__contains__], Annotated[str, FORMATS.__contains__]
 
 
-class Order:
+class Order(ABC):
     """What a browser may ask for: the fields of a subclass; `obey` does it."""
 
     known: ClassVar = {}  # {name: subclass}
@@ -79,9 +80,9 @@ class Order:
     def __init_subclass__(cls):
         Order.known[cls.__name__.lower()] = dataclass(frozen=True)(cls)
 
+    @abstractmethod
     def obey(self, session):
         """Do it for a Session, under the lock of its document."""
-        raise NotImplementedError
 
 
 class Hello(Order):

@@ -29,20 +29,6 @@ SMALL = ("nodes=64", "width=160", "u_x_max=2")
 HEADER = "U_x,delta,F_bar,L_bar,A_bar,residual,evaluations,slip,stage"
 
 
-@pytest.fixture
-def call(capsys):
-    """call(*arguments) -> (exit code, standard output, standard error), within this process."""
-
-    def run(*arguments):
-        try:
-            code = cli.main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            code = end.code
-        return code, *capsys.readouterr()
-
-    return run
-
-
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """The three files of one small run that slips, from a real process, and that process."""

@@ -5,23 +5,7 @@ import json
 
 import pytest
 
-import solver.cli as cli
-
 SMALL = ("nodes=64", "width=160", "radius=0.6", "delta_bar=0.1", "u_x_max=12", "du_x=0.2", "du_z=0.5", "E=30")
-
-
-@pytest.fixture
-def call(capsys):
-    """call(*arguments) -> (exit code, standard output, standard error), within this process."""
-
-    def run(*arguments):
-        try:
-            code = cli.main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            code = end.code
-        return code, *capsys.readouterr()
-
-    return run
 
 
 def strict(file):

@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 from app.pages import Sheet
-from app.pages.notebook import laid_out, page_of
+from app.pages.notebook import shown
 from app.schema import RIDERS
 from app.views.plots import Quantity, curve, dots, level, picture, rendered
 from solver import CHOICES
@@ -83,9 +83,7 @@ def _opening(name):
 
 def figure(scene):
     """The figures for a Scene, computed here: what a notebook shows."""
-    page = page_of(sys.modules[__name__], scene)
-    page.start()
-    return laid_out(page)
+    return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):

@@ -14,7 +14,7 @@ from bokeh.palettes import cividis
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
-from app.pages.notebook import laid_out, page_of
+from app.pages.notebook import shown
 from app.service import tasks
 from app.service.skeletons import skeletons
 from app.views.plots import Quantity, curve, dots, picture, rendered, texts
@@ -71,9 +71,7 @@ def compose():
 
 def figure(scene):
     """The figures for a Scene, computed here: what a notebook shows."""
-    page = page_of(sys.modules[__name__], scene)
-    page.start()
-    return laid_out(page)
+    return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):

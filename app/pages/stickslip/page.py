@@ -12,7 +12,7 @@ from bokeh.palettes import cividis
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
-from app.pages.notebook import laid_out, page_of
+from app.pages.notebook import shown
 from app.schema import FLATS
 from app.service import tasks
 from app.views.plots import Quantity, band, curve, dots, level, picture, rendered
@@ -88,9 +88,7 @@ def _map():
 
 def figure(scene):
     """The figures for a Scene, computed here: what a notebook shows."""
-    page = page_of(sys.modules[__name__], scene)
-    page.start()
-    return laid_out(page)
+    return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):
