@@ -108,7 +108,7 @@ class Result:
         if len(sliding):
             first = sliding.iloc[0]
             slipping = f"first slip at U_x = {first['load (nm)']:.2f} nm: F = {first['F (N/m)']:.4g} N/m"
-            slipping += f", A = {first['A (nm)']:.4g} nm; {counted(len(self.slips), 'slip')}"
+            slipping += f", A = {first['A (nm)']:.4g} nm; {counted(int((self.slips['stage'] != 'approach').sum()), 'slip')}"
         lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
         return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self._after, self._along)
 
@@ -144,7 +144,7 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
 
     Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
     Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s, A_0
-    (nm), and `outcome`: "slips", "sticks" up to u_x_max, or why there is no result. Missing numbers are nan.
+    (nm), and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
     Raises ValueError for a name that is no parameter, SceneError for a value outside its range.
 
     With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
@@ -185,7 +185,7 @@ def first_slip(scene: Scene) -> dict[str, Any]:
                 return row | {"U_s (nm)": slips[0].load, "outcome": "slips"} | slip
     except NotConverged as failure:
         return row | {"outcome": str(failure)}
-    return row | {"outcome": "sticks"}
+    return row | {"outcome": "no slip"}
 
 
 FORCES = ("F", "N/m"), ("L", "N/m"), ("A", "nm")

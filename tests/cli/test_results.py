@@ -47,7 +47,7 @@ def test_a_sweep_has_the_first_slip_of_every_combination_in_order():
     summary = summarize(SMALL, list(load_path(SMALL)))
     assert table["U_s (nm)"][0] == summary["U_s"] and table["outcome"][0] == "slips"
     assert table["A_0 (nm)"][0] == pytest.approx(summary["A_0"] * 160.0, rel=1e-12)
-    assert np.isnan(table["U_s (nm)"][1]) and table["outcome"][1] == "sticks"
+    assert np.isnan(table["U_s (nm)"][1]) and table["outcome"][1] == "no slip"
 
 
 def test_a_sweep_in_processes_gives_the_same_numbers():
@@ -73,6 +73,7 @@ def test_a_result_prints_its_scene_in_a_few_lines(result):
 
 def test_a_notebook_shows_what_differs_the_first_slip_and_a_curve(result):
     shown = result._repr_html_()
+    assert f"{summarize(SMALL, result.frames)['slips']} slips" in shown
     assert "delta_bar = 0.1" in shown and "first slip at U_x = " in shown and "<polyline" in shown
     assert " N/m" in shown and " nm" in shown
 

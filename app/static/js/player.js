@@ -15,6 +15,7 @@ import { drawStory, tellNow } from "./story.js"
 import { drawFringes } from "./fringes.js"
 import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
+const HELD = 250 // ms between two pictures of the map while a slider is held: the curves come first
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
 
 export function receive(chunk) {
@@ -47,6 +48,7 @@ export function follow(message) {
   begin(picture)
   Object.assign(me, { at: picture.shown, following: false, coming: null, fresh: true })
   tellState()
+  if (!painting) drawDue(performance.now()) // not an animation frame later
 }
 
 // A stored run takes the screen until the computed one is whole
@@ -207,8 +209,9 @@ const isPlayed = () => me.playing && !me.dragging && (!me.stale || me.lost || me
 // What is not on screen yet, one thing in an animation frame
 function drawDue(time) {
   const { run } = me, since = (then) => run.whole || time - then > QUIET
+  const mapDue = !me.mapped && me.begun === run.number && since(Math.max(me.mappedAt, me.bornAt))
   if (me.fresh === true && (me.begun !== run.number || since(me.freshAt))) drawFresh(time)
-  else if (!me.mapped && me.begun === run.number && since(Math.max(me.mappedAt, me.bornAt))) drawLate(time)
+  else if (mapDue && !(me.dragging && time - me.mappedAt < HELD)) drawLate(time)
   else if (moved) drawNext()
 }
 
