@@ -85,7 +85,7 @@ def _at_rest(skeleton):
     """The Skeleton of the same scene with hardly any shear: all that it takes to tell the load."""
     reach, first = BEGINNING * skeleton.scene.delta_t, skeleton.first
     scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
-    branch = Branch(0.0, reach, np.zeros((INTERVALS + 1, 0)), None)
+    branch = Branch(0.0, reach, np.linspace(0.0, 1.0, INTERVALS + 1), np.zeros((INTERVALS + 1, 0)), None)
     v = skeleton.unknowns(branch.loads)
     m = skeleton.nodes
     active = scene.profile[first : first + m] + v[:, m : 2 * m] <= scene.window_n * scene.delta_n

@@ -1,7 +1,7 @@
 """The states that describe a branch, dense towards its ends, and interpolation between them.
 
 Towards its fold, a branch moves as the root of the distance in load, and it may begin near another fold. States are
-smooth in t from 0 to 1, with load = start + (end - start) sin^2(pi t/2), and are stored at even t.
+smooth in t from 0 to 1, with load = start + (end - start) sin^2(pi t/2), where t is even at first.
 """
 
 from dataclasses import dataclass, field, replace
@@ -36,28 +36,23 @@ class Crowded(NotFollowed):
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """n + 1 states from load `start` to `end`, nm, at even t, or at uneven t.
+    """n + 1 states from load `start` to `end`, nm, at the positions t from 0 to 1.
 
     periodic: smooth sliding over one period: t is linear in the load, and v less the load is periodic.
     """
 
     start: float
     end: float
+    t: NDArray[np.float64]  # (n + 1,)
     v: NDArray[np.float64] = field(repr=False)  # (n + 1, size)
     active: Any = field(repr=False)  # bool (n + 1, m); None while a branch is made
     fold: Fold | None = field(default=None, repr=False)  # the last state, where the branch ends in one
     periodic: bool = False
-    uneven: NDArray[np.float64] | None = field(default=None, repr=False)  # t of the states, (n + 1,), if not even
 
     @property
     def intervals(self) -> int:
         """n."""
         return len(self.v) - 1
-
-    @property
-    def t(self) -> NDArray[np.float64]:
-        """t of the states, (n + 1,)."""
-        return np.linspace(0.0, 1.0, self.intervals + 1) if self.uneven is None else self.uneven
 
     @property
     def loads(self) -> NDArray[np.float64]:
@@ -81,11 +76,8 @@ class Branch:
 
     def without(self, out: NDArray[np.intp]) -> "Branch":
         """The same Branch without the states `out`."""
-        if not out.size:
-            return self
-        halved = self.uneven is None and 2 * out.size == self.intervals
-        t = None if halved else np.delete(self.t, out)
-        return replace(self, v=np.delete(self.v, out, 0), active=np.delete(self.active, out, 0), uneven=t)
+        t, v, active = (np.delete(rows, out, 0) for rows in (self.t, self.v, self.active))
+        return replace(self, t=t, v=v, active=active)
 
     def states(self, load: NDArray[np.float64], nodes: int) -> NDArray[np.float64]:
         """Unknowns (k, size) at loads (k,), the first `nodes` of which move on with the load."""

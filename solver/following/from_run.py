@@ -129,7 +129,7 @@ def _branch(scene, first, branch: TracedBranch, repeats):
     start, end, periodic = float(loads[0]), float(loads[-1]), branch.end is None and repeats
     t = (loads - start) / (end - start) if periodic else position_between(start, end, loads)
     fold = Fold.of(end, v[-1], active[-1], v[-1] - branch.at(end - BEFORE).v) if branch.end else None
-    return thinned(scene, first, Branch(start, end, v, active, fold, periodic, t))
+    return thinned(scene, first, Branch(start, end, t, v, active, fold, periodic))
 
 
 def _filled(states, step):

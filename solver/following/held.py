@@ -22,9 +22,8 @@ def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
     Raises NotFollowed where one of them is stable under its load and the other is not.
     """
     problem = Equilibrium(contact, sideways(1.0, -contact.scene.delta))
-    solver = Solver(problem)
-    with solver.within(FINE):
-        v, active = solver.state(old.v, old.active, 0.0, WHAT, FARTHEST + abs(moved) / problem.unit)
+    solver = Solver(problem, tolerance=FINE)
+    v, active = solver.state(old.v, old.active, 0.0, WHAT, FARTHEST + abs(moved) / problem.unit)
     kind = "" if _stiffens(problem, v, active) else "control"
     if old.kind is not None and bool(kind) != bool(old.kind):
         raise NotFollowed(f"{WHAT} is {'un' if kind else ''}stable under it, unlike before")

@@ -37,7 +37,7 @@ def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skele
     if (states[0][0][m:] + scene.delta).min() < (fold.v[m : 2 * m] + fold.load).min():
         raise NotFollowed("the state without contact is not found")
     v, active = (np.array(rows) for rows in zip(*states, strict=True))
-    branch = Branch(0.0, scene.spacing, v, active, periodic=True)
+    branch = Branch(0.0, scene.spacing, loads / scene.spacing, v, active, periodic=True)
     branch = refined(scene, skeleton.first, solver, branch, 1)
     return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)
 

@@ -47,9 +47,9 @@ def divided(solver: Solver, branch: Branch, where: np.ndarray, number: int) -> B
     for i, (load, k) in enumerate(zip(loads, where, strict=True)):
         gap = np.abs(branch.v[k + 1] - branch.v[k]).max() / solver.problem.unit  # within it, a state may be anywhere
         v[i], active[i] = solver.state(v[i], active[i], load, f"a state of branch {number}", max(gap, SURPRISE))
-    t = None if where.size == branch.intervals and branch.uneven is None else np.insert(branch.t, where + 1, amid)
-    v, active = np.insert(branch.v, where + 1, v, 0), np.insert(branch.active, where + 1, active, 0)
-    return replace(branch, v=v, active=active, uneven=t)
+    old, new = (branch.t, branch.v, branch.active), (amid, v, active)
+    t, v, active = (np.insert(rows, where + 1, more, 0) for rows, more in zip(old, new, strict=True))
+    return replace(branch, t=t, v=v, active=active)
 
 
 def forces_of(scene: Scene, first: int, v: np.ndarray, minor: float = 1e-2) -> tuple[np.ndarray, np.ndarray]:

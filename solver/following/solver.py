@@ -1,8 +1,5 @@
 """Solves one problem for states and folds; each solve uses the secant pairs of those before it."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import numpy as np
 
 from ..continuation.corrector import Corrector
@@ -26,10 +23,9 @@ class Solver:
     solutions.
     """
 
-    def __init__(self, problem: Problem, damping: float = 1.0) -> None:
-        """damping: of the motion, over critical."""
-        self._least = problem.tolerance
-        problem.tolerance = max(TOLERANCE, self._least)
+    def __init__(self, problem: Problem, damping: float = 1.0, tolerance: float = TOLERANCE) -> None:
+        """damping: of the motion, over critical; tolerance: of residuals, nm, unless the problem's is larger."""
+        problem.tolerance = max(tolerance, problem.tolerance)
         self.problem, self.corrector, self.damping = problem, Corrector(problem), damping
         self.moving = int(np.count_nonzero(problem.direction))
         self.secants, self._begun, self.residual = self.corrector.secants(), False, 0.0
@@ -57,15 +53,6 @@ class Solver:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
         self._check(fold.v, fold.active, fold.load, fold.residual, what)
         return fold
-
-    @contextmanager
-    def within(self, tolerance: float) -> Iterator[None]:
-        """Solve to another tolerance, nm."""
-        usual, self.problem.tolerance = self.problem.tolerance, max(tolerance, self._least)
-        try:
-            yield
-        finally:
-            self.problem.tolerance = usual
 
     def _check(self, v, active, load, residual, what):
         problem, self.residual = self.problem, max(self.residual, float(residual))

@@ -325,12 +325,12 @@ def prandtl(A, period=2.4):
     toy, q = toys.lattice((A, 0.0), period=period), 2.0 * np.pi / period
     at = np.arccos(-1.0 / (A * q)) / q
     fold = Fold.of(prandtl_fold(A), np.array([at]), np.ones(1, bool), np.ones(1), -A * q**2 * np.sin(q * at))
-    branch = Branch(0.0, fold.load, np.zeros((13, 1)), np.ones((13, 1), bool), fold)
+    branch = Branch(0.0, fold.load, np.linspace(0.0, 1.0, 13), np.zeros((13, 1)), np.ones((13, 1), bool), fold)
     v = np.zeros((13, 1))
     for i, load in enumerate(branch.loads[:-1]):
         v[i] = toy.at_rest(load, v[max(i - 1, 0)]).v if i else 0.0
     v[-1] = at
-    return toy, Branch(0.0, fold.load, v, branch.active, fold)
+    return toy, replace(branch, v=v)
 
 
 def prandtl_fold(A, period=2.4):
@@ -359,17 +359,17 @@ def test_a_fold_that_vanishes_is_said_to():
 
 def test_a_state_on_another_branch_is_refused():
     toy, old = prandtl(1.0)
-    beyond = Branch(0.0, old.end + 1.0, old.v, old.active, None)
+    beyond = replace(old, end=old.end + 1.0, fold=None)
     with pytest.raises(NotFollowed):
         moved_branch(Solver(toy), beyond, 0.0, old.end + 1.0, None, 1)
 
 
 def test_polynomials_are_interpolated_exactly_and_waves_to_the_sixth_order():
     t, at = np.linspace(0.0, 1.0, 13), np.linspace(0.0, 1.0, 41)
-    branch = Branch(0.0, 1.0, np.zeros((13, 1)), None)
+    branch = Branch(0.0, 1.0, t, np.zeros((13, 1)), None)
     assert np.abs(branch.weights_at(at) @ t**5 - at**5).max() < 1e-12
     assert np.abs(branch.weights_at(at, 1) @ t**5 - 5.0 * at**4).max() < 1e-11
     wave = lambda x: 1.0 + np.cos(2.0 * np.pi * x) - np.sin(4.0 * np.pi * x)  # noqa: E731
     for n, error in ((12, 0.02), (48, 1e-5)):  # of a quintic spline: (q h)^6/100, with q h = 4 pi/n of the shorter wave
-        branch = Branch(0.0, 1.0, np.zeros((n + 1, 1)), None, periodic=True)
+        branch = Branch(0.0, 1.0, np.linspace(0.0, 1.0, n + 1), np.zeros((n + 1, 1)), None, periodic=True)
         assert np.abs(branch.weights(at) @ wave(branch.t) - wave(at)).max() < error
