@@ -233,7 +233,7 @@ class _Arc:
         """The end before the Point `after`, whose `mode` grows: a fold if there is one, else where it sets in."""
         older = [p for p in points if p.load < after.load and p.v is not after.v]
         # a real mode grows beyond a fold, and the arc may have passed that to a point of higher load
-        if fold is None and older and mode.kind != "flutter" and not mode.hidden:
+        if fold is None and older and mode.kind != "flutter":
             passed = self._fold_between([after, *older])
             if passed is not None:
                 return self._at_fold(passed, older)

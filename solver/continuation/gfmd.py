@@ -36,10 +36,9 @@ class Gfmd:
         """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
         while True:
             v, active, residual = self._settled(state, target)
-            if self.problem.grown(v, active, target) is None:
+            if not self.problem.crowded(v, active, target):
                 break
-            self.problem, v, active = self.problem.grown(state.v, state.active, state.load, True)
-            state = State.at_rest(state.load, v, active)
+            self.problem, state = state.on_wider(self.problem)
         after = State.at_rest(target, v, active, residual=residual)
         slip = End(state.load, state.v, state.active, None, "lost", after=after)
         return Increment(after, (slip,) if slipped(self.problem, state, target, after) else ())

@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .problem import Problem
 from .slip import OPTIONS as SLIP
 from .slip import TooLong, Transient, Trial
-from .state import Crowded, End, NotConverged, State
+from .state import Crowded, NotConverged, State
 
 
 @dataclass(frozen=True)
@@ -59,11 +58,14 @@ def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landin
     # where all nodes are alike, a wave grows on the way only from a disturbance
     if landing.sensitive or not problem.alike(end.v):
         return landing
-    wide, state = (problem, end), landing.state
+    wide, state = problem, landing.state
     if problem.uniform:
-        wide = widened(problem, end)
-        state = state._replace(v=problem.grown(state.v, state.active, state.load, True)[1])
-    return landing._replace(sensitive=not _same(problem, state, _tried(motion, *wide, FINE[0])))
+        wide = problem.wider()
+        begun, _ = wide.adopted(problem, end.v + end.away, end.active, end.load)
+        v, active = wide.adopted(problem, end.v, end.active, end.load)
+        end = end._replace(v=v, active=active, away=begun - v)
+        state = state._replace(v=wide.adopted(problem, state.v, state.active, state.load)[0])
+    return landing._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, FINE[0])))
 
 
 def _repeated(motion, problem, end, state):
@@ -107,13 +109,6 @@ def _same(problem, state, other):
     if other is None:
         return False
     return bool(np.abs(other.v - state.v).max() <= OPTIONS.same * problem.unit + 2.0 * abs(other.load - state.load))
-
-
-def widened(problem, end) -> tuple[Problem, End]:
-    """(problem of more unknowns, the same End of it)."""
-    wide, v, active = problem.grown(end.v, end.active, end.load, True)
-    begun = problem.grown(end.v + end.away, end.active, end.load, True)[1]
-    return wide, end._replace(v=v, active=active, away=begun - v)
 
 
 def _moved(problem, end, trial, **how):

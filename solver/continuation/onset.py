@@ -32,7 +32,6 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
 
     older: Points of the branch of `state` before it, newest first; not all of them have been judged.
     """
-    hidden = mode.hidden  # where its growth is zero, a mode no longer shows it
 
     def judged(point, mode):
         return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode, corrector.inverse))
@@ -49,7 +48,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     x, unit = end.mode.x, corrector.problem.unit
     away = x * np.copysign(START * unit, dot(x, after.v - older[0].v))  # the way the state moves
     away = away / max(np.abs(x).max(), 1e-300)
-    return End(end.point.load, end.point.v, state.active, away, end.mode.kind, hidden)
+    return End(end.point.load, end.point.v, state.active, away, end.mode.kind)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):

@@ -91,8 +91,14 @@ class Problem(Protocol):
     def preconditioner(self, v, active) -> Callable | None:
         """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
 
-    def grown(self, v, active, s, hidden=False) -> tuple | None:
-        """(problem, v, active) with more unknowns if they are needed, or if `hidden`; else None."""
+    def crowded(self, v, active, s) -> bool:
+        """Whether the state v needs more unknowns."""
+
+    def wider(self) -> "Problem":
+        """The same problem in more unknowns."""
+
+    def adopted(self, problem, v, active, s) -> tuple:
+        """(v, active) of a state of a `problem` of no more unknowns in those of this one."""
 
     @property
     def uniform(self) -> bool:

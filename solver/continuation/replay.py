@@ -32,8 +32,8 @@ class Replay:
                 return repeated
             trace = Trace.of(state)
         done = self.stepper.increment(state, target)
-        if done.state.v.size > trace.size:
-            trace = trace.grown(before, done.state.v.size)
+        if self.problem is not before:
+            trace = trace.adopted(self.problem, before)
         trace = trace.extended(done)
         if done.slips and all(slip.located for slip in done.slips):
             trace = trace.closed(self.problem, self.spacing)

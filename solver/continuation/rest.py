@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .inverse import Inverse, Space
+from .state import Crowded
 
 ROUND_OFF = 1e-9  # of the largest eigenvalue: with a smaller imaginary part, from round-off, one counts as real
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
@@ -53,15 +54,11 @@ OPTIONS = RestOptions()
 
 @dataclass(frozen=True)
 class Mode:
-    """The disturbance x of an equilibrium that grows fastest; the next search starts from it.
-
-    hidden: a wave grows that one node for all cannot show; x is then the uniform mode.
-    """
+    """The disturbance x of an equilibrium that grows fastest; the next search starts from it."""
 
     growth: float  # 1/time
     mu: complex  # GPa/nm
     x: np.ndarray | None  # (size,)
-    hidden: bool = False
     basis: tuple = ()  # of (x (N,), K x), disturbances near zero
     v: np.ndarray | None = None  # (size,) the state that was searched
     margin: float = 0.0  # distance from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J in the basis
@@ -78,7 +75,10 @@ class Mode:
 
 
 class Judge:
-    """Judges the states of a run, under a motion of that damping over critical; keeps only scratch."""
+    """Judges the states of a run, under a motion of that damping over critical; keeps only scratch.
+
+    Raises Crowded where a wave grows that one node for all cannot show.
+    """
 
     def __init__(self, damping, options: RestOptions = OPTIONS):
         self.damping, self.options, self._scratch = damping, options, None
@@ -117,7 +117,7 @@ class Judge:
         space, inverse = self._emptied(problem, linearised, smooth)
         zero = _NearZero(friction, options.radius * 0.25 * critical**2, self._scale(problem), fine, options)
         growth, mu, x, basis, margin = _search(linearised, inverse, space, last.basis if last else (), zero)
-        return Mode(growth, mu, linearised.seen(x), False, basis, v, margin)
+        return Mode(growth, mu, linearised.seen(x), basis, v, margin)
 
     def _emptied(self, problem, linearised, smooth):
         """An empty Space and Inverse for this equilibrium, in memory used again."""
@@ -167,13 +167,14 @@ def _of_waves(linearised, mu, shown, friction):
     rates = rate(mu, friction)
     fastest = np.unravel_index(np.argmax(rates), mu.shape)
     growth, x = float(rates[fastest]), shown(*fastest)
-    hidden = x is None and growth > UNSTABLE
     if x is None:
+        if growth > UNSTABLE:
+            raise Crowded("one node cannot show the wave that grows")
         x = shown(int(np.argmax(rates[:, 0])), 0)
     fastest = complex(mu[fastest])
     if abs(fastest.imag) <= ROUND_OFF * np.abs(mu).max():
         fastest = complex(fastest.real)
-    return Mode(growth, fastest, linearised.seen(_largest_phase(x)), hidden)
+    return Mode(growth, fastest, linearised.seen(_largest_phase(x)))
 
 
 class _NearZero(NamedTuple):

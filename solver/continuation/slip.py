@@ -145,12 +145,12 @@ class Transient:
         for _ in range(self.options.steps):
             self.motion.advance(self.active, 1)
             v = self.dynamics.unknowns(self.motion.y)
-            if np.abs(v - self.film[-1][1]).max() > least:
+            if np.abs(v - self.film[-1][0]).max() > least:
                 self._filmed(v, self.active, self.load)
 
     def _filmed(self, v, active, load):
         if self.film is not None:
-            self.film.append((self.problem, v, active, load))
+            self.film.append((v, active, load))
 
     def look(self) -> None:
         """Update the state, and the nodes within the window."""
@@ -163,7 +163,7 @@ class Transient:
         if changed.any():
             self._changes += changed
             self.active = np.where(self._changes > self.options.come_and_go, self.active, now)
-            if self.problem.grown(self.v, self.active, self.load) is not None:
+            if self.problem.crowded(self.v, self.active, self.load):
                 raise Crowded("the motion needs a wider patch")
         self.starting = self._near_end(self.v)
 
@@ -207,7 +207,7 @@ class Transient:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
         self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
-        if not (self.mode.rests or self.mode.hidden):
+        if not self.mode.rests:
             return None
         solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
         return State.at_rest(self.load, v, active, **solved)

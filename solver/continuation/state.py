@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .anderson import Secants
-from .rest import Mode
 
 if TYPE_CHECKING:
+    from .rest import Mode
     from .trace import Trace
 
 MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
@@ -26,7 +26,7 @@ class OutOfTime(NotConverged):
 
 
 class Crowded(NotConverged):
-    """A transient needs more unknowns than the problem has; it is repeated with more."""
+    """A state, or a mode that grows, needs more unknowns than the problem has: the increment is repeated with more."""
 
 
 class PulledOff(NotConverged):
@@ -42,12 +42,12 @@ class State(NamedTuple):
     past: list  # [(load, v)] on this branch, newest first, this one included
     secants: Secants | None = None
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
-    mode: Mode | None = None  # the one that grows fastest, as judged last
+    mode: "Mode | None" = None  # the one that grows fastest, as judged last
     # True after the load control or the parameters changed: check stability, and let the state relax, before continuing
     unsure: bool = False
     trace: "Trace | None" = None  # of this load step; kept by `replay.Replay`
     residual: float = np.inf  # nm
-    film: tuple = ()  # ((problem, v, active, load), ...) of the motion that led here, end of the branch included
+    film: tuple = ()  # ((v, active, load), ...) of the motion that led here, end of the branch included
 
     @staticmethod
     def at_rest(load, v, active, **more) -> "State":
@@ -59,6 +59,12 @@ class State(NamedTuple):
         """The state in which only the load acts on the unknowns."""
         v = problem.undeformed(load)
         return State.at_rest(load, v, problem.active(v, load))
+
+    def on_wider(self, problem) -> tuple:
+        """(the same problem in more unknowns, the State in these); the next increment begins without its past."""
+        wide = problem.wider()
+        at = self.load, *wide.adopted(problem, self.v, self.active, self.load)
+        return wide, State.at_rest(*at, unsure=self.unsure)
 
 
 def slipped(problem, before, load, after) -> bool:
@@ -73,8 +79,8 @@ class End(NamedTuple):
 
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
     real mode does, but not at a fold; "control", where another load takes over under which the state is unstable;
-    "lost", where the branch could not be continued: the transient decides if it ends. hidden: as of `rest.Mode`;
-    sensitive: as of `landing.Landing`.
+    "lost", where the branch could not be continued: the transient decides if it ends. sensitive: as of
+    `landing.Landing`.
     """
 
     load: float  # nm
@@ -82,7 +88,6 @@ class End(NamedTuple):
     active: np.ndarray
     away: np.ndarray | None  # (size,): the transient starts from rest at v + away; None once it has come to rest
     kind: str
-    hidden: bool = False
     after: State | None = None  # at rest again; None in a Trace, which has it as the first of the next branch
     sensitive: bool = False
 

@@ -95,11 +95,6 @@ class Trace:
         return Trace((TracedBranch((_passed(state),)),))
 
     @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return self.branches[0].states[0].v.size
-
-    @property
     def end(self) -> float:
         """Load of the last slip, nm."""
         return self.branches[-1].end.load
@@ -117,18 +112,11 @@ class Trace:
         k = self.branches.index(branch)
         return Trace((*self.branches[:k], branch.added(state), *self.branches[k + 1 :]), self.period, self.home)
 
-    def grown(self, problem, size: int) -> "Trace":
-        """In more unknowns, `size`, of a problem grown from that of the trace."""
-
-        def wide(state):
-            at, (load, v, active) = problem, state
-            while v.size < size:
-                at, v, active = at.grown(v, active, load, True)
-            return Passed(load, v, active)
-
+    def adopted(self, wide, problem) -> "Trace":
+        """In the unknowns of a problem `wide`, which has more of them than the `problem` of the trace."""
         branches = []
         for branch in self.branches:
-            states = tuple(map(wide, branch.states))
+            states = tuple(Passed(s, *wide.adopted(problem, v, active, s)) for s, v, active in branch.states)
             end = branch.end and branch.end._replace(v=states[-1].v, active=states[-1].active)
             branches.append(TracedBranch(states, end))
         return replace(self, branches=tuple(branches))

@@ -82,7 +82,7 @@ def _guess(scene, first, trace: Trace, jumps):
     if len(branches) > MOST:
         raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
     made = tuple(_branch(scene, first, branch, bool(sites)) for branch in branches)
-    folds = _jumps(scene, jumps, m)
+    folds = _jumps(scene, jumps, first, m)
     return Skeleton(scene, first, made, home, sites, folds or (), folds is None, held=held), branches
 
 
@@ -143,17 +143,14 @@ def _filled(states, step):
     return (begin, *between, *states[1:])
 
 
-def _jumps(scene, jumps, m):
-    """Guesses of the Folds of the approach, of a patch of m nodes; None where one is not a fold."""
-    folds = []
+def _jumps(scene, jumps, first, m):
+    """Guesses of the Folds of the approach on the patch of m nodes from `first` on; None where one is not a fold."""
+    if any(slip.kind != "fold" for slip, _ in jumps):
+        return None
+    folds, approach = [], Equilibrium(Contact(scene, first, m), vertical(1.0))
     for slip, patch in jumps:
-        v, active = slip.v, slip.active
         problem = Equilibrium(Contact(scene, *patch), vertical(1.0))
-        while problem.nodes < m:
-            problem, v, active = problem.grown(v, active, slip.load, True)
-        if slip.kind != "fold":
-            return None
-        folds.append(Fold(slip.load, v, active, None))
+        folds.append(Fold(slip.load, *approach.adopted(problem, slip.v, slip.active, slip.load), None))
     return tuple(folds)
 
 

@@ -14,14 +14,12 @@ from .skeleton import Held, Skeleton
 
 def widened(skeleton: Skeleton) -> Skeleton:
     """The same Skeleton with more nodes."""
-    scene = skeleton.scene
+    scene, held = skeleton.scene, skeleton.held
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     given, approach = Equilibrium(contact, sideways(1.0, -scene.delta)), Equilibrium(contact, vertical(1.0))
-    shear = given if skeleton.held is None else Equilibrium(contact, sideways(1.0, 0.0), skeleton.pressure)
-    held = skeleton.held
+    shear = given if held is None else Equilibrium(contact, sideways(1.0, 0.0), skeleton.pressure)
     if held is not None:
-        v, active = _state(given, held.v, held.active, 0.0)
-        held = Held(v, active, held.kind)
+        held = Held(*given.wider().adopted(given, held.v, held.active, 0.0), held.kind)
     return replace(
         skeleton,
         first=contact.wider().first,
@@ -32,21 +30,17 @@ def widened(skeleton: Skeleton) -> Skeleton:
     )
 
 
-def _state(problem, v, active, load):
-    """(v, active) with more nodes."""
-    return problem.grown(v, active, load, True)[1:]
-
-
 def _branch(problem, branch: Branch) -> Branch:
-    states = [_state(problem, *each) for each in zip(branch.v, branch.active, branch.loads, strict=True)]
+    wide = problem.wider()
+    states = [wide.adopted(problem, *each) for each in zip(branch.v, branch.active, branch.loads, strict=True)]
     v, active = (np.array(rows) for rows in zip(*states, strict=True))
     return replace(branch, v=v, active=active, fold=branch.fold and _fold(problem, branch.fold))
 
 
 def _fold(problem, fold: Fold) -> Fold:
     """The Fold with more nodes, which do not move along phi: it is only a guess of the next phi."""
-    m, wide = problem.nodes, problem.contact.wider()
-    before = problem.contact.first - wide.first
-    phi = np.pad(fold.phi[: 2 * m].reshape(2, m), [(0, 0), (before, wide.size - m - before)]).ravel()
-    v, active = _state(problem, fold.v, fold.active, fold.load)
+    m, wide = problem.nodes, problem.wider()
+    before = problem.contact.first - wide.contact.first
+    phi = np.pad(fold.phi[: 2 * m].reshape(2, m), [(0, 0), (before, wide.nodes - m - before)]).ravel()
+    v, active = wide.adopted(problem, fold.v, fold.active, fold.load)
     return replace(fold, v=v, active=active, phi=np.append(phi, fold.phi[2 * m :]), psi=None)

@@ -6,6 +6,7 @@ from ..continuation.corrector import Corrector
 from ..continuation.fold import Fold, FoldOptions, fold_near
 from ..continuation.problem import Problem
 from ..continuation.rest import Judge
+from ..continuation.state import Crowded as HiddenWave
 from ..continuation.state import State
 from .branch import TOLERANCE, Crowded, NotFollowed
 
@@ -56,7 +57,10 @@ class Solver:
 
     def _check(self, v, active, load, residual, what):
         problem, self.residual = self.problem, max(self.residual, float(residual))
-        if problem.grown(v, active, load) is not None:
+        if problem.crowded(v, active, load):
             raise Crowded(f"{what} needs a wider patch")
-        if problem.size <= FEW and Judge(self.damping).rightmost(problem, v, active).hidden:
-            raise NotFollowed(f"a wave grows at {what}")
+        if problem.size <= FEW:
+            try:
+                Judge(self.damping).rightmost(problem, v, active)
+            except HiddenWave:
+                raise NotFollowed(f"a wave grows at {what}") from None

@@ -53,10 +53,6 @@ class Equilibrium:
         """Whether one node stands for all."""
         return self.contact.uniform
 
-    def on(self, contact) -> "Equilibrium":
-        """The same problem on another patch."""
-        return Equilibrium(contact, self.loading, self.pressure)
-
     def surface(self, v) -> np.ndarray:
         """u (2, m) nm, a view of v."""
         return v[: 2 * self.nodes].reshape(2, self.nodes)
@@ -139,21 +135,24 @@ class Equilibrium:
         x, z = self.surface(w)
         return self.contact.pressure(J[2] * x + J[3] * z)
 
-    def grown(self, v, active, s, hidden=False) -> tuple | None:
-        """(the problem on a wider patch, v, active there) where a node outside may interact, else None.
+    def crowded(self, v, active, s) -> bool:
+        """Whether a node outside the patch may interact."""
+        contact = self.contact
+        if contact.crowded(active):
+            return True
+        return contact.summits_outside and contact.overlooked(self.everywhere(v, active, s)[1])
 
-        hidden: grow in any case, as a wave grows that one node for all cannot show.
-        """
-        contact, more = self.contact, hidden or self.contact.crowded(active)
-        if not more and not contact.summits_outside:
-            return None
-        u = self.everywhere(v, active, s)
-        if not more and not contact.overlooked(u[1]):
-            return None
-        wide, among = contact.wider(), np.zeros(contact.count, bool)
-        among[contact.part] = active
-        u, among = np.broadcast_to(u, (2, wide.nodes)), np.broadcast_to(among, wide.nodes)
-        return self.on(wide), np.append(u[:, wide.part], v[2 * self.nodes :]), among[wide.part].copy()
+    def wider(self) -> "Equilibrium":
+        """The same problem on a wider patch."""
+        return Equilibrium(self.contact.wider(), self.loading, self.pressure)
+
+    def adopted(self, problem, v, active, s) -> tuple[np.ndarray, np.ndarray]:
+        """(v, active) on this patch of a state of the same `problem` on a patch within it."""
+        u, among = problem.everywhere(v, active, s), np.zeros(problem.contact.count, bool)
+        among[problem.contact.part] = active
+        u, among = np.broadcast_to(u, (2, self.contact.nodes)), np.broadcast_to(among, self.contact.nodes)
+        part = self.contact.part
+        return np.append(u[:, part], v[2 * problem.nodes :]), among[part].copy()
 
     def sites(self, v, w) -> float:
         """By how many sites of the lattice the node that moves farthest along it lies elsewhere in w than in v."""

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from ..continuation.quasistatic import QuasiStatic
-from ..continuation.state import NotConverged, State
+from ..continuation.state import Increment, NotConverged, State
 from ..mechanics.contact import Contact
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
@@ -41,12 +41,14 @@ def through(
     problem.contact.observe = deadline(limit)
     stepper = QuasiStatic(problem, scene.damping, closed_stiffness(scene), filmed=True)
     try:
-        first = stepper.increment(begin.state, start)
-        done = stepper.increment(first.state, load)
+        done, states = Increment(begin.state), []
+        for target in (start, load):
+            done = stepper.increment(done.state, target)
+            states += [(stepper.problem, *state) for slip in done.slips for state in slip.after.film]
     except NotConverged as failure:
         raise with_remedy(failure, scene, step, load) from None
     moving = []
-    for problem, v, active, load in _evenly([s for slip in (*first.slips, *done.slips) for s in slip.after.film], most):
+    for problem, v, active, load in _evenly(states, most):
         residual = problem.residual(v, active, load, np.empty(v.size))
         moving.append(frame_of(scene, problem, State.at_rest(load, v, active), stage, 1, residual))
     return moving, frame_of(scene, stepper.problem, done.state, stage, 1, done.residual)

@@ -36,8 +36,14 @@ class Toy:
     def preconditioner(self, v, active):
         return None
 
-    def grown(self, v, active, s, hidden=False):
-        return None
+    def crowded(self, v, active, s):
+        return False
+
+    def wider(self):
+        return self
+
+    def adopted(self, problem, v, active, s):
+        return v, active
 
     def sites(self, v, w):
         return 0.0  # no lattice

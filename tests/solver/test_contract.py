@@ -191,7 +191,8 @@ def test_a_force_is_answered_by_the_disturbance_that_bears_it(problem):
 def test_more_unknowns_hold_the_same_state(name):
     problem = PROBLEMS[name]()
     v, active = state(problem)
-    wide, w, more = problem.grown(v, active, S, hidden=True)
+    wide = problem.wider()
+    w, more = wide.adopted(problem, v, active, S)
     assert wide.size > problem.size and more.sum() >= active.sum()
     assert np.abs(wide.surface(w)).max() >= np.abs(problem.surface(v)).max()
     assert wide.direction.size == wide.size == w.size
