@@ -123,11 +123,9 @@ def _html(doc, files):
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
     }
-    template = (
-        (HERE / "html" / "page.html")
-        .read_text(encoding="utf-8")
-        .replace("<!-- pages -->", "".join(map(pages.section, pages.listed())))
-    )
+    page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
+    sections = "".join(map(pages.section, pages.listed()))
+    template = page.replace("<!-- pages -->", sections).replace("<!-- dialogs -->", dialogs)
     return html_page_for_render_items((script, ""), {}, [item], TITLE, template, values | pages.variables())
 
 

@@ -1,6 +1,7 @@
 """The pages beside the experiment, without a browser: what they show, and that a closed page costs nothing."""
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,17 @@ from app.pages.law import page as law
 from app.service import tasks
 from solver import Scene
 from solver.mechanics import cohesive_law
+
+APP = Path(pages.__file__).parents[1]
+LONGEST = 120  # characters of a line, as ruff holds for Python
+
+
+@pytest.mark.parametrize("kind", ["js", "css", "html"])
+def test_lines_of_scripts_styles_and_templates_have_at_most_120_characters(kind):
+    files = list(APP.rglob(f"*.{kind}"))
+    assert files
+    lines = [(path.name, line) for path in files for line in path.read_text(encoding="utf-8").splitlines()]
+    assert not [(name, line) for name, line in lines if len(line) > LONGEST]
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     page = visit("?tour=2&view=hero")
     asked(page)
     assert "2 of 7: The edges" in page.locator("#tour-card").inner_text()
-    assert page.evaluate("punch.drawn === punch.run.sheared && punch.status.preset") == "fig7-case2"
+    page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
     hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
     assert hidden["width"] > 0.8 * view["width"] - 90
     # nothing but the question: neither words nor a preset's name answer it beforehand

@@ -12,16 +12,19 @@ export const closed = () => { law = null }
 
 export function frame(run, k) {
   if (!law) return
-  const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.headOf(k) // which may be another than that of the law
+  // which may be another than that of the law
+  const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.headOf(k)
   const a = law.spacing, phi_t = phi_ratio * phi_n, nodes = run.frame(k), { x, gap, T_n, T_t } = nodes
   const s = new Float32Array(x.length), shear = new Float32Array(x.length), normal = new Float32Array(x.length)
   for (let i = 0; i < x.length; i++) {
     const place = x[i] + middle
     s[i] = place - a * Math.round(place / a)
-    const left = (1 + law.opening * gap[i] / delta_n) * Math.exp(-gap[i] / delta_n) // of the tangential traction at gap 0
+    // of the tangential traction at gap 0
+    const left = (1 + law.opening * gap[i] / delta_n) * Math.exp(-gap[i] / delta_n)
     shear[i] = phi_t > 0 && Math.abs(left) > FAINT ? (T_t[i] * delta_t) / (phi_t * left) : NaN
     let sum = 0
-    for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++) sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
+    for (let j = Math.ceil((s[i] - 5 * delta_t) / a); j * a <= s[i] + 5 * delta_t; j++)
+      sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
     normal[i] = (T_n[i] * delta_n) / phi_n / sum
   }
   const stateOf = (i) => (nodes.state(i) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip")

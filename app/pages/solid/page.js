@@ -3,7 +3,9 @@
 import { set } from "../../static/js/bokeh.js"
 import { nice, rampIn, shades } from "../../static/js/colours.js"
 import { by, on } from "../../static/js/dom.js"
-import { extent, figures, fillImage, painted as together, parts, tellLimits, tellStretch } from "../../static/js/figures.js"
+import {
+  extent, figures, fillImage, painted as together, parts, tellLimits, tellStretch,
+} from "../../static/js/figures.js"
 import { APART, mean, middles, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
 import { me } from "../../static/js/state.js"
 
@@ -22,7 +24,8 @@ const FIELDS = { // of sums over weights, and the scene; GPa
 }
 
 export function frame(run, k) {
-  const scene = run.headOf(k).scene, half = figures.punch.x_range.end, depth = Math.min(half, scene.height * scene.width)
+  const scene = run.headOf(k).scene, half = figures.punch.x_range.end
+  const depth = Math.min(half, scene.height * scene.width)
   const quantity = by("solid-quantity").value, key = [run.number, k, half, quantity].join()
   const table = key !== drawn && tableFor(scene, { rows: ROWS, modes: Math.min(MODES, scene.nodes >> 1), depth })
   if (!table) return

@@ -11,7 +11,8 @@ const REST = 250 // ms for which an increment must be looked at before the addre
 const LARGEST = 1e6
 
 let written = null // the scene in the address, as text; null before it is known to be that of the status
-let hand = { name: "", at: -BURST, written: true } // what it changed last, when, whether the address has something of this move
+// what it changed last, when, whether the address has something of this move
+let hand = { name: "", at: -BURST, written: true }
 let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
 let resting = 0, goto = null, showAddressed = null
 let wanted = asked() // the increment to go to once the run is there
@@ -45,7 +46,8 @@ export function writeAddress() {
   const { address } = me.status, text = JSON.stringify(address)
   if (text === written) return
   const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.written
-  const push = written !== null && !sameMove && !["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
+  const push = written !== null && !sameMove
+    && !["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
   if (push) top = ++entry
   readdress((now) => {
     for (const name of sceneNames()) now.delete(name)
@@ -80,7 +82,8 @@ export function restore(scene, k = null) {
   order("restore", scene)
 }
 
-const VIEWED = ["theme", "embed", "tour", "view", "pin", "force"] // beside the scene: going back leaves them as they are
+// beside the scene: going back leaves them as they are
+const VIEWED = ["theme", "embed", "tour", "view", "pin", "force"]
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
@@ -105,7 +108,8 @@ function drawn(run, k) {
   const url = new URLSearchParams(location.search)
   clearTimeout(resting)
   if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
-  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || run.followed || me.status.state === "refining") return
+  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || run.followed
+    || me.status.state === "refining") return
   resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
 }
 

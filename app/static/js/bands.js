@@ -1,4 +1,5 @@
-// Under the punch, over the same places: the tractions as two bands, so that what holds and what slips is seen where it happens.
+// Under the punch, over the same places: the tractions as two bands, so that what holds and what slips is seen where it
+// happens.
 
 import { frameBox } from "./bokeh.js"
 import { isShown } from "./colours.js"
@@ -14,9 +15,15 @@ export function drawBands(run, k) {
   if (!pen) return
   const { x, T_n, T_t } = run.frame(k), ink = inks(), { start, end } = figures.punch.x_range
   const row = 1.35 * size(), high = canvas.clientHeight - row - 4
-  const normal = { of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering], says: ["pushes apart", "pulls together"] }
-  const shear = { of: T_t, up: Math.max(run.T_out, LEAST), low: run.T_back, inks: [ink.shear, ink.shear], says: ["holds back", ""] }
-  const bands = [normal, shear], scale = (high - bands.length * GAP) / (normal.up - normal.low + shear.up - shear.low) // of both the same
+  const normal = {
+    of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering],
+    says: ["pushes apart", "pulls together"],
+  }
+  const shear = {
+    of: T_t, up: Math.max(run.T_out, LEAST), low: run.T_back, inks: [ink.shear, ink.shear], says: ["holds back", ""],
+  }
+  // of both the same
+  const bands = [normal, shear], scale = (high - bands.length * GAP) / (normal.up - normal.low + shear.up - shear.low)
   const view = { pen, ink, box }
   let top = 0
   for (const band of bands) {
@@ -42,7 +49,9 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
   })
   const view = { pen, ink, box }
   if (high < 2 * size()) return
-  if (!says[1] || of.some((T) => T > 0)) write(view, says[0], box.left + 8, Math.max(0.6 * size(), Y(0) - 0.75 * size()), { of: over, align: "left", scale: 0.95 })
+  if (!says[1] || of.some((T) => T > 0))
+    write(view, says[0], box.left + 8, Math.max(0.6 * size(), Y(0) - 0.75 * size()),
+      { of: over, align: "left", scale: 0.95 })
   if (says[1]) write(view, says[1], box.left + 8, Y(0) + 1.15 * size(), { of: under, align: "left", scale: 0.95 })
 }
 

@@ -42,7 +42,8 @@ function dataOf(source) {
   return source.data
 }
 
-// {x, y} of the points of a curve, of dots or of texts, then with these as `said`, or {image, rows, columns, x, y, dw, dh} of an image; null of anything else
+// {x, y} of the points of a curve, of dots or of texts, then with these as `said`, or {image, rows, columns, x, y, dw,
+// dh} of an image; null of anything else
 export function drawnBy(renderer) {
   if (!renderer.data_source) return null
   const data = dataOf(renderer.data_source), { x, y } = renderer.glyph
@@ -59,11 +60,12 @@ export function image(renderer, values, shape) {
   return [new array(values, shape)]
 }
 
-// What Bokeh does with the page's styles at every painting, and nothing comes of: for each colour, font and width it asks
-// for a style of the page that goes first (--bk-*, of which there are none here), and for each thing drawn it writes the
-// same style sheet anew, so that all styles are worked out again. Together that was most of a painting.
-// It also leaves half a pixel at the top and the left as it was, and strokes the ticks painted last with the outline.
-const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary" // methods of a visual, a style sheet, a plot
+// What Bokeh does with the page's styles at every painting, and nothing comes of: for each colour, font and width it
+// asks for a style of the page that goes first (--bk-*, of which there are none here), and for each thing drawn it
+// writes the same style sheet anew, so that all styles are worked out again. Together that was most of a painting. It
+// also leaves half a pixel at the top and the left as it was, and strokes the ticks painted last with the outline.
+// methods of a visual, a style sheet, a plot
+const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary"
 let unburdened = false
 function prepare(view) {
   skip(view)
@@ -99,8 +101,8 @@ function own(object, method) {
 }
 
 // Bokeh paints a change in the next animation frame, once per figure. This resolves in that frame, after Bokeh: a task
-// comes after the promises in which Bokeh takes data in. (`view.ready` would do, but it never resolves again once a late
-// timer has made Bokeh's throttle drop a promise, as happens on a busy machine.)
+// comes after the promises in which Bokeh takes data in. (`view.ready` would do, but it never resolves again once a
+// late timer has made Bokeh's throttle drop a promise, as happens on a busy machine.)
 export const bokehPainted = () => new Promise((resolve) => setTimeout(() => requestAnimationFrame(resolve)))
 
 // The colour of what a renderer, a band or a line draws

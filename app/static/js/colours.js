@@ -10,7 +10,8 @@ export function readAgain() {
   shown = new WeakMap()
 }
 
-export const colour = (name) => (read[name] ??= getComputedStyle(document.documentElement).getPropertyValue(name).trim())
+export const colour = (name) =>
+  (read[name] ??= getComputedStyle(document.documentElement).getPropertyValue(name).trim())
 
 export function isShown(element) {
   if (!shown.has(element)) shown.set(element, element.checkVisibility())
@@ -19,8 +20,8 @@ export function isShown(element) {
 
 export const theme = () => document.documentElement.dataset.theme
 
-// Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a whole
-// number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
+// Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a
+// whole number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
 export function shades(low, high, [below, above] = ["pull", "push"], ends = rampIn(document.documentElement)) {
   const step = Math.max(Math.min(-low, high) / SHADES, (high - low) / MOST)
   const ramp = (name, end) => {
@@ -31,11 +32,13 @@ export function shades(low, high, [below, above] = ["pull", "push"], ends = ramp
     return Array.from({ length: Math.ceil(end / step - 1e-9) }, (_, i) => shade(i))
   }
   const under = ramp(below, -low), over = ramp(above, high)
-  return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over], nan_color: "rgba(0,0,0,0)" }
+  return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over],
+    nan_color: "rgba(0,0,0,0)" }
 }
 
 // [from, to] of a ramp as an element of the page has it
-export const rampIn = (element) => (name) => [0, 1].map((end) => digits(getComputedStyle(element).getPropertyValue(`--${name}-${end}`).trim()))
+export const rampIn = (element) => (name) =>
+  [0, 1].map((end) => digits(getComputedStyle(element).getPropertyValue(`--${name}-${end}`).trim()))
 const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
 
 // The next larger number of one digit or so

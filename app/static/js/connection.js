@@ -1,5 +1,6 @@
-// The connection with the server. Once it is lost, changes of the scene wait, and pages are locked; when the server answers
-// the page is loaded again as it was: parameters and what was asked for since in its address, the increment shown beside it.
+// The connection with the server. Once it is lost, changes of the scene wait, and pages are locked; when the server
+// answers the page is loaded again as it was: parameters and what was asked for since in its address, the increment
+// shown beside it.
 
 import { silence, waiting } from "./channel.js"
 import { by } from "./dom.js"
@@ -12,7 +13,8 @@ const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there
 const DEAF = 12000 // ms: it is, but this page is not heard any more
 const PATIENCE = 3000 // ms it has to say so
-const PAUSES = [500, 1000, 2000] // ms between attempts, the last again and again: a class must not wait long, nor a server be stormed
+// ms between attempts, the last again and again: a class must not wait long, nor a server be stormed
+const PAUSES = [500, 1000, 2000]
 const AS_IT_WAS = "as it was"
 
 export function connect() {
@@ -41,7 +43,8 @@ async function answers() {
 async function lost() {
   if (me.lost) return
   me.lost = true
-  for (const button of document.querySelectorAll("nav button, [data-ask]")) button.disabled = true // the server makes pages
+  // the server makes pages
+  for (const button of document.querySelectorAll("nav button, [data-ask]")) button.disabled = true
   checkTruth()
   let attempts = 0
   do await pause(PAUSES[attempts++] ?? PAUSES.at(-1))
@@ -52,7 +55,8 @@ async function lost() {
 // So many ms, or until the visitor wants it now
 const pause = (time) => new Promise((go) => {
   setTimeout(go, time)
-  warn("Connection lost:", "you can play and scrub; what you change takes effect when the server answers. Trying again … ", go)
+  warn("Connection lost:",
+    "you can play and scrub; what you change takes effect when the server answers. Trying again … ", go)
 })
 
 // The scene last told by the server, then what was asked for since

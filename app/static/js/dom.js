@@ -5,7 +5,8 @@ export const on = (id, event, call) => by(id).addEventListener(event, call)
 export const minus = (text) => `${text}`.replace("-", "−")
 export const digits = (value, count = 3) => minus(Number(value.toPrecision(count)))
 export const fixed = (value, places) => minus((Math.round(value * 10 ** places) / 10 ** places).toFixed(places))
-export const newtons = (force) => (Math.abs(force) < 0.1 ? `${digits(1000 * force)} mN/m` : `${digits(force)} N/m`) // per depth
+// per depth
+export const newtons = (force) => (Math.abs(force) < 0.1 ? `${digits(1000 * force)} mN/m` : `${digits(force)} N/m`)
 
 // Where in a list the number nearest to a value is
 export const closest = (list, value) => (
@@ -35,7 +36,8 @@ export const lastSearch = () => written // what it said before the browser went 
 export function readdress(change, state = history.state, push = false) {
   const address = new URL(location.href)
   change(address.searchParams)
-  if (push || address.href !== location.href || state !== history.state) history[push ? "pushState" : "replaceState"](state, "", address)
+  if (push || address.href !== location.href || state !== history.state)
+    history[push ? "pushState" : "replaceState"](state, "", address)
   written = address.search
 }
 

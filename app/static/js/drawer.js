@@ -10,7 +10,8 @@ export function openDrawer() {
   if (!connected) connect()
   if (by("drawer").open) by("drawer").close()
   else by("drawer").show()
-  if (by("drawer").open && matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView() // where it is in sight
+  // where it is in sight
+  if (by("drawer").open && matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView()
   refresh()
 }
 
@@ -32,11 +33,13 @@ function connect() {
 function refresh() {
   const { values, preset } = me.status, sought = by("find").value.trim().toLowerCase()
   if (!values || !by("drawer").open) return
-  const applies = ({ dataset }) => ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
+  const applies = ({ dataset }) =>
+    ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
   for (const row of document.querySelectorAll("#drawer .row")) {
     row.hidden = sought ? !row.textContent.toLowerCase().includes(sought) : !applies(row)
   }
-  for (const group of document.querySelectorAll("#drawer fieldset")) group.hidden = !group.querySelector(".row:not([hidden])")
+  for (const group of document.querySelectorAll("#drawer fieldset"))
+    group.hidden = !group.querySelector(".row:not([hidden])")
   for (const button of document.querySelectorAll(".restore")) {
     button.hidden = `${values[button.dataset.name]}` === `${declared.usual[preset][button.dataset.name]}`
   }

@@ -44,8 +44,8 @@ export async function painted(change) {
 
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
-// A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once when
-// too small, and shrinks only when far too large
+// A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once
+// when too small, and shrinks only when far too large
 export function fit(range, low, high, curves = [[low, high]], room = 0.08) {
   const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
   if (me.dragging) { // what moves is seen against what stays, as long as it is in sight
@@ -72,7 +72,8 @@ const NOTHING = { along: [], value: [] }
 const APART = "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. "
   + "Press the punch farther down."
 export function drawCurves(run, ghost, approach) {
-  if (ghost?.head.abscissa !== run.head.abscissa || overlays.has(ghost)) ghost = null // along something else, or drawn already
+  // along something else, or drawn already
+  if (ghost?.head.abscissa !== run.head.abscissa || overlays.has(ghost)) ghost = null
   const unit = forceUnit([run, ghost]), label = labelOf(unit), { names: { F, L }, factor } = unit
   const part = (of, name) => of?.drawn(name, approach, name === "A" ? 1 : factor) ?? NOTHING
   const same = ghost === curvesDrawn.ghost && label === curvesDrawn.label && approach === curvesDrawn.approach
@@ -228,10 +229,13 @@ export function paint() {
     viewOf(figure) // the Tab key passes it
     set(figure, { outline_line_color: grid, min_border_right: large ? 34 : 14 })
     for (const axis of [...figure.below, ...figure.left]) {
-      set(axis, { axis_label_text_color: text, major_label_text_color: soft, axis_line_color: soft, major_tick_line_color: soft,
-        axis_label_text_font_size: `${large ? size : size + 1}px`, major_label_text_font_size: `${size}px` })
+      set(axis, {
+        axis_label_text_color: text, major_label_text_color: soft, axis_line_color: soft, major_tick_line_color: soft,
+        axis_label_text_font_size: `${large ? size : size + 1}px`, major_label_text_font_size: `${size}px`,
+      })
     }
-    for (const line of figure.center) if ("grid_line_color" in line) set(line, { grid_line_color: grid, grid_line_alpha: 0.5 })
+    for (const line of figure.center) if ("grid_line_color" in line)
+      set(line, { grid_line_color: grid, grid_line_alpha: 0.5 })
     for (const part of Object.values(parts[name])) {
       if (part.tags[0]) tint(part, colour(part.tags[0]))
       thicken(part, large ? THICK : 1)

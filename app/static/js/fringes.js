@@ -13,7 +13,8 @@ const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels eac
 const WAVES = 9 // of the shortest mode in half of the width shown
 const ORDERS = 3 // fringes in the key
 const BAR = 9 // px, as the top is drawn by story.js
-const CHANNELS = [1.1, 1, 0.91] // of red, green and blue: orders over that of green, as their waves are longer and shorter
+// of red, green and blue: orders over that of green, as their waves are longer and shorter
+const CHANNELS = [1.1, 1, 0.91]
 
 const sheet = document.createElement("canvas")
 let image = null
@@ -63,26 +64,34 @@ export function drawFringes(run, k, canvas = by("fringes"), figure = figures.pun
   pen.drawImage(sheet, box.left, box.top + BAR, box.width, box.height - BAR)
 }
 
-// The body in the pixels of a small picture of the view below the top: each column of material from where its surface is
-// to where it hangs on the top. part: of the view's height, that is below the top
+// The body in the pixels of a small picture of the view below the top: each column of material from where its surface
+// is to where it hangs on the top. part: of the view's height, that is below the top
 function paintSheet(run, k, { x_range, y_range }, found, part) {
   Object.assign(sheet, sheet.width === WIDE ? {} : { width: WIDE, height: HIGH })
-  const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH)), shades = new Uint32Array(pixels.data.buffer)
-  const { x, gap } = run.frame(k), { first, spacing, middle } = run.headOf(k), U_x = run.curves.U_x[k], inks = inksOf(document.documentElement.dataset.theme)
-  const half = x_range.end, nm = (2 * half) / WIDE, high = y_range.end - (1 - part) * (y_range.end - y_range.start), step = (high - y_range.start) / HIGH
+  const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
+  const shades = new Uint32Array(pixels.data.buffer)
+  const { x, gap } = run.frame(k), { first, spacing, middle } = run.headOf(k), U_x = run.curves.U_x[k]
+  const inks = inksOf(document.documentElement.dataset.theme)
+  const half = x_range.end, nm = (2 * half) / WIDE, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
+  const step = (high - y_range.start) / HIGH
   shades.fill(0)
   for (let c = 0, i = 0; c < WIDE; c++) {
     const at = -half + (c + 0.5) * nm
     while (i < x.length - 2 && x[i + 1] < at) i++
     const between = (at - x[i]) / (x[i + 1] - x[i])
     if (!(between >= 0 && between <= 1)) continue
-    const surface = gap[i] + (gap[i + 1] - gap[i]) * between, u = at - ((first + i + between) * spacing - middle), deep = high - surface
+    const surface = gap[i] + (gap[i + 1] - gap[i]) * between, u = at - ((first + i + between) * spacing - middle)
+    const deep = high - surface
     const last = Math.min(HIGH, Math.ceil((high - surface) / step))
     for (let r = 0; r < last; r++) {
-      const t = Math.max(0, 1 - ((r + 0.5) * step) / deep), column = (at - u - (U_x - u) * t + half) / nm - 0.5, row = t * ROWS - 0.5
-      const j = Math.max(0, Math.min(COLUMNS - 2, Math.floor((column * COLUMNS) / WIDE))), l = Math.max(0, Math.min(ROWS - 2, Math.floor(row)))
-      const p = Math.max(0, Math.min(1, (column * COLUMNS) / WIDE - j)), q = Math.max(0, Math.min(1, row - l)), n = l * COLUMNS + j
-      const fringe = (found[n] * (1 - p) + found[n + 1] * p) * (1 - q) + (found[n + COLUMNS] * (1 - p) + found[n + COLUMNS + 1] * p) * q
+      const t = Math.max(0, 1 - ((r + 0.5) * step) / deep), column = (at - u - (U_x - u) * t + half) / nm - 0.5
+      const row = t * ROWS - 0.5
+      const j = Math.max(0, Math.min(COLUMNS - 2, Math.floor((column * COLUMNS) / WIDE)))
+      const l = Math.max(0, Math.min(ROWS - 2, Math.floor(row)))
+      const p = Math.max(0, Math.min(1, (column * COLUMNS) / WIDE - j)), q = Math.max(0, Math.min(1, row - l))
+      const n = l * COLUMNS + j
+      const fringe = (found[n] * (1 - p) + found[n + 1] * p) * (1 - q)
+        + (found[n + COLUMNS] * (1 - p) + found[n + COLUMNS + 1] * p) * q
       shades[r * WIDE + c] = inks[Math.min(inks.length - 1, Math.round(fringe * SHADES))]
     }
   }
@@ -92,7 +101,8 @@ function paintSheet(run, k, { x_range, y_range }, found, part) {
 // The colours of fringe orders, as bytes: bright where nothing is sheared on a light page, dark on a dark one
 const inked = {}
 function inksOf(theme) {
-  return (inked[theme] ??= Uint32Array.from({ length: 16 * SHADES }, (_, i) => CHANNELS.reduce((ink, longer, channel) => {
+  return (inked[theme] ??=
+    Uint32Array.from({ length: 16 * SHADES }, (_, i) => CHANNELS.reduce((ink, longer, channel) => {
     const light = 0.5 - 0.5 * Math.cos((2 * Math.PI * i) / SHADES / longer)
     return (ink | (Math.round(255 * (theme === "dark" ? light : 1 - light)) << (8 * channel))) >>> 0
   }, 0xff000000)))

@@ -125,7 +125,8 @@ function choosePreset(preset) {
 export function connect() {
   for (const name in declared.positions) connectSlider(name, declared.positions[name])
   document.querySelector(".controls").addEventListener("keydown", ({ key }) => {
-    if (key === "Escape" || (key === "Enter" && document.activeElement.matches("input[type=text]"))) document.activeElement.blur()
+    if (key === "Escape" || (key === "Enter" && document.activeElement.matches("input[type=text]")))
+      document.activeElement.blur()
   })
   for (const entry of document.querySelectorAll("[id$=-entry]")) {
     entry.addEventListener("change", () => {

@@ -12,7 +12,8 @@ const BY_SHEAR = [false, false, true] // whether the even factor belongs to T_x,
 export const XX = [1, 0, 0], ZZ = [0, 1, 0], XZ = [0, 0, 1], APART = [-1, 1, 0], SHEARED = [0, 0, 2]
 export const mean = ({ nu }) => [(1 + nu) / 3, (1 + nu) / 3, 0]
 
-const tables = new Map(), waves = new Map() // those made last, by what they are of: tables; cosines and sines of modes over places
+// those made last, by what they are of: tables; cosines and sines of modes over places
+const tables = new Map(), waves = new Map()
 const keep = (map, key, value) => {
   if (map.size >= KEPT) map.delete(map.keys().next().value)
   map.set(key, value)
@@ -46,12 +47,14 @@ export function tableFor(scene, wanted) {
   return table
 }
 
-// Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of `weights` a
-// Float32Array (rows, x.length), the row at the surface first; GPa
+// Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of
+// `weights` a Float32Array (rows, x.length), the row at the surface first; GPa
 export function sumsIn(run, k, { counts, factors }, x, weights) {
   const T = tractionsOf(run, k, counts[0]), modes = wavesOver(x, counts[0], run.headOf(k)), wide = x.length
   const sums = weights.map(() => new Float32Array(counts.length * wide))
-  const terms = weights.map((weight) => weight.flatMap((w, f) => (w ? [[f, w, T[BY_SHEAR[f] ? 0 : 1], T[BY_SHEAR[f] ? 1 : 0]]] : [])))
+  const terms =
+    weights.map((weight) => weight.flatMap((w, f) =>
+      (w ? [[f, w, T[BY_SHEAR[f] ? 0 : 1], T[BY_SHEAR[f] ? 1 : 0]]] : [])))
   let at = 0
   counts.forEach((count, r) => {
     const rows = sums.map((sum) => sum.subarray(r * wide, (r + 1) * wide))
@@ -94,13 +97,15 @@ function tractionsOf(run, k, modes) {
 const turns = {} // cosines and sines of n parts of a turn
 function turnsOf(n) {
   const angle = (i) => (2 * Math.PI * i) / n
-  return (turns[n] ??= { cos: Float64Array.from({ length: n }, (_, i) => Math.cos(angle(i))), sin: Float64Array.from({ length: n }, (_, i) => Math.sin(angle(i))) })
+  return (turns[n] ??= { cos: Float64Array.from({ length: n }, (_, i) => Math.cos(angle(i))),
+    sin: Float64Array.from({ length: n }, (_, i) => Math.sin(angle(i))) })
 }
 
 function wavesOver(x, modes, { middle, scene: { width } }) {
   const step = (2 * Math.PI) / width, key = [step, modes, x.length, x[0], x.at(-1), middle].join()
   const over = (m, of) => Float32Array.from(x, (v) => of(m * step * (v + middle)))
-  return waves.get(key) ?? keep(waves, key, Array.from({ length: modes }, (_, m) => ({ cos: over(m, Math.cos), sin: over(m, Math.sin) })))
+  return waves.get(key)
+    ?? keep(waves, key, Array.from({ length: modes }, (_, m) => ({ cos: over(m, Math.cos), sin: over(m, Math.sin) })))
 }
 
 // Middles of so many equal parts of -half..half

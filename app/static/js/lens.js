@@ -8,11 +8,12 @@ import { me } from "./state.js"
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
-const lens = { place: null, moving: null } // nm along the interface, null: at the trailing edge; in slow motion where most moves
+// nm along the interface, null: at the trailing edge; in slow motion where most moves
+const lens = { place: null, moving: null }
 const EASE = 0.15 // of the way to where most moves, in each picture of a slow motion
 
-// Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip held,
-// if any
+// Where the lens looks unless it was dragged elsewhere: at the trailing edge; before there is contact, at the first dip
+// held, if any
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
   if (run.filmed) return follow(run, k, frame)
@@ -40,10 +41,14 @@ export function drawLens(view) {
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const near = closest(frame.x, at)
-  Object.assign(by("lens").style, { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`, height: `${2 * radius}px` })
+  Object.assign(by("lens").style,
+    { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`,
+      height: `${2 * radius}px` })
   const { start, end } = figures.punch.x_range
-  for (const [name, value] of [["min", start], ["max", end], ["now", at]]) by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
-  by("lens").setAttribute("aria-valuetext", `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${frame.state(near)}`)
+  for (const [name, value] of [["min", start], ["max", end], ["now", at]])
+    by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
+  by("lens").setAttribute("aria-valuetext",
+    `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${frame.state(near)}`)
   const spot = [X(at), Math.max(box.top, Y(Math.max(0, frame.gap[near])))]
   const part = radius / Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
   line(pen, [spot, centre.map((c, i) => c + (spot[i] - c) * part)], ink.soft) // from what it shows to the lens
@@ -99,7 +104,8 @@ export function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
   }
   pen.globalAlpha = 1
   pen.fillStyle = ink.text
-  for (let j = Math.floor((from + middle) / spacing); site(j) < to + spacing; j++) pen.fillRect(x(site(j)) - 0.7 * dot, y(0) - 0.7 * dot, 1.4 * dot, 1.4 * dot)
+  for (let j = Math.floor((from + middle) / spacing); site(j) < to + spacing; j++)
+    pen.fillRect(x(site(j)) - 0.7 * dot, y(0) - 0.7 * dot, 1.4 * dot, 1.4 * dot)
   for (const i of inside) {
     const state = frame.state(i)
     pen.fillStyle = state === "contact" ? ink.shear : ink[state]

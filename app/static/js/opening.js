@@ -7,7 +7,8 @@ const PATIENCE = 10_000 // ms until the visitor reads why there is nothing yet
 const late = setTimeout(async () => {
   const answer = await fetch(location.href, { cache: "no-store" }).catch(() => null)
   if (answer && !answer.ok) location.reload() // to the server's page that says why
-  else warn("Not connected:", "the page has come, but its websocket does not open. A proxy may block it. ", () => location.reload())
+  else warn("Not connected:", "the page has come, but its websocket does not open. A proxy may block it. ", () =>
+    location.reload())
 }, PATIENCE)
 
 export function opened() {

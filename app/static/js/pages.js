@@ -35,7 +35,8 @@ const shown = () => document.querySelector(".page").dataset.page
 // Open a page, or none, as another entry of the browser's history
 export function openPage(name) {
   if (name === shown()) return
-  addEntry((asked) => { if (name) asked.set("page", name); else asked.delete("page") }, { opened: Boolean(name) && !shown() })
+  addEntry((asked) => { if (name) asked.set("page", name); else asked.delete("page") },
+    { opened: Boolean(name) && !shown() })
   show(name)
 }
 
@@ -50,7 +51,8 @@ export function showAddressed() {
 
 function show(name) {
   document.querySelector(".page").dataset.page = name
-  for (const button of document.querySelectorAll("nav button")) button.setAttribute("aria-pressed", button.dataset.page === name)
+  for (const button of document.querySelectorAll("nav button"))
+    button.setAttribute("aria-pressed", button.dataset.page === name)
   for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
   if (name) by(name).dataset.drawing = ""
   load(name)

@@ -47,15 +47,18 @@ export function within(pen, { left, top, width, height }, draw) {
   pen.restore()
 }
 
-const INKS = ["page", "text", "soft", "body", "shear", "normal", "slip", "repulsive", "adhering", "free", "grid", "area"]
+const INKS = ["page", "text", "soft", "body", "shear", "normal", "slip", "repulsive", "adhering", "free", "grid",
+  "area"]
 export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`--${name}`)]))
 
 export const size = () => parseFloat(colour("--plot-text")) || 13
 
-const font = (scale = 1, bold = false) => `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
+const font = (scale = 1, bold = false) =>
+  `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
 
 // Text with a rim of the page's colour, so that it is legible over anything; returns from where to where it reaches
-export function write({ pen, ink, box }, text, x, y, { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
+export function write({ pen, ink, box }, text, x, y,
+  { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
   pen.font = font(scale, bold)
   pen.textAlign = "left"
   const width = pen.measureText(text).width

@@ -1,11 +1,12 @@
-// A picture that follows the hand on a slider (format: app/service/following.py): the curves and the map of a whole run,
-// and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
+// A picture that follows the hand on a slider (format: app/service/following.py): the curves and the map of a whole
+// run, and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
 
 import { unpack } from "./packed.js"
 import { REAL, Run, SPANS } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
-const BEYOND = 1.1, ROOM = 1.3 // times what a band has room for, from which on it gets more; so many times what it needs
+// times what a band has room for, from which on it gets more; so many times what it needs
+const BEYOND = 1.1, ROOM = 1.3
 
 let count = 0
 
@@ -35,7 +36,8 @@ export class Picture extends Run {
     for (const name of SPANS) this[name] = before[name] // what the views extend over stays while a hand moves
     for (const k of this.curves.F.keys()) this.weigh(k) // but for arrows and bands, which would leave the view
     for (const { T_n, T_t } of [this.frame(0), this.frame(this.shown)]) {
-      for (const [name, value] of [["T_high", Math.max(...T_n)], ["T_low", Math.min(...T_n)], ["T_out", Math.max(...T_t)], ["T_back", Math.min(...T_t)]]) {
+      for (const [name, value] of [["T_high", Math.max(...T_n)], ["T_low", Math.min(...T_n)],
+        ["T_out", Math.max(...T_t)], ["T_back", Math.min(...T_t)]]) {
         if (value * this[name] > BEYOND * this[name] ** 2) this[name] = ROOM * value
       }
     }
@@ -45,7 +47,8 @@ export class Picture extends Run {
     const { rows, columns, step, first, high, low, values } = this.cells, { spacing, middle } = this.head
     const image = new Float32Array(Math.max(1, rows * columns)).fill(NaN)
     values.forEach((value, i) => { if (value !== NOTHING) image[i] = (value * (value > 0 ? high : low)) / SHADES })
-    return { image, rows: rows || 1, columns: columns || 1, start: 0, step: step ?? 1, unrested: [], low: ((first ?? 0) - 0.5) * spacing - middle }
+    return { image, rows: rows || 1, columns: columns || 1, start: 0, step: step ?? 1, unrested: [],
+      low: ((first ?? 0) - 0.5) * spacing - middle }
   }
 
   has(k) {

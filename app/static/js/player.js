@@ -26,12 +26,13 @@ export function receive(chunk) {
   me.fresh = true // drawn with the next picture of the screen: chunks may come faster than those
 }
 
-// Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is held
-// does so when it is whole, so that nothing jumps; any other at once. Whether it has
+// Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is
+// held does so when it is whole, so that nothing jumps; any other at once. Whether it has
 function replaced(chunk) {
   if (me.coming?.number !== chunk.run) me.coming = new Run(chunk.run, chunk.head)
   const { coming, status } = me, known = status.run === chunk.run
-  if (!coming.length && known && status.after && me.origin?.number === status.after[0]) coming.takeOver(me.origin, status.after[1])
+  if (!coming.length && known && status.after && me.origin?.number === status.after[0])
+    coming.takeOver(me.origin, status.after[1])
   coming.add(chunk)
   const waits = me.run?.stored ? !me.stale : me.run && !exact(me.run) && !(known && status.state === "running")
   if (waits && !coming.whole) return false
@@ -64,7 +65,8 @@ export function standIn(run) {
 function begin(run) {
   if (me.anchor !== null) me.ghost = me.behind === null || me.behind.sheared >= 0 ? me.behind : me.ghost
   me.anchor = null
-  if (me.run?.length && !me.following && (!exact(me.run) || me.run.head.step !== run.head.step)) { // its increments are others
+  // its increments are others
+  if (me.run?.length && !me.following && (!exact(me.run) || me.run.head.step !== run.head.step)) {
     me.place ??= me.run.place(now())
   }
   me.run = run
@@ -180,7 +182,8 @@ function tellFrame(run, k) {
     `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
     [work, under(run, k)].filter(Boolean).join("; "),
   ]
-  by("solver").lastElementChild.textContent = `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
+  by("solver").lastElementChild.textContent =
+    `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
   said.forEach((text, i) => { by("readout").children[i].textContent = text })
 }
 
@@ -203,7 +206,8 @@ export function tick(time) {
   requestAnimationFrame(tick)
 }
 
-const isPlayed = () => me.playing && !me.dragging && (!me.stale || me.lost || me.run?.stored) && !me.run?.followed && !me.following
+const isPlayed = () => me.playing && !me.dragging && (!me.stale || me.lost || me.run?.stored) && !me.run?.followed
+  && !me.following
   && me.run?.sheared >= 0 && me.preview === null
 
 // What is not on screen yet, one thing in an animation frame
@@ -280,7 +284,8 @@ function summarise(what) {
   if (k < 0) return
   const v = run.values(k)
   by("told").textContent = `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${digits(v.F)}, `
-    + `load ${digits(v.L)} newtons per metre, ` + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
+    + `load ${digits(v.L)} newtons per metre, `
+      + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
 }
 
 export function reset() {

@@ -1,6 +1,7 @@
-// The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers. Each rule
-// returns {key, text, claims}: key names the moment, so that a sentence stays while it lasts; claims are what the text
-// asserts, [name, ...values], for tests/browser/test_sentence.py to check against the solver. Pure functions of runs, nothing drawn.
+// The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers.
+// Each rule returns {key, text, claims}: key names the moment, so that a sentence stays while it lasts; claims are what
+// the text asserts, [name, ...values], for tests/browser/test_sentence.py to check against the solver. Pure functions
+// of runs, nothing drawn.
 
 import { digits, minus, newtons } from "./dom.js"
 import { WEAK } from "./run.js"
@@ -13,11 +14,13 @@ const SAME = 0.01 // a change by less is none
 const nm = (length) => `${minus(Math.abs(length) < 99.95 ? length.toFixed(1) : length.toFixed(0))} nm`
 const tell = (key, text, ...claims) => ({ key, text, claims })
 
-// What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the frame
+// What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the
+// frame
 export function phaseSaid(run, k) {
   const at = Math.min(Math.max(k, run.sheared + 1), run.length - 1) // not "at rest" while the top moves
   const stage = run.sheared < 0 ? "" : run.stage(at), sheared = ["shear", "back"].includes(stage)
-  const slips = sheared && !run.filmed ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
+  const slips = sheared && !run.filmed
+    ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
   if (slips.length > 1 && at >= slips[0] + AFTER / run.head.step) return jerks(run, slips)
   return nowSaid(run, at, true)
 }
@@ -25,17 +28,22 @@ export function phaseSaid(run, k) {
 function jerks(run, [first, second]) {
   const claims = [["slip", first], ["slip", second]]
   const [a, b] = run.followed ? [{}, {}] : [first, second].map((at) => run.slipTo(at))
-  if (!(a.all && b.all && a.sites && a.sites === b.sites)) return tell("jerks", "Sliding in jerks: the contact sticks, slips, sticks again.", ...claims)
+  if (!(a.all && b.all && a.sites && a.sites === b.sites))
+    return tell("jerks", "Sliding in jerks: the contact sticks, slips, sticks again.", ...claims)
   return tell("jerks", `Sliding in jerks: it sticks, slips ${nm(a.sites * run.head.spacing)}, sticks again.`, ...claims,
     ["sites", first, a.sites], ["sites", second, b.sites])
 }
 
 // What happens at frame k; playing: without the numbers of a slip
 export function nowSaid(run, k, playing = false) {
-  if (run.filmed) return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
-  const stage = run.stage(k), frame = run.frame(k), acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
+  if (run.filmed)
+    return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
+  const stage = run.stage(k), frame = run.frame(k)
+  const acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
   if (!frame.T_t.some(acts)) {
-    if (stage === "approach" || stage === "reload") return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.", ["apart", k])
+    if (stage === "approach" || stage === "reload")
+      return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.",
+        ["apart", k])
     return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
   }
   const slip = run.slipBefore(k, AFTER), normal = ["approach", "press", "reload", "unload"].includes(stage)
@@ -51,20 +59,28 @@ function jumped(run, at, k) {
     return tell(`part ${at}`, "A part of the contact lets go at once.", ["slip", at])
   }
   const closer = L[at] < L[at - 1]
-  if (A[at] > A[at - 1]) return tell(`in ${at}`, `It jumps into contact: attraction closes the gap at once, over ${nm(A[at])}.`, ["slip", at], ["A rises", at])
-  return tell(`in ${at}`, closer ? "It jumps closer: attraction wins over the stiffness of the punch." : "The surface jumps to another shape.", ["slip", at], ...(closer ? [["L falls", at]] : []))
+  if (A[at] > A[at - 1])
+    return tell(`in ${at}`, `It jumps into contact: attraction closes the gap at once, over ${nm(A[at])}.`,
+      ["slip", at], ["A rises", at])
+  return tell(`in ${at}`, closer ? "It jumps closer: attraction wins over the stiffness of the punch."
+    : "The surface jumps to another shape.", ["slip", at], ...(closer ? [["L falls", at]] : []))
 }
 
 function pressed(run, k, stage) {
-  const { A, L, delta } = run.curves, before = Math.max(0, k - 1), raised = stage === "unload" || delta[k] < delta[before]
+  const { A, L, delta } = run.curves, before = Math.max(0, k - 1)
+  const raised = stage === "unload" || delta[k] < delta[before]
   if (raised) {
-    if (L[k] < 0 && A[k] > 0) return tell("held", "Raised, yet it does not let go: adhesion pulls the punch down.", ["L < 0", k], ["A > 0", k])
-    if (L[k] < 0) return tell("hangs", "Raised: the punch hangs on attraction alone, nothing is pressed together any more.", ["L < 0", k], ["A = 0", k])
+    if (L[k] < 0 && A[k] > 0)
+      return tell("held", "Raised, yet it does not let go: adhesion pulls the punch down.", ["L < 0", k], ["A > 0", k])
+    if (L[k] < 0)
+      return tell("hangs", "Raised: the punch hangs on attraction alone, nothing is pressed together any more.",
+        ["L < 0", k], ["A = 0", k])
     return tell("lifted", "Raised: the contact is still pressed together.", ["L >= 0", k])
   }
-  if (A[k] === 0) return tell("near", "Lowered: the surfaces attract each other, nothing is pressed together yet.", ["A = 0", k])
-  const grows = A[k] > A[before]
-  return tell(grows ? "grows" : "pressed", grows ? "Lowered: the contact grows." : "Lowered onto the surface.", ["A > 0", k], ...(grows ? [["A rises", k]] : []))
+  if (A[k] === 0)
+    return tell("near", "Lowered: the surfaces attract each other, nothing is pressed together yet.", ["A = 0", k])
+  if (A[k] > A[before]) return tell("grows", "Lowered: the contact grows.", ["A > 0", k], ["A rises", k])
+  return tell("pressed", "Lowered onto the surface.", ["A > 0", k])
 }
 
 function slid(run, at, playing) {
@@ -75,7 +91,9 @@ function slid(run, at, playing) {
   const numbers = playing ? "" : ` from ${digits(was)} to ${newtons(is)}${round ? " the other way" : ""}`
   const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"}${numbers}`
   const gain = A[at] / A[at - 1] - 1
-  const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? "" : A[at] > A[at - 1] ? ", and contact comes back" : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
+  const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? ""
+    : A[at] > A[at - 1] ? ", and contact comes back"
+    : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
   const claims = [["slip", at], ["F at slip", at, start.F], ["F", at, F[at]], ...(far ? [["sites", at, sites]] : [])]
   if (area && gain !== 0) claims.push([A[at] > A[at - 1] ? "A rises" : A[at] === 0 ? "A = 0" : "A falls", at])
   return tell(`slip ${at}`, `${part}${far}: ${force}${area}.`, ...claims)
@@ -85,24 +103,43 @@ function slid(run, at, playing) {
 function pulled(run, k) {
   const { F, A } = run.curves, way = run.stage(k) === "back" ? -1 : 1, { flat } = run.head
   const begun = stickBegins(run, k)
-  if (k <= run.sheared) return tell("rest", run.curves.A[k] > 0 || flat ? "In contact and at rest: nothing pulls sideways yet." : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
+  if (k <= run.sheared)
+    return tell("rest", run.curves.A[k] > 0 || flat ? "In contact and at rest: nothing pulls sideways yet."
+      : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
   const steady = smooth(run, k)
-  if (steady) return tell("smooth", `It slides without slips: friction swings ${swing(steady)} in every lattice period.`, ["no slips"], ["F between", steady.from, steady.low, steady.high])
+  if (steady)
+    return tell("smooth", `It slides without slips: friction swings ${swing(steady)} in every lattice period.`,
+      ["no slips"], ["F between", steady.from, steady.low, steady.high])
   const rising = way * (F[k] - F[Math.max(begun, k - 1)]) >= 0
-  if (!rising) return tell(way * F[k] < 0 ? "swing" : "eases", way * F[k] < 0 ? "Still bent the other way: friction pushes it on." : "Friction eases, without a slip.", ["F eases", k])
-  if (way * F[k] < 0) return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.", ["F against", k])
-  if (A[k] === 0 && !flat) return tell("tension", "Nothing is pressed together any more, yet it holds: attraction alone carries the friction.", ["A = 0", k], ["F rises", k])
-  if (flat) return tell("stick flat", "It sticks: every spring stretches alike, and friction grows with the pull.", ["F rises", k])
+  if (!rising && way * F[k] < 0)
+    return tell("swing", "Still bent the other way: friction pushes it on.", ["F eases", k])
+  if (!rising) return tell("eases", "Friction eases, without a slip.", ["F eases", k])
+  if (way * F[k] < 0)
+    return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.",
+      ["F against", k])
+  if (A[k] === 0 && !flat)
+    return tell("tension", "Nothing is pressed together any more, yet it holds: attraction alone carries the friction.",
+      ["A = 0", k], ["F rises", k])
+  if (flat)
+    return tell("stick flat", "It sticks: every spring stretches alike, and friction grows with the pull.",
+      ["F rises", k])
   const now = run.edges(k), then = run.followed ? null : run.edges(begun)
-  if (!now || !then || run.patches(k).length > 1) return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
+  if (!now || !then || run.patches(k).length > 1)
+    return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
   const both = [now[0] - then[0], then[1] - now[1]], [behind, front] = way > 0 ? both : both.toReversed()
   const peeled = (where, more = "") => ["peeled", begun, k, where, more]
   if (behind > LET_GO && front > LET_GO) {
-    const [more, words] = behind > MORE * front ? ["behind", ", more behind than in front"] : front > MORE * behind ? ["front", ", more in front than behind"] : ["", ""]
-    return tell(`peel both ${more}`, `It sticks and leans over. Both edges of the contact let go${words}.`, ["F rises", k], peeled("both", more))
+    const [more, words] = behind > MORE * front ? ["behind", ", more behind than in front"]
+      : front > MORE * behind ? ["front", ", more in front than behind"] : ["", ""]
+    return tell(`peel both ${more}`, `It sticks and leans over. Both edges of the contact let go${words}.`,
+      ["F rises", k], peeled("both", more))
   }
-  if (behind > LET_GO) return tell("peel behind", "It sticks and leans over. The contact lets go behind.", ["F rises", k], peeled("behind"))
-  if (front > LET_GO) return tell("peel front", "It sticks and leans over. The contact lets go in front.", ["F rises", k], peeled("front"))
+  if (behind > LET_GO)
+    return tell("peel behind", "It sticks and leans over. The contact lets go behind.", ["F rises", k],
+      peeled("behind"))
+  if (front > LET_GO)
+    return tell("peel front", "It sticks and leans over. The contact lets go in front.", ["F rises", k],
+      peeled("front"))
   return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
 }
 
@@ -125,7 +162,8 @@ function smooth(run, k) {
     let top = Math.max(0, run.sheared) + 1
     while (top < F.length - 1 && F[top + 1] >= F[top]) top++
     const list = F.slice(top), low = Math.min(...list), high = Math.max(...list)
-    const slides = top < F.length - 1 && !slip.some((slipped, i) => slipped && i > run.sheared) && stage[top] === stage.at(-1)
+    const slides = top < F.length - 1 && !slip.some((slipped, i) => slipped && i > run.sheared)
+      && stage[top] === stage.at(-1)
     run.slides = slides ? { low, high, from: top } : null
   }
   return run.slides && k >= run.slides.from ? run.slides : null
@@ -133,8 +171,8 @@ function smooth(run, k) {
 
 const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
 
-// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F (N/m), A (nm)}; of a run that is
-// followed only the frame before is known; null where there is no slip
+// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F (N/m), A (nm)}; of a run that
+// is followed only the frame before is known; null where there is no slip
 export function eventOf(run, at) {
   if (at < 0) return null
   const { F, A, U_x, slip_at: load, F_slip, slip_A } = run.curves
@@ -144,49 +182,64 @@ export function eventOf(run, at) {
 export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
 
 const CHANGES = { // parameter: what more and less of it is called
-  E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"], phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
+  E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"],
+  phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
   phi_n: ["A stickier surface", "A less sticky surface"], radius: ["A blunter punch", "A sharper punch"],
 }
+const APART = "the surfaces do not hold on to each other any more", TOGETHER = "now the surfaces hold on to each other"
 const ALONE = ["surface", "path", "hold"] // another experiment: nothing to compare
 const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.abs(b))
 
 // What one change has done, against the run before; null where there is nothing to compare
 export function changeSaid(run, before) {
-  if (!run?.scene || !before?.scene || run.normal !== before.normal || run.head.flat !== before.head.flat || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
+  if (!run?.scene || !before?.scene || run.normal !== before.normal || run.head.flat !== before.head.flat
+    || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
   const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
   if (names.length !== 1 || ALONE.includes(names[0])) return null
-  const [name] = names, up = Number(run.scene[name]) > Number(before.scene[name]), head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
+  const [name] = names, up = Number(run.scene[name]) > Number(before.scene[name])
+  const head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
   if (run.normal) return lifted(run, before, head)
   if (run.carried) return goesOn(run, head)
-  if (run.apart !== before.apart) return tell("change apart", `${head}: ${run.apart ? "the surfaces do not hold on to each other any more" : "now the surfaces hold on to each other"}.`, ["apart is", run.apart])
+  if (run.apart !== before.apart)
+    return tell("change apart", `${head}: ${run.apart ? APART : TOGETHER}.`, ["apart is", run.apart])
   if (run.apart) return null
   const now = firstSlip(run), then = firstSlip(before)
   if (!now && !then) return swings(smooth(run, run.length - 1), smooth(before, before.length - 1), head)
-  if (!now) return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`, ["slips", false], ["slipped before", true])
-  if (!then) return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true], ["slipped before", false], ["U_s", now.U])
+  if (!now)
+    return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`, ["slips", false],
+      ["slipped before", true])
+  if (!then)
+    return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true],
+      ["slipped before", false], ["U_s", now.U])
   const said = [], claims = []
-  if (differs(now.U, then.U)) said.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
-  if (differs(now.F, then.F)) said.push(`${said.length ? "" : "it slips at "}${newtons(now.F)} instead of ${newtons(then.F)}`)
+  if (differs(now.U, then.U))
+    said.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
+  if (differs(now.F, then.F))
+    said.push(`${said.length ? "" : "it slips at "}${newtons(now.F)} instead of ${newtons(then.F)}`)
   claims.push(["U_s", now.U], ["U_s before", then.U], ["F_s", now.F], ["F_s before", then.F])
   if (!said.length) return tell("change none", `${head}: hardly a difference.`, ...claims)
   return tell("change", `${head}: ${said.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
 }
 
-const compared = (head, verb, now, then, ...claims) => (now === then ? tell("change none", `${head}: hardly a difference.`, ...claims)
+const compared = (head, verb, now, then, ...claims) =>
+  (now === then ? tell("change none", `${head}: hardly a difference.`, ...claims)
   : tell("change", `${head}: ${verb} ${now} instead of ${then}.`, ...claims))
 
 // Of a run that goes on under another parameter: its last slip, against the last before
 function goesOn(run, head) {
-  const slips = sliding(run), last = (test) => eventOf(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
+  const slips = sliding(run)
+  const last = (test) => eventOf(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
   const now = last((i) => i > run.carried), then = last((i) => i < run.carried)
   if (!now || !then) return null
-  return compared(head, "it now slips at", newtons(now.F), newtons(then.F), ["F at slip", now.at, now.F], ["F at slip", then.at, then.F], ["slip", now.at], ["slip", then.at])
+  return compared(head, "it now slips at", newtons(now.F), newtons(then.F), ["F at slip", now.at, now.F],
+    ["F at slip", then.at, then.F], ["slip", now.at], ["slip", then.at])
 }
 
 // Of two runs that slide without slips
 function swings(now, then, head) {
   if (!now || !then) return null
-  return compared(head, "friction swings", swing(now), swing(then), ["F between", now.from, now.low, now.high], ["F between before", then.from, then.low, then.high])
+  return compared(head, "friction swings", swing(now), swing(then), ["F between", now.from, now.low, now.high],
+    ["F between before", then.from, then.low, then.high])
 }
 
 // Of two runs in which the punch is raised: the strongest pull that this takes
@@ -198,20 +251,26 @@ function lifted(run, before, head) {
 
 // The reason, where the numbers of both runs show it
 function because(run, before, now, then, claims) {
-  const steep = now.F / now.U, was = then.F / then.U, start = run.curves.A[run.sheared], area = before.curves.A[before.sheared]
+  const steep = now.F / now.U, was = then.F / then.U, start = run.curves.A[run.sheared]
+  const area = before.curves.A[before.sheared]
   if (run.scene.E !== before.scene.E && differs(steep, was) && steep > was === run.scene.E > before.scene.E) {
     claims.push(["steeper", steep > was])
-    return steep > was ? "; every nanometre of pull builds up more force" : "; every nanometre of pull builds up less force"
+    return steep > was ? "; every nanometre of pull builds up more force"
+      : "; every nanometre of pull builds up less force"
   }
-  if (run.head.flat && run.scene.delta_bar > before.scene.delta_bar === now.F > then.F && run.scene.delta_bar !== before.scene.delta_bar) {
+  if (run.head.flat && run.scene.delta_bar > before.scene.delta_bar === now.F > then.F
+    && run.scene.delta_bar !== before.scene.delta_bar) {
     claims.push(["closer", now.F > then.F])
-    return now.F > then.F ? "; closer together, its springs hold on more firmly" : "; farther apart, its springs hold on less firmly"
+    return now.F > then.F ? "; closer together, its springs hold on more firmly"
+      : "; farther apart, its springs hold on less firmly"
   }
-  if (!run.head.flat && run.scene.delta_bar !== before.scene.delta_bar && differs(start, area) && start > area === now.F > then.F) {
+  if (!run.head.flat && run.scene.delta_bar !== before.scene.delta_bar && differs(start, area)
+    && start > area === now.F > then.F) {
     claims.push(["more contact", start > area])
     return start > area ? "; there is more contact to hold it" : "; there is less contact to hold it"
   }
-  if (run.scene.phi_ratio !== before.scene.phi_ratio && differs(now.F, then.F) && now.F > then.F === Number(run.scene.phi_ratio) > Number(before.scene.phi_ratio)) {
+  if (run.scene.phi_ratio !== before.scene.phi_ratio && differs(now.F, then.F)
+    && now.F > then.F === Number(run.scene.phi_ratio) > Number(before.scene.phi_ratio)) {
     claims.push(["stronger", now.F > then.F])
     return now.F > then.F ? "; the springs hold longer" : "; the springs give way sooner"
   }

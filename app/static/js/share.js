@@ -30,13 +30,17 @@ const titleOf = (holder) => (captionOf(holder)?.querySelector("b") ?? captionOf(
 
 // What the marks above a view mean: [colour, text]
 function keyOf(holder) {
-  const spans = [...captionOf(holder)?.querySelectorAll(".key span") ?? []].filter((span) => span.checkVisibility() && span.querySelector(":scope > i"))
-  const pinned = [...document.querySelectorAll(".chip button:first-child[aria-pressed=true]")].map((one) => [one.querySelector("path").getAttribute("stroke"), one.textContent.trim()])
+  const spans = [...captionOf(holder)?.querySelectorAll(".key span") ?? []].filter((span) => span.checkVisibility()
+    && span.querySelector(":scope > i"))
+  const pinned = [...document.querySelectorAll(".chip button:first-child[aria-pressed=true]")].map((one) =>
+    [one.querySelector("path").getAttribute("stroke"), one.textContent.trim()])
   return [...spans.map((span) => {
     const look = getComputedStyle(span.querySelector("i")), clear = "rgba(0, 0, 0, 0)"
-    const ink = [look.backgroundColor, look.borderTopColor].find((one, i) => one !== clear && (i === 0 || look.borderTopWidth !== "0px"))
+    const ink = [look.backgroundColor, look.borderTopColor].find((one, i) =>
+      one !== clear && (i === 0 || look.borderTopWidth !== "0px"))
     return [ink ?? colour("--soft"), span.textContent.trim()]
-  }), ...(holder.closest("main") && !holder.closest("figure").getAttribute("aria-label").startsWith("Traction") ? pinned : [])]
+  }), ...(holder.closest("main") && !holder.closest("figure").getAttribute("aria-label").startsWith("Traction")
+    ? pinned : [])]
 }
 
 function wrapped(pen, text, width) {
@@ -50,7 +54,8 @@ function wrapped(pen, text, width) {
 }
 
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
-const textAt = (x, y, said, more = "") => `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
+const textAt = (x, y, said, more = "") =>
+  `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
 
 // What the colours of a view mean, where its caption has a scale
 function scaleOf(name) {
@@ -72,8 +77,8 @@ async function withAxis(name, call) {
   }
 }
 
-// {text, holder, width, height, top, whole} of a view as an SVG with its title, key and caption, px; below `top` the view
-// itself, and what `over` makes of what lies over it
+// {text, holder, width, height, top, whole} of a view as an SVG with its title, key and caption, px; below `top` the
+// view itself, and what `over` makes of what lies over it
 function framed(name, over = () => "") {
   const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect()
   const pen = make("canvas").getContext("2d")
@@ -87,7 +92,9 @@ function framed(name, over = () => "") {
     parts.push(`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, said))
     x += wide + 16
   })
-  const top = y + LINE / 2, lines = [scaleOf(name), described(me.run, me.drawn)].filter(Boolean).flatMap((text) => wrapped(pen, text, width - 2 * MARGIN))
+  const top = y + LINE / 2
+  const lines = [scaleOf(name), described(me.run, me.drawn)].filter(Boolean).flatMap((text) =>
+    wrapped(pen, text, width - 2 * MARGIN))
   const whole = top + height + LINE * lines.length + MARGIN
   parts.push(`<g transform="translate(0 ${top})">${svgOf(figures[name])}${over(holder, width, height)}</g>`)
   lines.forEach((line, i) => parts.push(textAt(MARGIN, top + height + LINE * (i + 0.5), line)))
@@ -143,7 +150,8 @@ const number = (value) => `${Number(value.toPrecision(7))}` // of single precisi
 export function csv(run) {
   const { changing } = run
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
-    : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))), run.stage(k), ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
+    : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))),
+      run.stage(k), ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
   const comments = [parameters(me.status, changing), UNITS].map((text) => `# ${text}`)
   return [...comments, [...COLUMNS, "stage", ...changing].join(","), ...rows, ""].join("\n")
 }
@@ -153,7 +161,8 @@ const say = (text) => { by("share-said").textContent = text }
 // Browsers lend the clipboard to secure pages only, and may never answer: then the old way
 async function copy(field, what) {
   field.select()
-  const late = new Promise((_, fail) => setTimeout(fail, 1000)), write = async () => navigator.clipboard.writeText(field.value)
+  const late = new Promise((_, fail) => setTimeout(fail, 1000))
+  const write = async () => navigator.clipboard.writeText(field.value)
   const copied = await Promise.race([write(), late]).then(() => true, () => document.execCommand("copy"))
   say(copied ? `${what} copied` : `The browser forbids copying. The ${what} is selected: press Ctrl+C.`)
 }
@@ -205,8 +214,11 @@ export function open() {
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
   const { address, after } = me.status
   const said = []
-  if (address.profile?.startsWith("known-")) said.push("The measured profile is too large for a link, which holds only while this server runs; the JSON has it.")
-  if (after) said.push("This run was carried on from another: the link begins anew with its parameters; Python and all data have the whole of it.")
+  if (address.profile?.startsWith("known-"))
+    said.push("The measured profile is too large for a link, which holds only while this server runs; the JSON has it.")
+  if (after)
+    said.push("This run goes on from another. The link starts its scene from the beginning; "
+      + "Python and the data have the whole path.")
   if (me.lost) said.push("The server does not answer: it is needed for Python, NPZ and JSON.")
   for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
   if (me.lost) by("share-python").value = ""

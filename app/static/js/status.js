@@ -1,5 +1,5 @@
-// What the server says of the run and of what was entered, in words and in the address; and whose picture this is: where the
-// sliders say another scene than the run on screen, words say which, and an old run is grey.
+// What the server says of the run and of what was entered, in words and in the address; and whose picture this is:
+// where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, waiting } from "./channel.js"
@@ -86,9 +86,11 @@ export function checkTruth() {
     && Number(scene[name]) !== Number(wanted[name]))
   me.stale = Boolean(scene) && (names.length > 0 || waiting().some(({ what }) => what !== "scene"))
   const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(scene[name])}`).join(", ")
-  const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following // curves come with the shear
+  // curves come with the shear
+  const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following
   const stale = me.stale && !(me.dragging && me.run.followed)
-  say("stale", stale ? `computed for ${values || "the scene before"}` : mixed && "curves: still those of the run before")
+  say("stale", stale ? `computed for ${values || "the scene before"}`
+    : mixed && "curves: still those of the run before")
   const grey = me.stale && !me.lost && (me.run === me.anchor || Boolean(me.run.stored))
   Object.assign(document.querySelector(".page").dataset, { mixed, stale: grey })
 }
@@ -128,9 +130,11 @@ function doing() {
   const { frames, total, seconds } = me.status, run = me.run
   if (!run?.length || seconds + waited() < LONG || me.lost) return ""
   const k = run.length - 1, normal = run.normal || run.sheared < 0
-  const slip = normal ? `a jump near δ = ${fixed(run.curves.delta[k], 1)} nm` : `a slip near ${fixed(run.curves.U_x[k], 1)} nm`
+  const slip = normal ? `a jump near δ = ${fixed(run.curves.delta[k], 1)} nm`
+    : `a slip near ${fixed(run.curves.U_x[k], 1)} nm`
   const left = (seconds / frames) * (total - frames) - waited()
-  const time = left > 1 && frames > TRUSTED * total ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left` : ""
+  const time = left > 1 && frames > TRUSTED * total ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left`
+    : ""
   return `${waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""}${time}`
 }
 
@@ -173,6 +177,7 @@ function showState(shown, text) {
 // A run that was computed in advance stands in for the one to come
 function tellStored(state) {
   showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
-  by("computed").textContent = "This run was computed in advance. Its curves are exact; tractions and heights of nodes are "
+  by("computed").textContent =
+    "This run was computed in advance. Its curves are exact; tractions and heights of nodes are "
     + "stored to a few per cent of the largest."
 }

@@ -1,5 +1,5 @@
-// Parameters changed by hand: with a slider, the punch, a map or an entry. While a hand moves them the server hears of the
-// latest only; one drag has what was on screen before it behind all of its pictures.
+// Parameters changed by hand: with a slider, the punch, a map or an entry. While a hand moves them the server hears of
+// the latest only; one drag has what was on screen before it behind all of its pictures.
 
 import { moved, writeAddress } from "./address.js"
 import { onHeard, order, waiting } from "./channel.js"

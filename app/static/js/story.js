@@ -24,7 +24,8 @@ export function drawStory(run, k) {
   const box = frameBox(figures.punch), pen = cleared(by("story"))
   if (!box || !pen) return
   const { X, Y } = box, frame = run.frame(k)
-  const slip = run.followed ? null : run.slipBefore(k, MARKED) // of the motion of those that are followed two frames are known
+  // of the motion of those that are followed two frames are known
+  const slip = run.followed ? null : run.slipBefore(k, MARKED)
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
   within(pen, box, () => {
     if (run.head.flat) drawLattice(view)
@@ -63,18 +64,23 @@ function drawTop({ pen, box, X, run, k, ink }) {
   }
 }
 
-// What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest in view
+// What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest
+// in view
 function drawForces(view) {
   const { box, narrow, run, k, ink } = view
   const full = Math.max(run.strongest, me.run.strongest)
   const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
-  const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row, right = box.left + box.width - 12
+  const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row
+  const right = box.left + box.width - 12
   const to = `to δ = ${fixed(delta, 1)} nm`, down = `lowered ${to}`
   const moves = { approach: down, reload: down, unload: `raised ${to}`,
     back: `moved back to ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `moved ${fixed(U_x, 1)} nm`
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
-  write(view, pull ? `${box.width < WIDE * size() ? "" : `${moves}, ${(pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"} by `}F = ${newtons(F)}` : moves, right - Math.abs(pull) - (pull ? 8 : 0), y, { of: pull ? ink.shear : ink.text, align: "right", bold: true })
+  const way = (pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"
+  const pulled = `${box.width < WIDE * size() ? "" : `${moves}, ${way} by `}F = ${newtons(F)}`
+  write(view, pull ? pulled : moves, right - Math.abs(pull) - (pull ? 8 : 0), y,
+    { of: pull ? ink.shear : ink.text, align: "right", bold: true })
   if (none(L) || run.apart) return
   const deep = (Math.abs(L) / full) * long, at = box.left + (narrow ? 0.06 : LENS) * box.width
   const from = y + 0.8 * row // under the key and the text of F
@@ -84,14 +90,16 @@ function drawForces(view) {
   write(view, text, at + 12, from + Math.max(0.6 * row, 0.5 * deep), { of: ink.normal, align: "left" })
 }
 
-// Under the surface: friction on the punch, a bracket for each stretch that is repelled, and how far either edge has peeled
+// Under the surface: friction on the punch, a bracket for each stretch that is repelled, and how far either edge has
+// peeled
 function drawEdges(view) {
   const { box, narrow, X, Y, frame, run, k, ink } = view, row = 1.3 * size()
   const patches = run.patches(k), bottom = box.top + box.height
   const y = Math.min(Math.max(Y(0), Y(Math.min(...frame.gap))) + 12, bottom - 1.8 * size())
   if (!patches.length) {
     const held = frame.T_n.some((_, i) => frame.state(i) === "adhering")
-    const text = !held ? "the surfaces do not reach each other" : narrow ? "attraction alone" : "no contact, A = 0: held by attraction alone"
+    const text = !held ? "the surfaces do not reach each other" : narrow ? "attraction alone"
+      : "no contact, A = 0: held by attraction alone"
     const ends = write(view, text, X(0), y + size())
     return held && drawFriction(view, ...ends, y + size())
   }
@@ -101,10 +109,12 @@ function drawEdges(view) {
   }
   const drawn = patches.map((ends) => ends.map(place)), left = drawn[0][0], right = drawn.at(-1)[1]
   if (drawn.length <= PATCHES) for (const ends of drawn) bracket(view, ends, y)
-  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${narrow ? "" : " wide"}${patches.length > 1 ? ` in ${patches.length} places` : ""}`
+  const places = patches.length > 1 ? ` in ${patches.length} places` : ""
+  const A = `${narrow ? "A" : "contact A"} = ${fixed(run.curves.A[k], 0)} nm${narrow ? "" : " wide"}${places}`
   const [from, to] = write(view, A, (left + right) / 2, y + 0.8 * size(), { of: ink.area })
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
-  const sliding = ["shear", "back"].includes(run.stage(k)) // while the top moves up or down contact grows and shrinks anyway
+  // while the top moves up or down contact grows and shrinks anyway
+  const sliding = ["shear", "back"].includes(run.stage(k))
   const start = sliding && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
   if (!start) return
   const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b]
@@ -128,7 +138,9 @@ function drawFriction(view, left, right, y) {
   if (!(Math.abs(long) > 2)) return
   const from = F > 0 ? left - 10 : right + 10
   arrow(view, [from, y], [-long, 0], ink.shear)
-  if (!narrow) write(view, "friction", from - long + (F > 0 ? -8 : 8), y, { of: ink.shear, align: F > 0 ? "right" : "left", bold: true })
+  if (!narrow)
+    write(view, "friction", from - long + (F > 0 ? -8 : 8), y,
+      { of: ink.shear, align: F > 0 ? "right" : "left", bold: true })
 }
 
 // The nodes that slipped flash, and fade as the top goes on

@@ -18,7 +18,8 @@ const TABLES = {
     ({ F, L }) => [short(F), short(L)]),
   area: (run) => increments(run, "Contact area", ["A (nm)", "A / w (10⁻³)"],
     ({ A, A_bar }) => [short(A), short(A_bar * 1000)]),
-  map: (run) => increments(run, "Contact map", ["acts from x (nm)", "to (nm)", "repulsive nodes", "adhering nodes"], acting),
+  map: (run) =>
+  increments(run, "Contact map", ["acts from x (nm)", "to (nm)", "repulsive nodes", "adhering nodes"], acting),
 }
 
 function nodes(run, k, what, headings, cells) {
@@ -52,18 +53,21 @@ function acting(values, run, k) {
 // Opened with a button in the caption of the plot
 export function openTable({ dataset: { view }, parentElement: caption }) {
   if (!(view in TABLES)) openData(view, caption.querySelector("b").textContent)
-  else if (me.run?.length) open(TABLES[view](me.run, me.run.shown ?? Math.max(0, Math.min(me.drawn, me.run.length - 1))))
+  else if (me.run?.length)
+    open(TABLES[view](me.run, me.run.shown ?? Math.max(0, Math.min(me.drawn, me.run.length - 1))))
 }
 
 const GRID = [9, 9] // values of an image in its table, across and down
 const UNSAID = /^(zero$|way |mark )/ // lines that only guide the eye, and dots that are named beside them
 const SAID = { // what is drawn on a page, where its label is not what it is called
-  own: "on screen", low: "ultra low friction", stick: "nodes that stick", slip: "nodes past the peak", open: "free nodes",
+  own: "on screen", low: "ultra low friction", stick: "nodes that stick", slip: "nodes past the peak",
+  open: "free nodes",
   law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8", onsets: "onset", exact: "exact",
 }
 const MARKS = "●■▲◆★" // of the series on the page Area laws (app/views/arealaws.py)
 const called = (label) => SAID[label]
-  ?? label.replace(/^(line|points|beyond)(\d)$/, (_, what, k) => `${MARKS[k]} ${{ line: "Eq. 9", points: "runs", beyond: "beyond the fit" }[what]}`)
+  ?? label.replace(/^(line|points|beyond)(\d)$/, (_, what, k) =>
+    `${MARKS[k]} ${{ line: "Eq. 9", points: "runs", beyond: "beyond the fit" }[what]}`)
 
 // All that a figure of a page shows: points of curves and dots, and of an image values on a grid
 function openData(name, title) {
@@ -72,7 +76,8 @@ function openData(name, title) {
   for (const [label, part] of Object.entries(parts[name])) {
     const drawn = UNSAID.test(label) ? null : drawnBy(part)
     if (drawn?.image) rows.push(...grid(drawn).map((cells) => [called(label), ...cells]))
-    else for (let i = 0; i < (drawn?.x.length ?? 0); i++) rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), drawn.said?.[i] ?? ""])
+    else for (let i = 0; i < (drawn?.x.length ?? 0); i++)
+      rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), drawn.said?.[i] ?? ""])
   }
   const valued = rows.some((cells) => cells[3])
   const headings = ["what", across.axis_label, up.axis_label, ...(valued ? ["value"] : [])]
@@ -84,7 +89,8 @@ function grid({ image, rows, columns, x, y, dw, dh }) {
   for (let r = 0; r < GRID[1]; r++) {
     for (let c = 0; c < GRID[0]; c++) {
       const i = Math.floor(((r + 0.5) * rows) / GRID[1]), j = Math.floor(((c + 0.5) * columns) / GRID[0])
-      cells.push([short(x + ((j + 0.5) * dw) / columns), short(y + ((i + 0.5) * dh) / rows), short(image[i * columns + j])])
+      cells.push([short(x + ((j + 0.5) * dw) / columns), short(y + ((i + 0.5) * dh) / rows),
+        short(image[i * columns + j])])
     }
   }
   return cells

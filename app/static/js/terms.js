@@ -14,7 +14,8 @@ export function file(name) {
 }
 export const glossary = file("glossary.html")
 
-// The text of an element again, the first occurrence of each term in it as a button, in one line with the stop behind it
+// The text of an element again, the first occurrence of each term in it as a button, in one line with the stop behind
+// it
 export function explain(element, text = element.textContent) {
   const seen = new Set(), parts = forms ? text.split(forms) : [text] // between, term, stop, between, ...
   element.replaceChildren(...parts.map((part, i) => {
@@ -33,7 +34,8 @@ async function show(source) {
   box.showPopover({ source })
   try {
     const entry = new DOMParser().parseFromString(await glossary(), "text/html").getElementById(`term-${term}`)
-    box.replaceChildren(make("b", {}, entry.querySelector("dt").textContent), ` ${entry.querySelector("dd").textContent}`)
+    box.replaceChildren(make("b", {}, entry.querySelector("dt").textContent),
+      ` ${entry.querySelector("dd").textContent}`)
   } catch {
     box.textContent = "The explanation could not be loaded. Click the word again."
   }

@@ -74,9 +74,11 @@ const wanted = () => ({ ...STOPS[at].values, ...unseen?.values })
 // Whether the server is at the scene of the stop
 const atStop = () => {
   const { preset, values } = me.status
-  return preset === STOPS[at].preset && Object.entries(wanted()).every(([name, value]) => Number(values[name]) === value)
+  return preset === STOPS[at].preset
+    && Object.entries(wanted()).every(([name, value]) => Number(values[name]) === value)
 }
-const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run) && me.run.scene && !me.stale
+const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run) && me.run.scene
+  && !me.stale
 const failed = () => me.status.state === "failed" && atStop()
 
 // With the usual scene, what others are compared with; the last stop begins again once that is known
@@ -93,11 +95,17 @@ function right() {
   return !now || now.U > before.U + 0.1 ? 1 : now.U < before.U - 0.1 ? 0 : 2
 }
 
-const NAMES = { E: ["a stiffness of", "GPa"], delta_bar: ["a press depth of", "δ₀"], phi_ratio: ["a grip of", "times the adhesion"] }
+const NAMES = {
+  E: ["a stiffness of", "GPa"], delta_bar: ["a press depth of", "δ₀"], phi_ratio: ["a grip of", "times the adhesion"],
+}
 function filled(text) {
   const [[name, value]] = Object.entries(unseen?.values ?? { E: 70 }), [head, unit] = NAMES[name]
   const now = phase === "wait" ? null : firstSlip(me.run)
-  return text.replaceAll("{change}", `${head} ${minus(value)} ${unit}`).replaceAll("{before}", before ? fixed(before.U, 1) : "").replaceAll("{after}", now ? fixed(now.U, 1) : "no place").replaceAll("{reason}", unseen?.why ?? "")
+  const parts = {
+    change: `${head} ${minus(value)} ${unit}`, reason: unseen?.why ?? "",
+    before: before ? fixed(before.U, 1) : "", after: now ? fixed(now.U, 1) : "no place",
+  }
+  return text.replaceAll(/{(\w+)}/g, (_, part) => parts[part])
 }
 
 const waiting = () => (me.lost ? "The tour continues when the server answers again."
@@ -114,7 +122,8 @@ function watch() {
     card.querySelector("button.answer")?.focus()
   }
   if (phase === "show" && me.run.along[Math.max(0, me.drawn)] >= STOPS[at].to) {
-    goto(me.run.along.findIndex((place, k) => k >= me.run.sheared && place >= STOPS[at].to)) // a slow machine plays in leaps
+    // a slow machine plays in leaps
+    goto(me.run.along.findIndex((place, k) => k >= me.run.sheared && place >= STOPS[at].to))
     phase = "why"
     write()
   }
@@ -142,7 +151,8 @@ function hideFuture() {
     if (hidden) continue
     const ahead = phase === "wait" || me.run.sheared < 0, far = box.left + box.width + 2
     const x = (ahead ? box.left : box.X(me.run.along[Math.max(me.run.sheared, me.drawn)])) + 1
-    Object.assign(cover(view).style, { left: `${x}px`, top: `${box.top}px`, width: `${Math.max(0, far - x)}px`, height: `${box.height}px` })
+    Object.assign(cover(view).style,
+      { left: `${x}px`, top: `${box.top}px`, width: `${Math.max(0, far - x)}px`, height: `${box.height}px` })
   }
 }
 
@@ -172,13 +182,15 @@ function writeQuestion(stop) {
   const asking = phase === "ask"
   if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
   card.append(told("p", "question", stop.question))
-  if (asking && stop.sketch) card.append(paragraph("said", "Draw the curve you expect into the plot if you like, then choose:"))
+  if (asking && stop.sketch)
+    card.append(paragraph("said", "Draw the curve you expect into the plot if you like, then choose:"))
   card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
   if (phase === "show") card.append(paragraph("said", "Watch …"))
 }
 
 function writeReason(stop) {
-  const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. "), picture = make("canvas", { className: "picture-of" })
+  const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
+  const picture = make("canvas", { className: "picture-of" })
   card.append(make("p", { role: "status" }, yes, told("span", "", stop.why)), picture)
   PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
 }
@@ -206,7 +218,8 @@ function answerButton(i) {
 // 1 to 3 choose an answer; with Shift they count a class's raised hands
 function onDigit(event) {
   const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = STOPS[at].order[place]
-  if (place < 0 || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey || event.target.matches?.("input[type=text]")) return
+  if (place < 0 || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
+    || event.target.matches?.("input[type=text]")) return
   event.preventDefault()
   if (!event.shiftKey) return answer(i)
   hands[i]++

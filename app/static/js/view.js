@@ -49,7 +49,8 @@ export function connectViews() {
   choose(CURVES[0])
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
-    for (const one of document.querySelectorAll(".control")) one.toggleAttribute("data-shown", one.dataset.name === target.value)
+    for (const one of document.querySelectorAll(".control"))
+      one.toggleAttribute("data-shown", one.dataset.name === target.value)
   })
 }
 

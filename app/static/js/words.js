@@ -11,7 +11,8 @@ const overE = () => by("bar").checked // whether over wE
 
 // {names, factor, text, symbols, over} of the forces of the runs drawn together: one unit for all of them
 export function forceUnit(runs) {
-  if (overE()) return runs.some((run) => run?.changing.includes("E")) ? { ...BAR, over: ", by the E of each increment" } : BAR
+  const changing = runs.some((run) => run?.changing.includes("E"))
+  if (overE()) return changing ? { ...BAR, over: ", by the E of each increment" } : BAR
   const most = Math.max(...runs.map((run) => run?.strongestForce ?? 0))
   const [size, text] = FORCES.find(([, , least]) => most >= least)
   return { names: { F: "F", L: "L" }, factor: 1 / size, text, symbols: { F: "F", L: "L" } }
@@ -28,7 +29,8 @@ export function forceSaid(values, name, unit) {
 export const areaSaid = ({ A, A_bar }) => `A = ${fixed(A, 1)} nm (Ā = ${fixed(A_bar * 1000, 1)}·10⁻³)`
 
 // Words about the axis of the area where it does not begin at zero
-export const tellStart = (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
+export const tellStart =
+  (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
 
 export function connect() {
   by("bar").checked = new URLSearchParams(location.search).get("force") === "bar"
@@ -42,18 +44,24 @@ const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
 export const symbol = (name) => (labelOf(name)?.querySelector("i") ?? labelOf(name))?.textContent ?? name
 export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
 
-const SYMBOLS = { delta_bar: "δ/δ₀", phi_ratio: "φₜ/φₙ", E: "E", phi_n: "φₙ", delta_n: "δₙ", delta_t: "δₜ", nu: "ν", radius: "R", damping: "damping" }
+const SYMBOLS = {
+  delta_bar: "δ/δ₀", phi_ratio: "φₜ/φₙ", E: "E", phi_n: "φₙ", delta_n: "δₙ", delta_t: "δₜ", nu: "ν", radius: "R",
+  damping: "damping",
+}
 const UNITS = { E: "GPa", phi_n: "N/m", delta_n: "nm", delta_t: "nm", radius: "w", width: "nm", u_x_max: "nm" }
 const MAIN = ["delta_bar", "phi_ratio", "E"]
 
-export const value = (name, given) => `${SYMBOLS[name] ?? name} = ${minus(given)}${name in UNITS ? ` ${UNITS[name]}` : ""}`
+export const value = (name, given) =>
+  `${SYMBOLS[name] ?? name} = ${minus(given)}${name in UNITS ? ` ${UNITS[name]}` : ""}`
 
 // Parameters of the scene on screen: the preset, those with a slider, and what differs from the preset
 export function parameters({ values, address, preset } = me.status, changing = []) {
-  const others = [...new Set([...Object.keys(address), ...changing])].filter((name) => !["preset", "profile", ...MAIN].includes(name))
+  const others = [...new Set([...Object.keys(address), ...changing])].filter((name) =>
+    !["preset", "profile", ...MAIN].includes(name))
   const title = document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
   const changed = others.length || changing.length || MAIN.some((name) => name in address)
-  return `${title}${changed ? ", changed" : ""}: ${[...MAIN, ...others].map((name) => value(name, values[name])).join(", ")}`
+  const said = [...MAIN, ...others].map((name) => value(name, values[name])).join(", ")
+  return `${title}${changed ? ", changed" : ""}: ${said}`
 }
 
 export function described(run, k) {

@@ -15,14 +15,16 @@ const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
-let film = null // {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
+// {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
+let film = null
 
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
   if (film) return end()
   const { run } = me, at = now(), k = at < 0 ? null : run.slipBefore(at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
-  if (k === null) return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
+  if (k === null)
+    return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   goto(k)
   film = { run, k, frames: null, at: -1, begun: 0 }
   tell("solving the motion …")

@@ -13,7 +13,8 @@ import { value } from "../words.js"
 const MOST = 4
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
-export const pins = [] // {run, scene, name, slot, shown, carried, failure}; scene {name: text} as in an address, slot 1 .. MOST
+// {run, scene, name, slot, shown, carried, failure}; scene {name: text} as in an address, slot 1 .. MOST
+export const pins = []
 
 // Only the run itself was carried on from another: loaded, or in a link, its scene begins anew
 export const titleOf = ({ name, carried }) => `${name}${carried ? ", carried on" : ""}`
@@ -51,7 +52,8 @@ function outline(pin) {
 }
 
 // The frame of a pinned run whose top has been pulled, or pressed, as far as that of the run on screen
-export const matched = ({ run: pinned }, run, k) => (k < run.sheared ? Math.min(k, pinned.sheared) : pinned.nearest(run.along[k], Math.max(k, pinned.sheared)))
+export const matched = ({ run: pinned }, run, k) =>
+  (k < run.sheared ? Math.min(k, pinned.sheared) : pinned.nearest(run.along[k], Math.max(k, pinned.sheared)))
 
 function drawSurfaces(run, k) {
   const lines = drawable(run).filter(({ run: of }) => !of.head.flat).map((pin) => {
@@ -90,7 +92,8 @@ function add(run, scene, name, carried = false) {
 
 // What differs from the preset, or the title of that
 export function named(scene, preset) {
-  const said = Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
+  const said =
+    Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
   return said.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
 
@@ -117,7 +120,8 @@ function chip(one) {
     chipOf(one)?.querySelector("button").focus()
   }, { "aria-pressed": one.shown })
   show.append(swatch(one.slot), ` ${titleOf(one)}${one.failure ? ": failed" : one.run ? "" : " …"}`)
-  return make("span", { className: "chip", data: { slot: one.slot } }, show, button("×", `Remove ${one.name}`, () => remove(one)))
+  return make("span", { className: "chip", data: { slot: one.slot } }, show,
+    button("×", `Remove ${one.name}`, () => remove(one)))
 }
 
 const chipOf = (one) => document.querySelector(`.chip[data-slot="${one.slot}"]`)
@@ -144,7 +148,8 @@ function tell() {
 
 // In a link: the name, then names and values of the scene, with stars in between
 const escaped = (text) => `${text}`.replaceAll("%", "%25").replaceAll("*", "%2A")
-const inLink = () => pins.map(({ name, scene }) => ["pin", [name, ...Object.entries(scene).flat()].map(escaped).join("*")])
+const inLink = () =>
+  pins.map(({ name, scene }) => ["pin", [name, ...Object.entries(scene).flat()].map(escaped).join("*")])
 
 // The pins of an address: the server computes them, beside the run on screen
 export function fromLink(texts) {

@@ -24,7 +24,8 @@ const text = (x, y, said, anchor = "middle") => {
   return `<text x="${x}" y="${y}" text-anchor="${anchor}">${parts.join("")}</text>`
 }
 const axes = (along, up, zero = BASE, at = LEFT, side = "end") => line(LEFT, zero, WIDE - 4, zero)
-  + line(at, 6, at, BASE + 4) + text(WIDE - 4, zero < BASE ? zero - 8 : zero + 13, along, "end") + text(side === "end" ? at - 4 : at + 5, 13, up, side)
+  + line(at, 6, at, BASE + 4) + text(WIDE - 4, zero < BASE ? zero - 8 : zero + 13, along, "end")
+    + text(side === "end" ? at - 4 : at + 5, 13, up, side)
 const node = (x, y) => `<circle cx="${x}" cy="${y}" r="6"/>`
 const site = (x) => `<rect x="${x - 4}" y="72" width="8" height="8"/>`
 const opening = (x) => -x * Math.exp(-x), sliding = (x) => x * Math.exp(-x * x)
@@ -37,17 +38,35 @@ const level = (force, said, look) => trace([[1, force], [2.6, force]], ...SLID, 
   + text(194, height(force, SLID[1]) + 4, said, "start")
 
 const IDEAS = {
-  gaps: () => [60, 110, 160].map(site).join("") + node(92, 30) + line(92, 30, 110, 72, "F") + line(92, 30, 92, 76, "pale") + line(92, 72, 110, 72, "pale")
-    + text(84, 58, "Δ_n", "end") + text(101, 91, "Δ_t") + text(104, 27, "node", "start") + text(170, 80, "sites", "start"),
-  sum: () => [60, 110, 160].map((x) => site(x) + line(102, 30, x, 72, "F")).join("") + node(102, 30) + text(114, 20, "one node,", "start") + text(122, 35, "all its springs", "start"),
+  gaps: () =>
+    [60, 110, 160].map(site).join("") + node(92, 30) + line(92, 30, 110, 72, "F") + line(92, 30, 92, 76, "pale")
+    + line(92, 72, 110, 72, "pale")
+    + text(84, 58, "Δ_n", "end") + text(101, 91, "Δ_t") + text(104, 27, "node", "start")
+      + text(170, 80, "sites", "start"),
+  sum: () =>
+  [60, 110, 160].map((x) => site(x) + line(102, 30, x, 72, "F")).join("") + node(102, 30)
+  + text(114, 20, "one node,", "start") + text(122, 35, "all its springs", "start"),
   normal: () => normal() + text(82, 88, "σ_max") + text(74, 15, "presses back", "start") + text(172, 78, "attracts"),
-  tangential: () => axes("Δ_t", "T_x", 44, 120) + curve(sliding, [-2.4, 2.4], [-0.5, 0.5]) + text(164, 17, "τ_max", "start"),
-  strengths: () => normal() + curve((x) => opening(x) / Math.E, ...OPEN, "F") + text(82, 88, "Δ_t = 0") + text(70, 42, "Δ_t = δ_t : weaker", "start"),
-  forces: () => axes("x", "T", height(0, ACROSS[1])) + curve(pressed, ...ACROSS) + line(place(-1, ACROSS[0]), 68, place(1, ACROSS[0]), 68, "A") + text(120, 84, "A") + text(120, 50, "presses") + text(180, 91, "attracts"),
-  mean: () => axes("U_x", "F") + trace(SAW, ...SLID) + level(1, "F_s", "pale") + level(0.725, "⟨F⟩", "F") + level(0.45, "F_k", "pale"),
+  tangential: () =>
+  axes("Δ_t", "T_x", 44, 120) + curve(sliding, [-2.4, 2.4], [-0.5, 0.5]) + text(164, 17, "τ_max", "start"),
+  strengths: () =>
+  normal() + curve((x) => opening(x) / Math.E, ...OPEN, "F") + text(82, 88, "Δ_t = 0")
+  + text(70, 42, "Δ_t = δ_t : weaker", "start"),
+  forces: () =>
+  axes("x", "T", height(0, ACROSS[1])) + curve(pressed, ...ACROSS)
+  + line(place(-1, ACROSS[0]), 68, place(1, ACROSS[0]), 68, "A") + text(120, 84, "A") + text(120, 50, "presses")
+  + text(180, 91, "attracts"),
+  mean: () =>
+  axes("U_x", "F") + trace(SAW, ...SLID) + level(1, "F_s", "pale") + level(0.725, "⟨F⟩", "F")
+  + level(0.45, "F_k", "pale"),
   area: () => axes("F", "A") + curve((x) => 1 - 0.5 * x * x, [0, 1], [0, 1.1]) + text(34, 32, "A_0", "start"),
-  threshold: () => axes("A_s", "F_s") + curve((x) => 0.3 + 0.7 * x, [0, 1], [0, 1.1]) + text(36, 74, "F_s,nc without contact", "start") + text(140, 20, "slope τ_c", "end"),
-  fold: () => axes("U_x", "u") + `<path d="M30 76Q150 70 170 44"/><path class="pale" d="M170 44Q150 34 104 32"/>` + line(170, 44, 170, 16, "F") + `<path d="M170 16Q190 12 214 11"/>` + text(84, 62, "at rest") + text(164, 24, "slip", "end") + text(100, 28, "unstable", "end"),
+  threshold: () =>
+  axes("A_s", "F_s") + curve((x) => 0.3 + 0.7 * x, [0, 1], [0, 1.1]) + text(36, 74, "F_s,nc without contact", "start")
+  + text(140, 20, "slope τ_c", "end"),
+  fold: () =>
+  axes("U_x", "u") + `<path d="M30 76Q150 70 170 44"/><path class="pale" d="M170 44Q150 34 104 32"/>`
+  + line(170, 44, 170, 16, "F") + `<path d="M170 16Q190 12 214 11"/>` + text(84, 62, "at rest")
+  + text(164, 24, "slip", "end") + text(100, 28, "unstable", "end"),
 }
 
 const theory = file("theory.html")

@@ -16,15 +16,19 @@ export const PICTURES = {
     const frame = run.frame(k), edges = run.edges(k), { first, spacing } = run.headOf(k)
     const i = edges ? Math.floor(edges[0] - first) : frame.gap.findIndex((gap) => gap === Math.min(...frame.gap))
     const at = frame.x[Math.max(0, i)] + 2 * spacing, scale = width / (ACROSS * spacing), low = 0.72 * height
-    drawAtoms({ pen, frame, run, k, ink: inks() }, (x) => 0.5 * width + (x - at) * scale, (y) => low - y * scale * 0.8, scale, at - (ACROSS * spacing) / 2, at + (ACROSS * spacing) / 2)
+    drawAtoms({ pen, frame, run, k, ink: inks() }, (x) => 0.5 * width + (x - at) * scale, (y) => low - y * scale * 0.8,
+      scale, at - (ACROSS * spacing) / 2, at + (ACROSS * spacing) / 2)
   },
   edges: (canvas, run, k) => {
     const [a, b] = run.edges(run.sheared), [c, d] = run.edges(k) ?? [a, b]
-    bars(canvas, [["behind", Math.max(0, c - a), "sites", "adhering"], ["in front", Math.max(0, b - d), "sites", "repulsive"]])
+    bars(canvas,
+      [["behind", Math.max(0, c - a), "sites", "adhering"], ["in front", Math.max(0, b - d), "sites", "repulsive"]])
   },
   areas: (canvas, run) => {
     const { at, A } = firstSlip(run) ?? { at: run.sheared + 1, A: run.curves.A[run.sheared] }
-    bars(canvas, [["at first", run.curves.A[run.sheared], "nm", "area"], ["before the slip", A, "nm", "area"], ["after it", run.curves.A[at], "nm", "area"]])
+    bars(canvas,
+      [["at first", run.curves.A[run.sheared], "nm", "area"], ["before the slip", A, "nm", "area"],
+        ["after it", run.curves.A[at], "nm", "area"]])
   },
   forces: (canvas, run, k, before) => {
     const now = firstSlip(run)
@@ -47,6 +51,7 @@ function bars(canvas, list) {
     write({ pen, ink }, name, from - 8, y, { align: "right" })
     pen.fillStyle = ink[colour]
     pen.fillRect(from, y - 0.3 * high, Math.max(1, long), 0.6 * high)
-    write({ pen, ink }, `${fixed(value, value < 99 ? 1 : 0)} ${unit}`, from + long + 8, y, { align: "left", scale: size() > 15 ? 0.9 : 1 })
+    write({ pen, ink }, `${fixed(value, value < 99 ? 1 : 0)} ${unit}`, from + long + 8, y,
+      { align: "left", scale: size() > 15 ? 0.9 : 1 })
   })
 }

@@ -1,34 +1,41 @@
-// The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is asked
-// about; answers: the right one first, shown in `order`; picture: what argues the reason (pictures.js); turn: the slider to
-// play with, ask: what to try with it; unseen: scenes that nobody has seen, the right answer taken from the run, with why
+// The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is
+// asked about; answers: the right one first, shown in `order`; picture: what argues the reason (pictures.js); turn: the
+// slider to play with, ask: what to try with it; unseen: scenes that nobody has seen, the right answer taken from the
+// run, with why
 
 export const STOPS = [
   {
     name: "First", preset: "fig6", values: {}, to: 10, order: [1, 0, 2], curve: "forces", picture: "springs",
     question: "The top is pulled sideways, slowly. What will the friction force do first?",
     answers: ["grow in proportion to the pull", "stay zero until the punch slides", "jump to its full value at once"],
-    why: "Nothing slides yet: the punch leans over, and its surface clings to the lattice sites. The force is that of a spring.",
+    why: "Nothing slides yet: the punch leans over, and its surface clings to the lattice sites. "
+      + "The force is that of a spring.",
     turn: "E", ask: "Move the stiffness: how does the slope change?",
   },
   {
     name: "The edges", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2], curve: "map", picture: "edges",
     question: "Still no slip, but the edges of the contact begin to let go. Which one more?",
     answers: ["the trailing edge, behind", "the leading edge, in front", "both the same"],
-    why: "The lean lifts the punch behind and presses it down in front, while the pull weakens the grip of both edges: both let go, the trailing edge more.",
+    why: "The lean lifts the punch behind and presses it down in front, while the pull weakens the grip of both edges: "
+      + "both let go, the trailing edge more.",
     turn: "delta_bar", ask: "Pull instead of pushing (press depth below zero): are the edges more alike?",
   },
   {
-    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area", sketch: true, picture: "areas",
+    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area", sketch: true,
+    picture: "areas",
     question: "The pull goes on until the punch slips. What will the contact area do at the slip?",
     answers: ["grow: contact comes back", "fall", "stay as it is"],
-    why: "A slip by one lattice site releases most of the lean that had peeled the edges: they close again, and the next stick begins.",
+    why: "A slip by one lattice site releases most of the lean that had peeled the edges: they close again, "
+      + "and the next stick begins.",
     turn: "phi_ratio", ask: "Weaken the grip: how far does the area come back then?",
   },
   {
     name: "Upwards", preset: "fig7-case1", values: {}, to: 9.1, order: [1, 2, 0], curve: "forces", picture: "springs",
     question: "The top is held above the surface, so that the punch hangs on its adhesion. Will there be friction?",
-    answers: ["yes, even when nothing is repelled any more", "no: friction needs a load", "only as long as the area is not zero"],
-    why: "Attraction holds each node at its site as well: every spring drawn here leans back against the pull, pressed or not.",
+    answers: ["yes, even when nothing is repelled any more", "no: friction needs a load",
+      "only as long as the area is not zero"],
+    why: "Attraction holds each node at its site as well: "
+      + "every spring drawn here leans back against the pull, pressed or not.",
     turn: "delta_bar", ask: "Pull farther: when does it let go for good?",
   },
   {
@@ -42,23 +49,30 @@ export const STOPS = [
     name: "Stiffness", preset: "fig6", values: { E: 700 }, to: 20, order: [2, 1, 0], curve: "forces", picture: "forces",
     question: "A punch ten times stiffer. How large is the force at which it slips, in newtons per metre?",
     answers: ["larger", "the same", "smaller"],
-    why: "It hardly leans, so that all of the contact gives way together: the force is larger, the pull that it takes much smaller.",
+    why: "It hardly leans, so that all of the contact gives way together: "
+      + "the force is larger, the pull that it takes much smaller.",
     turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
   },
   {
-    name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces", picture: "pulls",
+    name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces",
+    picture: "pulls",
     unseen: [
-      { values: { E: 140 }, why: "A stiffer punch builds up force faster, so its springs give way after a shorter pull." },
-      { values: { E: 35 }, why: "A softer punch builds up force more slowly, so its springs give way after a longer pull." },
+      { values: { E: 140 },
+        why: "A stiffer punch builds up force faster, so its springs give way after a shorter pull." },
+      { values: { E: 35 },
+        why: "A softer punch builds up force more slowly, so its springs give way after a longer pull." },
       { values: { delta_bar: 0.3 }, why: "Pressed deeper, more contact holds it, so it takes a longer pull." },
       { values: { delta_bar: -0.1 }, why: "Held higher, less contact holds it, so a shorter pull is enough." },
       { values: { phi_ratio: 0.5 }, why: "With a weaker grip each spring gives way earlier." },
     ],
-    said: ["A punch sticks like a spring until its springs to the sites give way.", "Before that its edges peel, behind more than in front.",
+    said: ["A punch sticks like a spring until its springs to the sites give way.",
+      "Before that its edges peel, behind more than in front.",
       "A slip by one site brings contact back.", "Adhesion alone can carry friction, without any load."],
-    question: "Now a scene that you have not seen: {change}. Will it slip after a shorter or a longer pull than {before} nm?",
+    question: "Now a scene that you have not seen: {change}. "
+      + "Will it slip after a shorter or a longer pull than {before} nm?",
     answers: ["shorter", "longer", "the same, to a tenth of a nanometre"],
     why: "It slips at {after} nm instead of {before} nm. {reason}",
-    turn: "delta_bar", ask: "The tour ends here. The row at the top has more experiments; the sliders and the curves are yours.",
+    turn: "delta_bar",
+    ask: "The tour ends here. The row at the top has more experiments; the sliders and the curves are yours.",
   },
 ]
