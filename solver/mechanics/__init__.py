@@ -7,5 +7,4 @@ equilibrium   the contact as a problem; under a held load the height of the top 
 surface       the transient of the whole surface, whose rests are the equilibria
 linearised    an equilibrium linearised: dT/du, the layer, and dR/dv
 flutter       the damping above which waves of the contact cannot flutter, by a local criterion
-dense         the inverse of an equilibrium's tangent, as a preconditioner
 """

@@ -7,11 +7,12 @@ Under a held load the height of the top is the last unknown.
 """
 
 import numpy as np
+from numba import njit
 
 from .cohesive_law import add_product, alike
-from .dense import MOST, fill
 from .flutter import safe_friction
 
+MOST = 1200  # nodes up to which a tangent is formed; for more, iterative solves take less time
 BESIDE = 1e-3  # units along a disturbance, for the change of J: the error is the square, round-off 1e-13
 
 
@@ -85,16 +86,17 @@ class Linearised:
         change -= self.contact.tangents(self.u - h * way, self.active)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
-    def matrix(self) -> np.ndarray | None:
-        """dR/dv, dense (problem size, problem size); None beyond `dense.MOST` nodes."""
-        if self.m > MOST:
+    def matrix(self, nodes=None) -> np.ndarray | None:
+        """dR/dv, dense, of all nodes or of `nodes` (k,), and of the top; None of no node, or of more than MOST."""
+        nodes = np.arange(self.m) if nodes is None else nodes
+        if not 0 < nodes.size <= MOST:
             return None
-        out, cell = np.empty((2 * self.m,) * 2), self.contact.cell
+        out, cell = np.empty((2 * nodes.size,) * 2), self.contact.cell
         kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
-        fill(kernels, np.arange(self.m), self.J, out)
+        _fill(kernels, nodes, self.J, out)
         if not self.problem.held:
             return -out
-        column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
+        column, rise = np.repeat([0.0, 1.0], nodes.size), self.scale * self.J[2:, nodes].ravel()
         return np.block([[-out, column[:, None]], [rise, 0.0]])
 
     def product(self, x, layered=None) -> np.ndarray:
@@ -168,3 +170,19 @@ class Linearised:
         k, J = self.contact.modes.stiffness.copy(), self.J[:, 0]
         k[1, 0] = self.surface.stiffness[1, 0]  # none under a held load
         return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
+
+
+@njit(cache=True, nogil=True)
+def _fill(kernels, nodes, tangents, out) -> None:
+    """out (2 k, 2 k) = I - C J of k nodes; tangents: J, (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
+    k, n = nodes.size, kernels.shape[1]
+    for i in range(k):
+        for j in range(k):
+            d, a = (nodes[i] - nodes[j]) % n, nodes[j]
+            xx, zz, xz = kernels[0, d], kernels[1, d], kernels[2, d]
+            out[i, j] = -(xx * tangents[0, a] + xz * tangents[2, a])
+            out[i, k + j] = -(xx * tangents[1, a] + xz * tangents[3, a])
+            out[k + i, j] = xz * tangents[0, a] - zz * tangents[2, a]
+            out[k + i, k + j] = xz * tangents[1, a] - zz * tangents[3, a]
+        out[i, i] += 1.0
+        out[k + i, k + i] += 1.0
