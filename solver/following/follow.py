@@ -4,26 +4,28 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..continuation.inverse import Solves
 from ..continuation.state import NotConverged
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from ..threads import one_thread
-from .branch import Crowded, NotFollowed
-from .held import followed_held
-from .moved import NEAR, moved_branch, moved_folds
-from .no_contact import refuse_apart, without_contact
-from .patch import widened
+from .branch import Branch, Crowded, NotFollowed
+from .moved import NEAR, Solver, moved_branch, moved_folds
 from .refinement import refined
-from .skeleton import Skeleton
-from .solver import Solver
+from .skeleton import Held, Skeleton
 
 SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # parameters that are not continuous
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved where states or folds moved too far, to quarters
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
 WIDER = 3  # how often the patch grows in one move: each time by a quarter or more
+FINE = 1e-8  # nm, of the residual of the state whose load is held: derivatives of it are asked for to 1e-5
+FARTHEST = 1.5  # units that it may move beside the change of the indentation: farther off, it is on another branch
+ACCURACY = 1e-3  # of a linear solve, of which only a sign is used
+APART = 0.1  # units between states of one branch: with and without contact they differ by a unit or more
+INTERVALS = 12  # of a lattice period, at first: the force is nearly a sine, and `refined` adds states where needed
 
 
 @one_thread()
@@ -68,7 +70,7 @@ def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
         try:
             return _moved(skeleton, scene, spent)
         except Crowded as failure:
-            last, skeleton = failure, widened(skeleton)
+            last, skeleton = failure, skeleton.widened()
         except NotConverged as failure:  # a pull-off under a held load
             raise NotFollowed(str(failure)) from None
     raise last
@@ -127,3 +129,67 @@ def _branches(contact, skeleton):
     if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:
         raise NotFollowed("a slip lands before the first state of the branch that should follow it")
     return held, tuple(branches), solver.residual
+
+
+def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
+    """The Held of a Contact's scene, from that of a scene nearby of an indentation smaller by `moved`, nm.
+
+    Raises NotFollowed where one of them is stable under its load and the other is not.
+    """
+    problem, what = Equilibrium(contact, sideways(1.0, -contact.scene.delta)), "the state whose load is held"
+    solver = Solver(problem, tolerance=FINE)
+    v, active = solver.state(old.v, old.active, 0.0, what, FARTHEST + abs(moved) / problem.unit)
+    kind = "" if _stiffens(problem, v, active) else "control"
+    if old.kind is not None and bool(kind) != bool(old.kind):
+        raise NotFollowed(f"{what} is {'un' if kind else ''}stable under it, unlike before")
+    return Held(v, active, old.kind or kind)
+
+
+def _stiffens(problem, v, active):
+    """Whether the pressure rises with the indentation; else the state is unstable under a held load."""
+    linearised, lower = problem.linearised(v, active), np.repeat([0.0, 1.0], problem.nodes)
+    lowered = Solves(linearised)(lower, accuracy=ACCURACY)  # by a unit of indentation
+    return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0
+
+
+def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skeleton:
+    """The Skeleton of a Contact's scene where the approach ends before the last of `jumps`, the jump into contact.
+
+    Surfaces in contact might still adhere at that indentation, but the run comes from above and stays without contact.
+    """
+    scene = contact.scene
+    if len(jumps) > 1:
+        raise NotFollowed("the approach ends between two jumps into contact")
+    if scene.hold == "load":
+        raise NotFollowed("hold = 'load': there is no contact that carries a load")
+    solver = Solver(Equilibrium(contact, sideways(1.0, -scene.delta)))
+    v, active = _apart(solver)
+    fold, m = jumps[0], contact.size
+    if (v[m:] + scene.delta).min() < (fold.v[m : 2 * m] + fold.load).min():
+        raise NotFollowed("the state without contact is not found")
+    t = np.linspace(0.0, 1.0, INTERVALS + 1)
+    guesses = v + scene.spacing * np.outer(t, solver.problem.direction)
+    guess = Branch(0.0, scene.spacing, t, guesses, np.tile(active, (t.size, 1)), periodic=True)
+    branch = refined(scene, skeleton.first, solver, moved_branch(solver, guess, 0.0, scene.spacing, None, 1), 1)
+    return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)
+
+
+def _apart(solver):
+    """(v, active) at U_x = 0 that the corrector reaches from the undeformed surface."""
+    v = solver.problem.undeformed(0.0)
+    return solver.state(v, np.zeros(solver.problem.nodes, bool), 0.0, "the state without contact", np.inf)
+
+
+def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
+    """Raises NotFollowed where the Skeleton has contact, but the surfaces may stay apart at the end of the approach.
+
+    They may if the corrector leads from the undeformed surface to another equilibrium.
+    """
+    solver = Solver(Equilibrium(contact, sideways(1.0, -contact.scene.delta)))
+    reached = skeleton.unknowns(0.0)[0, : solver.problem.size] if skeleton.held is None else skeleton.held.v
+    try:
+        apart, _ = _apart(solver)
+    except NotFollowed:
+        return
+    if np.abs(apart - reached).max() > APART * solver.problem.unit:
+        raise NotFollowed("the surfaces may not have jumped into contact")

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..scene import Scene
 from .branch import DEGREE, Branch
+from .moved import SURPRISE, Solver
 from .skeleton import tractions
-from .solver import SURPRISE, Solver
 
 ERROR = 2e-4  # of the largest force, between states: a fifth of what followed runs promise
 # without every second state errors are larger by that, at least, on the uneven states of the slider box; and 2^6 in the

@@ -1,6 +1,6 @@
 """A run that slides, known by its branches until they repeat: it gives the run at any load."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..continuation.fold import Fold
 from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium
 from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, on_nodes
+from ..run.loading import sideways, vertical
 from ..scene import Scene
 from .branch import Branch
 
@@ -127,6 +129,20 @@ class Skeleton:
         v[:, : self.nodes] += shift[:, None]
         return v
 
+    def widened(self) -> "Skeleton":
+        """The same on a wider patch; the tractions of its nodes displace those that are added."""
+        scene, held = self.scene, self.held
+        contact = Contact(scene, self.first, self.nodes)
+        given, approach = Equilibrium(contact, sideways(1.0, -scene.delta)), Equilibrium(contact, vertical(1.0))
+        shear = given if held is None else Equilibrium(contact, sideways(1.0, 0.0), self.pressure)
+        if held is not None:
+            held = Held(*given.wider().adopted(given, held.v, held.active, 0.0), held.kind)
+        branches = tuple(_wide_branch(shear, branch) for branch in self.branches)
+        jumps = tuple(_wide_fold(approach, jump) for jump in self.jumps)
+        apart = self.contact and self.contact.widened()
+        first = contact.wider().first
+        return replace(self, first=first, branches=branches, jumps=jumps, contact=apart, held=held)
+
     def tractions(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
         """T (k, 2, m), GPa, of unknowns v (k, size)."""
         return tractions(self.scene, self.first, v)
@@ -144,3 +160,20 @@ def tractions(scene: Scene, first: int, v: NDArray[np.float64]) -> NDArray[np.fl
         T_part[:, gap > scene.window_n * scene.delta_n] = 0.0
         T[k : k + few] = T_part.swapaxes(0, 1)
     return T
+
+
+def _wide_branch(problem, branch):
+    """A Branch of a problem on its wider patch."""
+    wide = problem.wider()
+    states = [wide.adopted(problem, *each) for each in zip(branch.v, branch.active, branch.loads, strict=True)]
+    v, active = (np.array(rows) for rows in zip(*states, strict=True))
+    return replace(branch, v=v, active=active, fold=branch.fold and _wide_fold(problem, branch.fold))
+
+
+def _wide_fold(problem, fold):
+    """The same of a Fold; added nodes do not move along its phi, which is only a guess of the next one."""
+    m, wide = problem.nodes, problem.wider()
+    before = problem.contact.first - wide.contact.first
+    phi = np.pad(fold.phi[: 2 * m].reshape(2, m), [(0, 0), (before, wide.nodes - m - before)]).ravel()
+    v, active = wide.adopted(problem, fold.v, fold.active, fold.load)
+    return replace(fold, v=v, active=active, phi=np.append(phi, fold.phi[2 * m :]), psi=None)

@@ -11,9 +11,8 @@ from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, s
 from solver.continuation.fold import Fold
 from solver.continuation.state import OutOfTime
 from solver.following.branch import TOLERANCE, Branch
-from solver.following.moved import moved_branch, moved_folds
-from solver.following.no_contact import refuse_apart
-from solver.following.solver import Solver
+from solver.following.follow import refuse_apart
+from solver.following.moved import Solver, moved_branch, moved_folds
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
 from solver.run.loading import sideways
