@@ -26,6 +26,9 @@ validation/                     independent calculations of the same, accuracy o
 cli                             the command line, with command, mapping, derivatives, reports, verify, files
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from .analysis.energy_balance import Work, work_of
 from .continuation.state import NotConverged
 from .following.branch import NotFollowed
@@ -43,14 +46,23 @@ from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError
 from .surfaces import Profile
 from .text import scene_from_text
 
+if TYPE_CHECKING:
+    from .analysis.fit import fit
+    from .analysis.maps import Axis, Map, explored
+    from .analysis.measurement import read_measurement
+    from .analysis.sensitivities import sensitivities
+    from .analysis.spread import spread
+
 __version__ = "0.1.0"
 __all__ = [
     "CHOICES",
     "LIMITS",
     "METHODS",
     "SURFACES",
+    "Axis",
     "Checkpoint",
     "Frame",
+    "Map",
     "NotConverged",
     "NotFollowed",
     "Profile",
@@ -65,15 +77,35 @@ __all__ = [
     "advance",
     "carried_path",
     "carry_on",
+    "explored",
+    "fit",
     "follow",
     "load_path",
+    "read_measurement",
     "read_profile",
     "scene_from_text",
+    "sensitivities",
     "simulate",
     "skeleton_from",
     "skeleton_of",
+    "spread",
     "summarize",
     "sweep",
     "whole_surface",
     "work_of",
 ]
+LAZY = {  # {name: module}, imported when first asked for: a run does not need them
+    "Axis": "maps",
+    "Map": "maps",
+    "explored": "maps",
+    "fit": "fit",
+    "read_measurement": "measurement",
+    "sensitivities": "sensitivities",
+    "spread": "spread",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".analysis.{LAZY[name]}", __name__), name)

@@ -6,7 +6,8 @@ from typing import Any
 
 from . import plots, skeleton_of
 from .analysis import sensitivities as analysis
-from .analysis.spread import SLIP, deviations, spread_of
+from .analysis import spread as spreads
+from .analysis.spread import SLIP, deviations
 from .command import (
     NOT_CONVERGED,
     InputError,
@@ -132,7 +133,7 @@ def spread(arguments: argparse.Namespace) -> int:
         of = deviations(scene, settings(arguments.of))
     except ValueError as error:
         raise InputError(str(error)) from None
-    result = spread_of(skeleton_of(scene), of, arguments.draws)
+    result = spreads.spread(skeleton_of(scene), of, arguments.draws)
     for sentence in result.sentences():
         print(sentence)
     heading = ["branch", "U_x", "F_bar", "L_bar", "A_bar", "sd_F", "sd_L", "sd_A"]

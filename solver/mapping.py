@@ -3,12 +3,11 @@
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Iterator
 from typing import Any
 
 from . import plots
 from .analysis import regimes
-from .analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, worked_off
+from .analysis.maps import REGIMES, Axis, Map, Point, explored
 from .analysis.maps.point import QUANTITIES
 from .command import (
     INTERRUPTED,
@@ -25,10 +24,6 @@ from .command import (
 )
 from .files import write_rows
 from .isolated import Lost, outcomes
-
-# s for a tile of five points: 15 times what five of the most expensive scenes of tests/bench/box.py take (11 default
-# runs each), for slower machines and finer steps
-LIMIT = 600.0
 
 
 def add_map(commands: Any) -> None:
@@ -76,7 +71,7 @@ def mapped(arguments: argparse.Namespace) -> int:
         remedy = "run again with --resume to finish" if arguments.of is None else "run again"
         print(f"Interrupted; {remedy}", file=sys.stderr)
         code = INTERRUPTED
-    table = _table(grid, points)
+    table = grid.table(points)
     write(arguments.csv, _write, table, arguments.of, grid)
     write(arguments.html, _save_plot, table, grid, arguments.of)
     print(_described(points))
@@ -102,19 +97,6 @@ def flats(arguments: argparse.Namespace) -> int:
     return NOT_CONVERGED if without else 0
 
 
-def explored(grid: Map, workers: int | str, points: Iterable[Point] = ()) -> Iterator[Point]:
-    """Yields the Points of a Map except those given, coarse to fine; workers: see `isolated.outcomes`."""
-    reached = {(point.i, point.j): (point, None) for point in points}
-    levels = (grid.tiles(level, reached) for level in range(grid.levels))  # each is made once that before is complete
-    tiles = next(filter(None, levels), [])
-    for count, (k, result) in enumerate(outcomes(worked_off, tiles, workers, LIMIT), start=1):
-        for point, skeleton in grid.lost(tiles[k], result.reason) if isinstance(result, Lost) else result:
-            reached[point.i, point.j] = point, skeleton
-            yield point
-        if count == len(tiles):
-            tiles += next(filter(None, levels), [])
-
-
 def _resumed(file, grid):
     """The Points of an earlier file that have a result; raises InputError unless it is of this map."""
     from pandas import read_csv  # takes longer to import than the solver
@@ -123,7 +105,7 @@ def _resumed(file, grid):
         rows = read_csv(file, dtype=str, keep_default_na=False)
         points = [Point.from_row(row) for row in rows.to_dict("records")]
         axes = [grid.x.name, grid.y.name]
-        same = rows[axes].astype(float).equals(_table(grid, points)[axes])
+        same = rows[axes].astype(float).equals(grid.table(points)[axes])
     except FileNotFoundError:
         return []
     except (OSError, ValueError, KeyError, TypeError, IndexError):
@@ -131,16 +113,6 @@ def _resumed(file, grid):
     if not same:
         raise InputError(f"--resume {file!r}: allowed: a file of all columns of this map; leave --resume out")
     return [point for point in points if not point.reason]
-
-
-def _table(grid, points):
-    """DataFrame of every column of the points; the two parameters follow i and j."""
-    from pandas import DataFrame
-
-    table = DataFrame([point.as_row() for point in points], columns=COLUMNS, dtype=object)
-    table.insert(2, grid.x.name, grid.x.values[table["i"].astype(int)])
-    table.insert(3, grid.y.name, grid.y.values[table["j"].astype(int)])
-    return table
 
 
 def _write(file, table, of, grid):

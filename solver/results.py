@@ -108,7 +108,8 @@ class Result:
         if len(sliding):
             first = sliding.iloc[0]
             slipping = f"first slip at U_x = {first['load (nm)']:.2f} nm: F = {first['F (N/m)']:.4g} N/m"
-            slipping += f", A = {first['A (nm)']:.4g} nm; {counted(int((self.slips['stage'] != 'approach').sum()), 'slip')}"
+            count = int((self.slips["stage"] != "approach").sum())
+            slipping += f", A = {first['A (nm)']:.4g} nm; {counted(count, 'slip')}"
         lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
         return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self._after, self._along)
 

@@ -78,10 +78,15 @@ class Optimum(NamedTuple):
 
 
 def fit(scene: Scene, measured: Measurement, free: Sequence[str], options: FitOptions = USUAL) -> Fit:
-    """The Fit of the parameters `free` (continuous ones of the scene, or AXES); others are those of the scene.
+    """Fits parameters of a scene to a measured curve.
 
+    Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
+    `read_measurement`; free: names of continuous parameters, or of AXES; options: how it searches.
+    Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine.
     Raises ValueError for names that cannot be free; NotFollowed, NotConverged or SceneError where no start has a run,
     OutOfTime where none has one in time.
+
+    Example: `fit(Scene(), read_measurement("measured.csv", Scene()), ["phi_n"]).values`
     """
     allowed = (*continuous(scene), *AXES)
     for name in free:

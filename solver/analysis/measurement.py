@@ -1,7 +1,6 @@
 """A measured friction curve: read from a CSV, cut at its slips, its noise estimated."""
 
 from dataclasses import dataclass
-from io import TextIOBase
 from os import PathLike
 from pathlib import Path
 from typing import TextIO
@@ -119,13 +118,18 @@ def _rise(steps):
 
 
 def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Measurement:
-    """The Measurement in a CSV with a heading: U_x (nm), F_bar or F (N/m), and optionally L_bar or L, A_bar.
+    """Reads a CSV with a heading: U_x (nm), F_bar or F (N/m), and optionally L_bar or L, A_bar.
 
     Forms of the file: as of `read_table`. Units of the heading are converted, as in U_x (um). Other columns are left
     out, and rows without all numbers. In a file with a column `stage`, as `run --csv` writes, only the shear counts.
+
+    Parameters: source: the name of a file, or an open one; scene: gives w E, over which forces in N/m are taken.
+    Returns a Measurement, its noise estimated.
     Raises MeasurementError.
+
+    Example: `read_measurement("measured.csv", Scene()).noise`
     """
-    content = source.read() if isinstance(source, TextIOBase) else Path(source)
+    content = Path(source) if isinstance(source, (str, PathLike)) else source.read()
     table = read_table(content, MeasurementError, NEEDED, lambda names: "U_x" in names and bool({"F", "F_bar"} & names))
     of = {column.name: k for k, column in enumerate(table.columns)}
     _, columns, notes = table.where("stage", "shear").numbers({name: of[name] for name in UNIT_OF if name in of})

@@ -55,9 +55,9 @@ class Change:
         """The Change by one of the `continuous` parameters; raises SceneError."""
         value = getattr(scene, name)
         size = abs(value) or min(1.0, LIMITS[name].high)
-        for low, high in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
+        for parts in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
             try:
-                low, high = (scene.changed(**{name: value + part * size}) for part in (low, high))
+                low, high = (scene.changed(**{name: value + part * size}) for part in parts)
             except SceneError:
                 continue
             span = getattr(high, name) - getattr(low, name)

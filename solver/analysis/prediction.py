@@ -59,7 +59,8 @@ class Predicted:
     @cached_property
     def segments(self) -> list[list[tuple[int, int]]]:
         """[(index of a branch, periods since its first pass), ...] of each segment, in order, to AHEAD of the reach."""
-        seen, segments = min(self.seen, PART * max(self.drops)) if np.isfinite(self.seen) else np.inf, [[]]
+        seen = min(self.seen, PART * max(self.drops)) if np.isfinite(self.seen) else np.inf
+        segments: list[list[tuple[int, int]]] = [[]]
         for index, turns in passed(self.skeleton):
             segments[-1].append((index, turns))
             if self._end(index, turns) > AHEAD * self.reach:
@@ -88,11 +89,12 @@ class Predicted:
         curve = Curve(np.empty(shape), np.empty(shape), np.empty((len(names), *shape)))
         segment = np.minimum(segment, len(self.segments) - 1)
         for k, passes in enumerate(self.segments):
-            ends = [self._end(*branch_pass) for branch_pass in passes[:-1]]
+            ends = [self._end(index, turns) for index, turns in passes[:-1]]
             position = np.where(segment == k, np.searchsorted(ends, U_x), -1)
             for j in np.unique(position[position >= 0]):
                 mine = position == j
-                part = self._pass(*passes[j], U_x[mine], names)
+                index, turns = passes[j]
+                part = self._pass(index, turns, U_x[mine], names)
                 curve.values[:, mine], curve.slopes[:, mine], curve.by[:, :, mine] = part
         return curve
 

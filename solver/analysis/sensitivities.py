@@ -8,7 +8,7 @@ dU/dp = -<psi, R_p>/<psi, R_U>; the state also moves along the null vector, so t
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,10 +97,14 @@ class Sensitivities:
 
 @one_thread()
 def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
-    """The Sensitivities of a run by the parameters `names`, all `continuous` ones by default.
+    """Derivatives of the slips and curves of a run by its parameters.
 
-    Without `branches` only slips, in an eighth of the evaluations. Raises NotFollowed where Newton's steps do not solve
-    a state or a fold.
+    Parameters: skeleton: as of `skeleton_of`; names: parameters, all `continuous` ones by default; branches: False for
+    slips alone, in an eighth of the evaluations.
+    Returns Sensitivities: of every slip up to u_x_max, and of every branch.
+    Raises NotFollowed where Newton's steps do not solve a state or a fold.
+
+    Example: `sensitivities(skeleton_of(Scene())).slips[0].by["phi_n"]`
     """
     try:
         return _sensitivities(skeleton, _Differentiator(skeleton, names), branches)
@@ -230,7 +234,8 @@ class _Differentiator:
         n = branch.intervals + 1
         outputs, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
         outputs[0] = branch.loads
-        states, solutions = [], []
+        states: list[_State] = []
+        solutions: list[tuple[Floats, Floats]] = []
         for i in range(n - (fold is not None)):
             state = self.settled(branch.v[i], branch.active[i], outputs[0, i], ALONG)
             outputs[1:, i] = forces_and_area(self.scene, state.T)
@@ -258,31 +263,30 @@ class _Differentiator:
         if fold is None:
             raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
         at = Bordered(problem, fold.v, fold.active, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
-        state = _State(at.linearised, at.solves, problem.traction(fold.v, fold.active))
+        linearised: Any = at.linearised
+        state = _State(linearised, at.solves, problem.traction(fold.v, fold.active))
         outputs, pull = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
-        rises = np.array([at.linearised.by_unknowns(gradient) for gradient in pull])
+        rises = np.array([linearised.by_unknowns(gradient) for gradient in pull])
         back = (rises @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold
         sides = np.append(back[:, None] * at.slopes - rises, np.zeros((3, 1)), axis=1)
         x = np.array([at.solves(side, True)[:-1] for side in sides])
-        duals = pull + np.array([at.linearised.by_traction(part) for part in x])
-        bent, left = at.linearised.pull(at.phi), at.linearised.by_traction(at.psi)
+        duals = pull + np.array([linearised.by_traction(part) for part in x])
+        bent, left = linearised.pull(at.phi), linearised.by_traction(at.psi)
         speed = at.psi @ problem.direction
-        by, states, bending = (
-            {},
-            States([at.linearised], [state.T], self.first),
-            Pulled(bent[None], self.first, self.contact),
-        )
+        states, bending = States([linearised], [state.T], self.first), Pulled(bent[None], self.first, self.contact)
+        by = {}
         for change, ((dT,), (rest,)) in zip(self.changes, self.parts([state]), strict=True):
             load = -(np.sum(left * dT) + at.psi @ rest) / speed
             (dJ,) = change.stiffness(states)
-            turned = np.sum(left * at.linearised.pull(at.phi, dJ))
+            turned = np.sum(left * linearised.pull(at.phi, dJ))
             turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
             moved = (duals * dT).sum(axis=(1, 2)) + x @ rest - back * turned
             by[change.name] = np.array([load, *(moved + explicit(scene, outputs, change))])
         held = (problem.scale if self.held else 0.0) * self.pressure_nodes
         nodes = -((left * state.T).sum(axis=0) - at.psi[-1] * held) / speed, (left * bent).sum(axis=0)
         moved = (duals * state.T).sum(axis=1) - np.multiply.outer(x[:, -1], held) - np.multiply.outer(back, nodes[1])
-        event = SlipEvent(float(fold.load), *map(float, outputs), "shear", "fold", True)
+        F_bar, L_bar, A_bar = outputs.tolist()
+        event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
         return SlipSensitivity(event, by, self._on_cell(np.vstack([nodes[0], moved])))
 
     def _on_cell(self, rows):

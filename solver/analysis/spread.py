@@ -113,8 +113,16 @@ def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
     return result
 
 
-def spread_of(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Spread:
-    """The Spread of a run for standard deviations {parameter: deviation}; draws: runs followed to check it."""
+def spread(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Spread:
+    """The Spread of a run with uncertain parameters, from its derivatives.
+
+    Parameters: skeleton: as of `skeleton_of`; of: {parameter: standard deviation, in its unit}; draws: the number of
+    runs followed to parameters drawn at random, which check the derivatives.
+    Returns a Spread: a band around every branch, intervals of U_s, F_s, L_s and A_s.
+    Raises NotFollowed where Newton's steps do not solve a state or a slip.
+
+    Example: `spread(skeleton_of(Scene()), {"phi_n": 0.1}).interval("F_s")`
+    """
     result = sensitivities(skeleton, tuple(of))
 
     def deviation(part):

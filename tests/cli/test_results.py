@@ -6,7 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from solver import Scene, load_path, simulate, summarize, sweep
+import solver
+from solver import Axis, Map, Scene, explored, load_path, simulate, skeleton_of, spread, summarize, sweep
 from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
@@ -83,6 +84,42 @@ def test_importing_the_solver_imports_no_web_stack():
     check = f"import sys, solver; print(sorted({heavy} & set(sys.modules)))"
     shown = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, timeout=120, check=True)
     assert shown.stdout.strip() == "[]"
+
+
+def test_importing_the_solver_imports_no_analysis_until_it_is_asked_for():
+    heavy = "'solver.analysis.fit', 'solver.analysis.sensitivities', 'solver.analysis.maps'"
+    check = f"import sys, solver; before = {{{heavy}}} & set(sys.modules); solver.fit; "
+    check += "print(sorted(before), 'solver.analysis.fit' in sys.modules)"
+    shown = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, timeout=120, check=True)
+    assert shown.stdout.strip() == "[] True"
+
+
+@pytest.mark.parametrize("name", [*solver.LAZY, "simulate", "sweep"])
+def test_entry_points_document_parameters_results_and_errors_by_an_example(name):
+    text = getattr(solver, name).__doc__
+    if name in ("Axis", "Map"):
+        assert "Raises" in text
+    else:
+        assert all(word in text for word in ("Parameters: ", "Returns ", "Example: ")), text
+
+
+def test_an_unknown_name_of_the_solver_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'anneal'"):
+        solver.anneal  # noqa: B018
+
+
+def test_a_map_of_the_exported_functions_is_a_table_over_both_parameters():
+    grid = Map(SMALL, Axis("delta_bar", 0.1, 0.2, 2), Axis("phi_ratio", 0.5, 1.0, 2))
+    table = grid.table(explored(grid)).set_index(["delta_bar", "phi_ratio"])
+    first = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[0.5, 1.0]).set_index(["delta_bar", "phi_ratio"])
+    for place, U_s in first["U_s (nm)"].items():
+        assert table["U_s"][place] == pytest.approx(U_s, abs=1e-5)  # nm; ends of branches are located to 1e-6
+
+
+def test_an_exported_spread_is_an_interval_around_the_slip():
+    skeleton = skeleton_of(SMALL)
+    low, high = spread(skeleton, {"phi_n": 0.01}).interval("U_s")
+    assert low < skeleton.slips[0].load < high
 
 
 @pytest.mark.parametrize(("count", "text"), [(0, "0 slips"), (1, "1 slip"), (2, "2 slips")])

@@ -3,9 +3,11 @@
 point    what a map holds of a scene up to just beyond its first slip, and its regime
 run      such a point from a run
 grid     axes, the map from coarse to fine, and its tiles
+explore  all points of a map, computed in processes
 """
 
+from .explore import explored
 from .grid import Axis, Map, Tile, points_of, worked_off
 from .point import COLUMNS, REGIMES, Point
 
-__all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Point", "Tile", "points_of", "worked_off"]
+__all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Point", "Tile", "explored", "points_of", "worked_off"]

@@ -6,7 +6,7 @@ A Tile is a call for any pool of processes. It follows its points from known nei
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,11 @@ from ...following.follow import SAME, follow
 from ...following.skeleton import Skeleton
 from ...scene import LIMITS, PARAMETERS, Scene, SceneError
 from ...threads import one_thread
-from .point import NO_RESULT, Point, of_skeleton
+from .point import COLUMNS, NO_RESULT, Point, of_skeleton
 from .run import computed
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 COUNT = 2, 400  # values of an axis; 400 x 400 points take hours
 FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of these"
@@ -171,7 +174,10 @@ def _near(point, around):
 
 @dataclass(frozen=True)
 class Map:
-    """A grid of Points over two parameters of a Scene, divided into Tiles. It holds no results.
+    """A grid of Points over two parameters of a Scene, divided into Tiles. It holds no results: see `explored`.
+
+    Parameters: scene: the values of all other parameters; x, y: the Axes of the map.
+    Raises SceneError where both Axes are of one parameter.
 
     Level 0 covers the map with a few points; each other level halves their distance. A consumer computes the Tiles of a
     level in any order, in any process, and builds those of the next level from their results.
@@ -225,6 +231,15 @@ class Map:
             value = point.code if of == "regime" else getattr(point, of)
             out[point.j, point.i] = np.nan if value is None else value
         return out.astype(int) if of == "regime" else out
+
+    def table(self, points: Iterable[Point]) -> "pd.DataFrame":
+        """A row per Point: i, j, the two parameters, and every other field of Point, "" for None."""
+        from pandas import DataFrame  # takes longer to import than the solver
+
+        table = DataFrame([point.as_row() for point in points], columns=COLUMNS, dtype=object)
+        table.insert(2, self.x.name, self.x.values[table["i"].astype(int)])
+        table.insert(3, self.y.name, self.y.values[table["j"].astype(int)])
+        return table
 
     def lost(self, tile: Tile, reason: str) -> list[Outcome]:
         """The outcomes of a Tile whose call failed."""

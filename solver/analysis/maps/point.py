@@ -1,6 +1,6 @@
 """What a map holds of a scene up to just beyond its first slip: numbers and a regime."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -69,10 +69,11 @@ class Point:
     @staticmethod
     def from_row(row: Mapping[str, Any]) -> "Point":
         """The Point of {column: text or value}, as `as_row` returns it or a CSV file holds it."""
-        read = {"regime": str, "reason": str, "followed": lambda text: str(text) == "True"}
-        whole = dict.fromkeys(("i", "j", "sites", "branches", "evaluations"), int)
-        read = dict.fromkeys(COLUMNS, float) | whole | read
-        return Point(**{k: None if row[k] == "" and k not in ("reason",) else read[k](row[k]) for k in COLUMNS})
+        read: dict[str, Callable[[Any], Any]] = dict.fromkeys(COLUMNS, float)
+        read |= dict.fromkeys(("i", "j", "sites", "branches", "evaluations"), int)
+        read |= {"regime": str, "reason": str, "followed": lambda text: str(text) == "True"}
+        values: dict[str, Any] = {k: None if row[k] == "" and k != "reason" else read[k](row[k]) for k in COLUMNS}
+        return Point(**values)
 
 
 COLUMNS = tuple(field.name for field in fields(Point))
