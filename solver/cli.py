@@ -149,14 +149,10 @@ def run(arguments: argparse.Namespace) -> int:
     write(arguments.csv, write_csv, after)
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
-    write(arguments.html if after else None, _save_plot, scene, after)
+    write(arguments.html if after else None, plots.save, plots.experiment, scene, after)
     if failure is not None:
         print(failure, file=sys.stderr)
     return code or (0 if report["converged"] else NOT_CONVERGED)
-
-
-def _save_plot(file, scene, frames):
-    plots.save(lambda: plots.experiment(scene, frames), file)
 
 
 class Computed(NamedTuple):

@@ -107,14 +107,10 @@ def fit(arguments: argparse.Namespace) -> int:
     print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs followed")
     print(VERDICTS[result.reached, not result.warnings])
     caution(result.warnings)
-    write(arguments.html, _save_plot, result)
+    write(arguments.html, plots.save, plots.comparison, result.rows)
     write(arguments.csv, write_rows, ["U_x", "quantity", "measured", "model"], result.rows)
     write(arguments.json, write_json, result.as_dict())
     return 0 if result.reached else NOT_CONVERGED
-
-
-def _save_plot(file, result):
-    plots.save(lambda: plots.comparison(result.rows), file)
 
 
 def add_spread(commands: Any) -> None:

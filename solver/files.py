@@ -6,17 +6,16 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from functools import cache
-from math import inf, isfinite, nan
+from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import __version__
 from .run.frame import Frame
-from .run.summary import changes, changing
+from .run.summary import changes, changing, fields_of
 from .scene import Scene
 
 SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
@@ -59,18 +58,6 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], metho
     report = {"method": method, "scene": asdict(scene), "changes": changes(frames) if changing(frames) else None}
     with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, **fields_of(scene, after), **curves, report=json.dumps(plain(origin() | report)))
-
-
-def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
-    """x (m,) nm, u (nm) and T (GPa) (frames, 2, m). At nodes outside a frame's patch u is nan and T is 0."""
-    first = min((frame.first for frame in frames), default=0)
-    last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
-    u = np.full((len(frames), 2, last - first), nan)
-    T = np.zeros_like(u)
-    for k, frame in enumerate(frames):
-        patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
-        u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    return {"x": np.arange(first, last) * scene.spacing, "u": u, "T": T}
 
 
 def origin() -> dict[str, Any]:

@@ -73,13 +73,9 @@ def mapped(arguments: argparse.Namespace) -> int:
         code = INTERRUPTED
     table = grid.table(points)
     write(arguments.csv, _write, table, arguments.of, grid)
-    write(arguments.html, _save_plot, table, grid, arguments.of)
+    write(arguments.html, plots.save, plots.first_slips, table, grid.x.name, grid.y.name, arguments.of)
     print(_described(points))
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
-
-
-def _save_plot(file, table, grid, of):
-    plots.save(lambda: plots.first_slips(table, grid.x.name, grid.y.name, of), file)
 
 
 def flats(arguments: argparse.Namespace) -> int:

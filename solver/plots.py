@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .run.frame import Frame
+from .run.summary import fields_of
 from .scene import LIMITS, Scene
 
 if TYPE_CHECKING:
@@ -46,7 +46,8 @@ def _contact_map(scene, frames, across):
     """T_z (GPa, repulsion positive) over x from the middle of the cell and U_x; increments where U_x turns back."""
     import holoviews as hv
 
-    x, T_z = fields(scene, frames)
+    fields = fields_of(scene, frames)
+    x, T_z = fields["x"] - scene.width / 2, fields["T"][:, 1]
     at: Any = [frame.U_x for frame in frames]
     if np.any(np.diff(at) <= 0.0):
         across, at = hv.Dimension("increment"), range(len(frames))
@@ -54,16 +55,6 @@ def _contact_map(scene, frames, across):
     value = hv.Dimension("T_z", label="normal traction T_z", unit="GPa", range=(-most, most))
     kdims = [across, hv.Dimension("x", unit="nm")]
     return hv.QuadMesh((at, x, T_z.T), kdims, value).opts(hv.opts.QuadMesh(cmap="RdBu_r", colorbar=True))
-
-
-def fields(scene: Scene, frames: Sequence[Frame]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(x (m,) nm from the middle of the cell, T_z (frames, m) GPa) over all nodes that any Frame has."""
-    first = min(frame.first for frame in frames)
-    last = max(frame.first + frame.T.shape[1] for frame in frames)
-    T_z = np.zeros((len(frames), last - first))
-    for row, frame in zip(T_z, frames, strict=True):
-        row[frame.first - first : frame.first - first + frame.T.shape[1]] = frame.T[1]
-    return np.arange(first, last) * scene.spacing - scene.width / 2, T_z
 
 
 def comparison(rows: Iterable[tuple[float, str, float, float]]) -> hv.Layout:
@@ -125,11 +116,10 @@ def _sized(layout):
     return layout
 
 
-def save(plot: Any, file: str | PathLike) -> None:
-    """Writes a plot as HTML that opens without internet, or as PNG (needs matplotlib).
+def save(file: str | PathLike, draw: Callable[..., Any], *content: Any) -> None:
+    """Writes the plot draw(*content) as HTML that opens without internet, or as PNG (needs matplotlib).
 
-    plot: a HoloViews object, or a function of no arguments that makes it, called once the backend is chosen.
-    Raises ValueError for another suffix.
+    draw is called once the backend is chosen. Raises ValueError for another suffix.
     """
     import holoviews as hv
 
@@ -137,7 +127,7 @@ def save(plot: Any, file: str | PathLike) -> None:
     if suffix not in BACKENDS:
         raise ValueError(f"file = {str(file)!r}; allowed: a name that ends in .html or .png; rename it")
     hv.extension(BACKENDS[suffix])
-    plot = plot() if callable(plot) else plot
+    plot = draw(*content)
     if suffix == ".png":
         hv.save(plot, file, backend="matplotlib")
         return

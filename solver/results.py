@@ -20,6 +20,7 @@ from .isolated import Lost, outcomes
 from .run.frame import Frame, slips_in
 from .run.load_steps import load_steps_of
 from .run.loadpath import load_path
+from .run.summary import fields_of
 from .scene import PARAMETERS, Scene
 from .text import counted
 
@@ -81,13 +82,14 @@ class Result:
 
     def save(self, file: str | PathLike) -> None:
         """Writes the plot as HTML, or as PNG (needs matplotlib). Raises ValueError for another suffix."""
-        plots.save(self.plot, file)
+        plots.save(file, self.plot)
 
     def to_xarray(self) -> xr.Dataset:
         """The curves and T_z (GPa) over increment and x (nm). Needs xarray."""
         import xarray as xr
 
-        x, T_z = plots.fields(self.scene, self.frames)
+        fields = fields_of(self.scene, self.frames)
+        x, T_z = fields["x"] - self.scene.width / 2, fields["T"][:, 1]
         curves = {name.split(" (")[0]: ("increment", column.to_numpy()) for name, column in self.table.items()}
         return xr.Dataset(curves | {"T_z": (("increment", "x"), T_z)}, coords={"x": x}, attrs=self.scene.differences())
 
@@ -123,13 +125,18 @@ def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
-    scene, frames = scene or Scene(), []
+    scene = scene or Scene()
+    return Result(scene, *collected(_with_progress(scene, progress)))
+
+
+def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
+    """(the Frames of a path up to its end or failure, the reason of the failure or None)."""
+    frames: list[Frame] = []
     try:
-        for frame in _with_progress(scene, progress):
-            frames.append(frame)
+        frames.extend(path)
     except NotConverged as failure:
-        return Result(scene, frames, str(failure))
-    return Result(scene, frames)
+        return frames, str(failure)
+    return frames, None
 
 
 def _with_progress(scene, progress):

@@ -11,8 +11,9 @@ import numpy as np
 
 from . import Frame, Profile, Scene, SceneError, __version__, carried_path, load_path, summarize
 from .command import NOT_CONVERGED, InputError
-from .continuation.state import NotConverged
-from .files import SCHEMA, commit, fields_of, plain
+from .files import SCHEMA, commit, plain
+from .results import collected
+from .run.summary import fields_of
 
 SAME = 1e-6  # of the largest of its kind: ends of branches are located to 1e-6 nm
 TOLERANCES = 100.0  # over the tolerance of the run, in delta_n or delta_t: error of F and L at the default, or less
@@ -50,8 +51,9 @@ def add_verify(commands: Any) -> None:
 def verify(arguments: argparse.Namespace) -> int:
     """Computes and compares; prints the verdict; returns the exit code."""
     recorded = read(arguments.file)
-    scene = recorded.legs[-1][0]
-    frames, failure = _computed(recorded)
+    legs, scene = recorded.legs, recorded.legs[-1][0]
+    run = carried_path(legs) if len(legs) > 1 else load_path(scene, method=recorded.method)
+    frames, failure = collected(run)
     allowed = max(SAME, TOLERANCES * scene.tolerance / min(scene.delta_n, scene.delta_t))
     differences = list(compared(recorded.values, values_of(scene, frames, recorded.values)))
     residual = max((frame.residual for frame in frames), default=nan)
@@ -102,18 +104,6 @@ def _legs(report):
     counts = [*np.diff(starts).tolist(), None]
     names = [{n: v for n, v in change.items() if n not in ("increment", "stage", "U_x")} for change in changes]
     return [(scene.changed(**parameters), count) for parameters, count in zip(names, counts, strict=True)]
-
-
-def _computed(recorded) -> tuple[list[Frame], str | None]:
-    """(Frames of the run computed anew, why it ended early or None)."""
-    frames: list[Frame] = []
-    legs = recorded.legs
-    try:
-        run = carried_path(legs) if len(legs) > 1 else load_path(legs[0][0], method=recorded.method)
-        frames.extend(run)
-    except NotConverged as failure:
-        return frames, str(failure)
-    return frames, None
 
 
 def values_of(scene: Scene, frames: Sequence[Frame], like: dict[str, Any]) -> dict[str, Any]:

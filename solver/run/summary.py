@@ -20,6 +20,18 @@ def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
     return layer.product + np.array([[frame.U_x], [-frame.delta]])
 
 
+def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
+    """x (m,) nm, u (nm) and T (GPa) (frames, 2, m). At nodes outside a frame's patch u is nan and T is 0."""
+    first = min((frame.first for frame in frames), default=0)
+    last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
+    u = np.full((len(frames), 2, last - first), np.nan)
+    T = np.zeros_like(u)
+    for k, frame in enumerate(frames):
+        patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
+        u[k, :, patch], T[k, :, patch] = frame.u, frame.T
+    return {"x": np.arange(first, last) * scene.spacing, "u": u, "T": T}
+
+
 def changing(frames: Sequence[Frame]) -> tuple[str, ...]:
     """Names of the parameters that differ between Frames: some of a run that was carried on, else none."""
     scenes = list({id(frame.scene): frame.scene for frame in frames}.values())
