@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .mechanics.layer import Modes
+
 COARSE = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
 FAR = 4.0  # a / delta_t, most: above, a node moved sideways without friction leaves the reach of its spring
 NEARLY_RIGID = 0.499  # nu: from here on pressure moves nodes sideways by 0.2 % of the way it presses them in
@@ -9,7 +11,8 @@ NEARLY_RIGID = 0.499  # nu: from here on pressure moves nodes sideways by 0.2 % 
 # 13 % (256 nodes of the default spacing, radius 2.5 w, against a cell twice as wide with the same punch and layer)
 WIDE = 0.6
 SOFT = 0.25  # phi_t/(E delta_t): above, GFMD's slips end elsewhere with another time step (E = 14, 10 at friction 2)
-# (|delta| + u_x_max) / h, a bound of the layer's mean strain: beyond, the quadratic term of Green's strain is over 5 %
+# (|delta| + u_x_max) / h less what the drive takes, a bound of the layer's mean strain: beyond, the quadratic term of
+# Green's strain is over 5 %
 STRAIN = 0.1
 # of the surface, or of the punch where the contact ends: beyond, more than a tenth of the pressure acts along x
 SLOPE = 0.1
@@ -45,7 +48,9 @@ def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
             f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: the time step of the"
             " motion may decide where single nodes come to rest after a slip."
         )
-    strain = (abs(scene.delta) + scene.u_x_max) / (scene.height * scene.width)
+    h, k = scene.height * scene.width, Modes.of(scene, 1).stiffness[:2, 0]  # of layer and drive; the layer's share:
+    shares = 1.0 - k * scene.drive_compliance
+    strain = (abs(scene.delta) * shares[1] + scene.u_x_max * shares[0]) / h
     if strain > STRAIN:
         sentences.append(
             f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is no longer linear:"

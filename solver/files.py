@@ -19,6 +19,7 @@ from .run.summary import changes, changing, fields_of
 from .scene import Scene
 
 SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
+TOP = "U_x_top", "delta_top"  # of the layer, columns of a run whose drive has a stiffness
 COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
 
 
@@ -37,8 +38,9 @@ def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
 
 
 def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
-    """{column: a value per frame}: COLUMNS, the stage, and the parameters that change."""
-    curves = {name: [number(getattr(frame, name)) for frame in frames] for name in COLUMNS}
+    """{column: a value per frame}: COLUMNS, TOP with a drive, the stage, and the parameters that change."""
+    names = COLUMNS + TOP * any(any(frame.scene.drive_compliance) for frame in frames)
+    curves = {name: [number(getattr(frame, name)) for frame in frames] for name in names}
     curves["stage"] = [frame.stage for frame in frames]
     return curves | {name: [getattr(frame.scene, name) for frame in frames] for name in changing(frames)}
 

@@ -43,7 +43,10 @@ class Result:
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """A row per increment: U_x, delta, A (nm), F, L (N/m), residual (nm), evaluations, slip and stage."""
+        """A row per increment: U_x, delta, A (nm), F, L (N/m), residual (nm), evaluations, slip and stage.
+
+        Beside U_x and delta of the stage are those of the top of the layer; they differ where a drive is not rigid.
+        """
         import pandas as pd
 
         return pd.DataFrame(
@@ -51,6 +54,8 @@ class Result:
                 "stage": frame.stage,
                 "U_x (nm)": frame.U_x,
                 "delta (nm)": frame.delta,
+                "U_x_top (nm)": frame.U_x_top,
+                "delta_top (nm)": frame.delta_top,
                 "F (N/m)": frame.F,
                 "L (N/m)": frame.L,
                 "A (nm)": frame.A_bar * frame.scene.width,

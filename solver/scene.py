@@ -1,7 +1,7 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
 from dataclasses import dataclass, replace
-from math import ceil, e, floor, pi, sqrt
+from math import ceil, e, floor, hypot, inf, pi, sqrt
 from sys import float_info
 from typing import Any
 
@@ -24,6 +24,9 @@ PATHS = {
 }
 DAMPING = "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped"
 UNDERDAMPED = "with less, waves of the contact flutter and never come to rest"
+# MPa/nm; the default layer has some 10 along x and 100 along z. A normal drive at the low end is a held load to 1e-5,
+# and still softer ones diverge where they fall into contact
+DRIVE = 1e-3, 1e6, "MPa/nm"
 RESIDUAL = "largest residual max |U + C T(u) - u| of a converged frame"
 LAWS = {
     "np1": "the paper's, whose resistance to shear grows with overclosure",
@@ -44,7 +47,11 @@ class Scene:
     delta_bar: float = number(0.0, -1.0, 100.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOADING)
     path: str = word("shear", PATHS, "stages of the load path", LOADING)
     hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
-    u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the top", LOADING)
+    u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the stage", LOADING)
+    drive_t: float = number(
+        inf, *DRIVE, "tangential stiffness of the drive between stage and top", LOADING, False, True
+    )
+    drive_n: float = number(inf, *DRIVE, "normal stiffness of the drive between stage and top", LOADING, False, True)
     damping: float = number(1.0, 0.2, 4.0, "", DAMPING, LOADING, unbounded=True, beyond=UNDERDAMPED)
     du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOADING)
     du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOADING)
@@ -91,6 +98,8 @@ class Scene:
             yield refused
         if self.path == "unload" and self.hold == "load":
             yield "hold", "allowed with path 'unload': delta", "choose path 'shear' or 'loop'"
+        if self.hold == "load" and self.drive_n != inf:
+            yield "drive_n", "allowed with hold 'load', where no spring acts: inf", "use drive_n=inf or hold=delta"
         thick = self.height * self.width
         if self.delta >= thick:
             through = f"where the top of a layer {thick:.3g} nm thick would be pressed through its bottom"
@@ -107,12 +116,17 @@ class Scene:
             spacing = f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
             yield "nodes", f"{spacing} {low:g} .. {high:g} nm", remedy
         least, most = self.attainable, LIMITS["tolerance"].high
+        soft = "drive_t, drive_n or E" if any(self.drive_compliance) else "E"
         if least > most:
             compliant = f"too compliant a layer: by round-off alone the residual is {least:.1g} nm"
-            yield "E", f"{compliant}, more than any tolerance allowed", "enlarge it, or lower height"
+            yield (
+                "E",
+                f"{compliant}, more than any tolerance allowed",
+                f"enlarge {soft}, or lower height",
+            )
         if self.tolerance < least:
             allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
-            yield "tolerance", allowed, "enlarge it, or E"
+            yield "tolerance", allowed, f"enlarge it, or {soft}"
         for name, steps in (("du_x", self.shear_increments), ("du_z", self.approach_increments)):
             if steps > LARGEST_RUN:
                 allowed = f"the run would take {steps} increments, at most {LARGEST_RUN} are allowed"
@@ -124,18 +138,22 @@ class Scene:
 
         A displacement u has the error eps u, its traction eps u times the interface's stiffness. These errors are
         independent from node to node. The layer multiplies them by the root mean square of its compliance over all
-        modes, (h/G) ((1 + 4 k)/nodes)^1/2, with k the number of waves longer than h. Flat on flat, all nodes share one
-        error, but at a gap where the interface has a tenth of its largest stiffness.
+        modes, ((c^2 + 4 k (h/G)^2)/nodes)^1/2, with k the number of waves longer than h and c the compliance of layer
+        and drive to a uniform traction. Flat on flat, all nodes share one error, but at a gap where the interface has a
+        tenth of its largest stiffness.
         """
         stiffness = max(self.phi_n / self.delta_n**2, 2.0 * self.phi_t / self.delta_t**2)
         h, nu = self.height * self.width, self.nu
         long_waves = (3.0 - 4.0 * nu) / (8.0 * pi * (1.0 - nu)) / self.height
-        share = 0.1 if self.surface == "flat" else min(1.0, sqrt((1.0 + 4.0 * long_waves) / self.nodes))
+        layer, driven = h / self.shear_modulus, h / self.shear_modulus + max(self.drive_compliance)
+        amplified = min(driven, hypot(driven, 2.0 * sqrt(long_waves) * layer) / sqrt(self.nodes))
+        if self.surface == "flat":
+            amplified = 0.1 * driven
         # how far adhesion can draw the surface down: the layer as a whole and a wave as long as the cell
         compliance = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)) * h + min(h, long_waves * h)
-        drawn = compliance / self.shear_modulus * self.phi_n / (e * self.delta_n)
+        drawn = (compliance / self.shear_modulus + self.drive_compliance[1]) * self.phi_n / (e * self.delta_n)
         largest = self.u_x_max + self.delta_0 + abs(self.delta) + min(drawn, 0.5 * float(self.profile.max()))
-        return ROUNDINGS * float_info.epsilon * largest * stiffness * h / self.shear_modulus * share
+        return ROUNDINGS * float_info.epsilon * largest * stiffness * amplified
 
     @property
     def spacing(self) -> float:
@@ -151,6 +169,16 @@ class Scene:
     def shear_modulus(self) -> float:
         """G = E / (2 (1 + nu)), GPa."""
         return self.E / (2.0 * (1.0 + self.nu))
+
+    @property
+    def drive_compliance(self) -> tuple[float, float]:
+        """Compliance of the drive along x and z, nm/GPa; 0 where it is rigid."""
+        return 1e3 / self.drive_t, 1e3 / self.drive_n
+
+    @property
+    def shear_compliance(self) -> float:
+        """h/G + 1/k_t, nm/GPa: of layer and drive to a uniform shear traction."""
+        return self.height * self.width / self.shear_modulus + self.drive_compliance[0]
 
     @property
     def delta_0(self) -> float:

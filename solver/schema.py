@@ -42,8 +42,8 @@ class Range(NamedTuple):
     def checked(self, name: str, value: Any) -> float:
         """`value` as an int or float; raises SceneError, which calls the parameter `name`."""
         number = as_number(value)
-        if self.unbounded and number == inf:
-            return number
+        if self.unbounded and (number == inf or str(value) == "inf"):  # the word stands for it in JSON
+            return inf
         if isfinite(number) and self.low <= number <= self.high and (not self.whole or number == int(number)):
             return int(number) if self.whole else number
         kind = "a whole number" if self.whole else "a number"

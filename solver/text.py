@@ -14,6 +14,7 @@ UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
     "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1, "m": 1e9},
     "GPa": {"GPa": 1.0, "MPa": 1e-3, "TPa": 1e3, "Pa": 1e-9},
     "N/m": {"N/m": 1.0, "J/m²": 1.0, "J/m2": 1.0, "mN/m": 1e-3, "mJ/m²": 1e-3, "mJ/m2": 1e-3},
+    "MPa/nm": {"MPa/nm": 1.0, "GPa/nm": 1e3},
     "δₙ": {"δₙ": 1.0, "delta_n": 1.0},
     "δₜ": {"δₜ": 1.0, "delta_t": 1.0},
     "δ₀": {"δ₀": 1.0, "delta_0": 1.0},

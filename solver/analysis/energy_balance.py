@@ -1,15 +1,15 @@
-"""The work of the top, and what it becomes: energy of the layer, work on the interface, energy released in slips.
+"""The work of the stage, and what it becomes: elastic energy, work on the interface, energy released in slips.
 
-Energies are per unit of depth, in nN (1 GPa nm^2 = 1e-9 J/m). The top does the work dW = F dU_x + L d(delta). The layer
-stores the elastic energy E = 1/2 sum T.(u - U) a. In equilibrium dE = dW + dS, where dS = sum T.du a is the work of the
-tractions on the surface; the interface takes -S. In a slip the top rests, or moves under a constant load, and E falls
-by the energy R that is released. So W = E - S + R. This defines R in an increment with a slip. In all others it is a
-check: F and L, and the layer's reciprocity, must agree with T and u.
+Energies are per unit of depth, in nN (1 GPa nm^2 = 1e-9 J/m). The stage does the work dW = F dU_x + L d(delta). Layer
+and drive store the elastic energy E = 1/2 sum T.(u - U) a. In equilibrium dE = dW + dS, where dS = sum T.du a is the
+work of the tractions on the surface; the interface takes -S. In a slip the stage rests, or moves under a constant load,
+and E falls by the energy R that is released. So W = E - S + R. This defines R in an increment with a slip. In all
+others it is a check: F and L, and the layer's reciprocity, must agree with T and u.
 
 A slip does not dissipate all that it releases, as the interface returns work that it took on the branch. Over a closed
 cycle, or a lattice period of steady sliding, E does not change: W = R - S is the cost of the cycle or of the slip. NP1
 has no potential, so that its tractions may do work along that closed path. With the defaults, the flow of a slip
-dissipates 2 % more than the top's work (tests/solver/test_energy_balance.py).
+dissipates 2 % more than the stage's work (tests/solver/test_energy_balance.py).
 """
 
 from collections.abc import Sequence
@@ -61,13 +61,13 @@ def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
 
 
 def layer_energy(scene, frame) -> float:
-    """1/2 sum T.(u - U) a, nN: the elastic energy of the layer."""
+    """1/2 sum T.(u - U) a, nN: the elastic energy of layer and drive."""
     top = np.array([[frame.U_x], [-frame.delta]])
     return 0.5 * float(np.sum(frame.T * (frame.u - top))) * scene.spacing
 
 
 def _top(before, frame, following):
-    """Work of the top between two frames, nN: F dU_x + L d(delta)."""
+    """Work of the stage between two frames, nN: F dU_x + L d(delta)."""
     if STAGES[frame.stage][0] == "delta":
         return _integral(before, frame, following, "delta", "L")
     # a held load is the same before and after a slip, however delta changes

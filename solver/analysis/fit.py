@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from ..continuation.state import OutOfTime
 from ..scene import Scene
 from .measurement import JUMP, Measurement
-from .partial import continuous
+from .partial import DRIVE, continuous
 from .trial import AXES, NO_RUN, Model, TimeUp, Trial
 
 APART = 0.99  # correlation beyond which two parameters cannot be told apart
@@ -91,7 +91,8 @@ def fit(scene: Scene, measured: Measurement, free: Sequence[str], options: FitOp
     allowed = (*continuous(scene), *AXES)
     for name in free:
         if name not in allowed or list(free).count(name) > 1:
-            raise ValueError(f"--free {name}: allowed, once each: {', '.join(allowed)}")
+            first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
+            raise ValueError(f"--free {name}: allowed, once each: {', '.join(allowed)}{first}")
     longest = max(float(measured.U_x[-1]), scene.u_x_max)
     base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + options.limit
     best = _best(Model(base, measured, tuple(free), options.run_limit, end), options)

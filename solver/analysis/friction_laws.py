@@ -99,12 +99,13 @@ def _strength(scene, frame):
 
 
 def reach(scene, strength=None) -> float:
-    """U_x, nm, up to which `onset` searches for a slip: 2 (strength h/G + 2 a), strength in GPa (tau_max if None).
+    """U_x, nm, up to which `onset` searches for a slip: 2 (strength/k + 2 a), strength in GPa (tau_max if None).
 
-    That is twice the way on which such a traction shears the layer and moves it on by two lattice periods.
+    1/k = h/G + 1/k_t is the compliance of layer and drive. The reach is twice the way on which such a traction shears
+    both, and moves the surface on by two lattice periods.
     """
     strength = tau_max(scene) if strength is None else strength
-    return 2.0 * (strength * scene.height * scene.width / scene.shear_modulus + 2.0 * scene.spacing)
+    return 2.0 * (strength * scene.shear_compliance + 2.0 * scene.spacing)
 
 
 def _extended(scene, end):
@@ -191,24 +192,27 @@ def softening(scene) -> float:
 
 
 def critical_modulus(scene) -> float:
-    """E_c, GPa, at which max dT_x/du_x = G/h: below it a flat contact sticks and slips, from it on it slides.
+    """E_c, GPa, at which max dT_x/du_x = k: below it a flat contact sticks and slips, from it on it slides.
 
-    E_c = 2 (1 + nu) h max dT_x/du_x, proportional to phi_t (Prandtl 1928; Tomlinson 1929). Flat, delta_bar = 0.
+    1/k = h/G + 1/k_t (Prandtl 1928; Tomlinson 1929). With a rigid drive, E_c = 2 (1 + nu) h max dT_x/du_x is
+    proportional to phi_t. It is inf where the drive alone is soft enough to stick and slip. Flat, delta_bar = 0.
     """
     _check_flat(scene)
-    return 2.0 * (1.0 + scene.nu) * scene.height * scene.width * softening(scene)
+    steepest = softening(scene)
+    left = 1.0 - steepest * scene.drive_compliance[0]
+    return 2.0 * (1.0 + scene.nu) * scene.height * scene.width * steepest / left if left > 0.0 else inf
 
 
 def friction(scene, reference=None) -> Friction:
     """The exact Friction of a flat contact at delta_bar = 0 in steady sliding (Eq. 7), over `reference` GPa (else E).
 
-    As U_x grows, the surface is at the least u ahead for which U(u) = u + pull(u) h/G reaches U_x. A slip skips the u
+    As U_x grows, the surface is at the least u ahead for which U(u) = u + pull(u)/k reaches U_x. A slip skips the u
     at which U(u) is below its maximum so far. Paper Fig. 4 uses reference = 70 throughout.
     """
     _check_flat(scene)
     xi, pull, _ = _lattice(scene.spacing / scene.delta_t)
     stress = pull * scene.phi_t / scene.delta_t
-    load = xi * scene.spacing + stress * scene.height * scene.width / scene.shear_modulus
+    load = xi * scene.spacing + stress * scene.shear_compliance
     top = np.maximum.accumulate(load)
     visited = load >= top
     first = 0 if visited.all() else int(np.argmin(visited)) - 1  # the first fold; everything repeats after a period

@@ -6,6 +6,7 @@ Active nodes stay active: the edge of the window is a cut, not physics.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,9 @@ Floats = NDArray[np.float64]
 STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
 ONE_SIDED = 1e-7  # the same at the end of a range
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
-LAYER = ("E", "nu", "height", "width")  # parameters of the layer's compliance
-NOT_OF_THE_LAW = ("E", "nu", "height", "delta_bar")  # without effect on the law and on the profile
+DRIVE = ("drive_t", "drive_n")  # that of a rigid drive, inf, has no values beside it
+LAYER = ("E", "nu", "height", "width", *DRIVE)  # parameters of the compliance of layer and drive
+NOT_OF_THE_LAW = ("E", "nu", "height", "delta_bar", *DRIVE)  # without effect on the law and on the profile
 IN_STEPS = ("cut_off",)  # the profile depends on them in steps
 
 
@@ -28,10 +30,11 @@ def continuous(scene: Scene) -> tuple[str, ...]:
     """Names of the parameters on which a run of the scene depends smoothly.
 
     Left out: choices, whole numbers, cut_off, and parameters without effect on the branches (u_x_max, du_x, du_z,
-    tolerance, damping, window_n).
+    tolerance, damping, window_n), and the stiffness of a rigid drive.
     """
     own = [name for name in SURFACES[scene.surface].parameters if name in LIMITS and not LIMITS[name].whole]
-    names = [*PHYSICS, *(name for name in own if name not in IN_STEPS)]
+    driven = [name for name in DRIVE if isfinite(getattr(scene, name))]
+    names = [*PHYSICS, *driven, *(name for name in own if name not in IN_STEPS)]
     return tuple(name for name in names if not (name == "width" and scene.surface == "measured"))
 
 

@@ -24,8 +24,9 @@ def flat(scene) -> Scene:
 
 def sliding(scene, E) -> Scene:
     """The flat at modulus E, GPa, sheared over two periods of steady sliding; raises SceneError."""
-    end = 2.5 * tau_max(scene) * 2 * (1 + scene.nu) / E * scene.height * scene.width + 3 * scene.spacing
-    return scene.changed(E=float(f"{E:.6g}"), u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
+    stiffer = scene.changed(E=float(f"{E:.6g}"))
+    end = 2.5 * tau_max(scene) * stiffer.shear_compliance + 3 * scene.spacing
+    return stiffer.changed(u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
 
 
 def points(scene, count) -> list[tuple[Scene, float, float]]:

@@ -57,11 +57,16 @@ def _in_parts(skeleton, scene, halves, spent):
 def _between(old, new, failure):
     """The Scene half-way; raises `failure` where there is none."""
     changed = {name: (getattr(old, name), getattr(new, name)) for name in LIMITS if name not in SAME}
-    middle = {name: 0.5 * (a + b) for name, (a, b) in changed.items() if a != b}
+    middle = {name: _halfway(a, b) for name, (a, b) in changed.items() if a != b}
     try:
         return new.changed(**middle)
     except SceneError:
         raise failure from None
+
+
+def _halfway(a, b):
+    """The mean; between a stiffness and inf, the stiffness with half the compliance."""
+    return 0.5 * (a + b) if np.isfinite(a + b) else 2.0 * min(a, b)
 
 
 def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:

@@ -1,7 +1,7 @@
 """Elasticity of the bonded layer: its Green's function in Fourier space, and products with it by FFT.
 
-The tractions K (u - U) displace the lower surface by u against the top's U, for each mode exp(i q x). The coupling has
-K_xz = -i K_c and K_zx = +i K_c; the compliance C has the opposite signs.
+The tractions K (u - U) displace the lower surface by u against the stage's U, for each mode exp(i q x). The coupling
+has K_xz = -i K_c and K_zx = +i K_c; the compliance C has the opposite signs.
 """
 
 from functools import cached_property, lru_cache
@@ -52,16 +52,19 @@ def _inverse(blocks):
 class Modes:
     """The layer at every wavenumber of a periodic cell of `nodes`; the coupling of the Nyquist mode is dropped.
 
+    The springs of a drive, between the top and the stage, add their compliance to that of the uniform mode q = 0.
+
     Attributes, shared between runs and not to be written to: stiffness (GPa/nm) and compliance (nm/GPa), each
     (3, nodes//2 + 1) with rows xx, zz, c. A read-only flag would be another type, for which kernels compile again.
     """
 
-    def __init__(self, nodes, width, height, E, nu):
-        """width, height: nm; E: GPa."""
+    def __init__(self, nodes, width, height, E, nu, drive=(0.0, 0.0)):
+        """width, height: nm; E: GPa; drive: compliance of its springs along x and z, nm/GPa."""
         self.nodes = nodes
         self.stiffness = stiffness(2.0 * np.pi * np.arange(nodes // 2 + 1) / width, height, E, nu)
         if nodes % 2 == 0:
             self.stiffness[2, -1] = 0.0
+        self.stiffness[:2, 0] /= 1.0 + self.stiffness[:2, 0] * drive
         self.compliance = _inverse(self.stiffness)
 
     @cached_property
@@ -74,7 +77,8 @@ class Modes:
     @staticmethod
     def of(scene, nodes=None) -> "Modes":
         """The Modes of a scene, cached for the last scenes; nodes: so many instead, 1 for the uniform mode alone."""
-        return _modes(nodes or scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu)
+        layer = scene.width, scene.height * scene.width, scene.E, scene.nu
+        return _modes(nodes or scene.nodes, *layer, scene.drive_compliance)
 
     @cached_property
     def kernels(self) -> np.ndarray:

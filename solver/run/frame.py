@@ -67,8 +67,8 @@ class Frame:
     scene: Scene = field(repr=False)  # it was computed with: of a run carried on (`carry`), not the same for all
     stage: str  # of the load path: as of `load_steps.LoadStep`
     index: int  # of the increment within its stage
-    U_x: float  # nm
-    delta: float  # nm
+    U_x: float  # nm, of the stage
+    delta: float  # nm, of the stage
     first: int
     u: NDArray[np.float64] = field(repr=False)
     T: NDArray[np.float64] = field(repr=False)
@@ -106,6 +106,16 @@ class Frame:
     def L(self) -> float:
         """Normal load, N/m."""
         return self.L_bar * self.unit
+
+    @property
+    def U_x_top(self) -> float:
+        """U_x of the top of the layer, nm: U_x - F/(w k_t), that of the stage if the drive is rigid."""
+        return self.U_x - self.F_bar * self.scene.E * self.scene.drive_compliance[0]
+
+    @property
+    def delta_top(self) -> float:
+        """delta of the top of the layer, nm: delta - L/(w k_n), that of the stage if the drive is rigid."""
+        return self.delta - self.L_bar * self.scene.E * self.scene.drive_compliance[1]
 
     @property
     def sensitive(self) -> bool:

@@ -109,16 +109,18 @@ def inverse(blocks) -> np.ndarray:
 
 
 def layer(scene: Scene) -> Layer:
-    """The Layer of a scene."""
-    return _layer(scene.nodes, scene.width, scene.height * LONG(scene.width), scene.E, scene.nu)
+    """The Layer of a scene, with its drive."""
+    drive = scene.drive_t, scene.drive_n
+    return _layer(scene.nodes, scene.width, scene.height * LONG(scene.width), scene.E, scene.nu, drive)
 
 
 @lru_cache(maxsize=4)
-def _layer(nodes, width, h, E, nu):
+def _layer(nodes, width, h, E, nu, drive):
     q = 2 * PI * np.arange(1, nodes // 2 + 1, dtype=LONG) / LONG(width)
     k, G, nu = np.empty((3, nodes // 2 + 1), LONG), LONG(E) / (2 * (1 + LONG(nu))), LONG(nu)
     k[:, 1:] = stiffness(q, h, E, nu)
     k[:, 0] = G / h, 2 * G * (1 - nu) / ((1 - 2 * nu) * h), 0
+    k[:2, 0] = 1 / (1 / k[:2, 0] + 1000 / np.array(drive, LONG))  # springs in series, MPa/nm
     k[2, -1] *= nodes % 2  # the coupling of the Nyquist mode has no real phase
     return Layer(k, inverse(k))
 

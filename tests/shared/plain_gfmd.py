@@ -162,6 +162,7 @@ def stiffness(scene):
     K[1, 1:] = 4.0 * G * (1.0 - nu) * q * (kappa * t + x * inverse) / D
     K[2, 1:] = 2.0 * G * q * (kappa * (1.0 - 2.0 * nu) * t * t - x * x * inverse) / D
     K[:, 0] = G / h, 2.0 * G * (1.0 - nu) / ((1.0 - 2.0 * nu) * h), 0.0
+    K[:2, 0] = 1.0 / (1.0 / K[:2, 0] + 1e3 / np.array([scene.drive_t, scene.drive_n]))  # springs in series, MPa/nm
     K[2, -1] *= scene.nodes % 2  # no coupling at the Nyquist mode
     return K
 

@@ -1,0 +1,179 @@
+"""A drive with a stiffness: springs between the stage, which is moved, and the top of the layer."""
+
+from math import inf
+
+import numpy as np
+import plain_gfmd
+import pytest
+from scipy.optimize import brentq
+
+from solver import Scene, SceneError, load_path
+from solver.analysis.energy_balance import work_of
+from solver.analysis.fit import fit
+from solver.analysis.friction_laws import critical_modulus, friction, friction_force
+from solver.analysis.measurement import Measurement
+from solver.analysis.partial import continuous
+from solver.analysis.sensitivities import sensitivities
+from solver.files import curves_of
+from solver.following.follow import follow
+from solver.following.from_run import skeleton_of
+from solver.run.frame import slips_in
+from solver.text import number_from_text
+from solver.validation.recheck import recheck
+
+FLAT = Scene(surface="flat", nodes=64, width=156.25, height=16.0, phi_ratio=0.1, damping=inf, tolerance=1e-11)
+PUNCH = Scene(nodes=128, width=312.5, radius=1.0, height=2.0, u_x_max=40.0, du_z=0.5, tolerance=1e-11)
+
+
+def sheared(scene):
+    return [frame for frame in load_path(scene) if frame.stage == "shear"]
+
+
+class Driven:
+    """Prandtl-Tomlinson: a node on springs of layer and drive in series, 1/k = h/G + 1/k_t."""
+
+    def __init__(self, scene):
+        self.scene, self.a = scene, scene.spacing
+        self.layer = scene.height * scene.width / scene.shear_modulus
+        self.both = self.layer + 1e3 / scene.drive_t
+        self.u_fold = brentq(lambda u: self.stage(u + 1e-5) - self.stage(u - 1e-5), 0.0, self.a / 2, xtol=1e-14)
+        self.fold = self.stage(self.u_fold)
+
+    def pull(self, u):
+        dt = (np.arange(-60, 61) * self.a - u) / self.scene.delta_t
+        return -2.0 * self.scene.phi_t / self.scene.delta_t * np.sum(dt * np.exp(-(dt**2)))
+
+    def stage(self, u):
+        return u + self.pull(u) * self.both
+
+    def rest(self, U_x, near):
+        """u where the node rests on the branch that holds a guess `near`."""
+        sites = np.floor((near + self.a / 2) / self.a)
+        low, high = sites * self.a - self.a / 2, sites * self.a + self.u_fold
+        return brentq(lambda u: self.stage(u) - U_x, low, high, xtol=1e-14)
+
+
+@pytest.mark.parametrize("drive_t", [5.0, 40.0])
+def test_driven_flat_is_prandtl_tomlinson_with_both_springs_in_series(drive_t):
+    scene = FLAT.changed(drive_t=drive_t, u_x_max=60.0)
+    node, frames = Driven(scene), sheared(scene)
+    folds = [event.load for frame in frames for event in frame.slips]
+    assert len(folds) >= 2
+    # a slip may pass several sites: every end is the same fold, some sites on
+    sites = np.round((np.array(folds) - node.fold) / scene.spacing)
+    assert folds == pytest.approx(sites * scene.spacing + node.fold, abs=1e-5)
+    for frame in frames:
+        u = node.rest(frame.U_x, frame.u[0].mean())
+        assert frame.F_bar * scene.E == pytest.approx(node.pull(u), rel=1e-8, abs=1e-12)
+        assert frame.U_x_top == pytest.approx(u + node.pull(u) * node.layer, abs=1e-7)
+    assert friction(scene).F_s == pytest.approx(max(event.F_bar for f in frames for event in f.slips), rel=1e-3)
+
+
+def test_soft_drive_makes_a_smoothly_sliding_flat_stick_and_slip():
+    smooth = FLAT.changed(phi_ratio=0.002)
+    assert critical_modulus(smooth) < smooth.E
+    assert not any(frame.slips for frame in sheared(smooth))
+    driven = smooth.changed(drive_t=2.0)
+    assert critical_modulus(driven) > driven.E
+    frames = sheared(driven)
+    assert any(frame.slips for frame in frames)
+    assert friction(driven).F_k == pytest.approx(friction_force(driven, frames).F_k, abs=0.05 * friction(driven).F_s)
+
+
+def test_driven_punch_follows_the_states_of_the_rigid_drive_to_where_the_stage_turns():
+    """A softer drive ends the branch where dX = dU_x + dF/(w k_t) = 0, before the fold of the rigid one."""
+    scene = PUNCH.changed(drive_t=8.0)
+    soft, k = sheared(scene), scene.width * 1e-3 * scene.drive_t
+    fold = next(event.load for frame in sheared(PUNCH) for event in frame.slips)
+
+    def force(U_x):
+        return sheared(PUNCH.changed(u_x_max=U_x, du_x=U_x / 40.0))[-1].F
+
+    before = soft[: next(i for i, frame in enumerate(soft) if frame.slips)]
+    for frame in before[5 :: len(before) // 6]:
+        assert abs(frame.F - force(frame.U_x_top)) < 1e-7 * before[-1].F
+    # towards its fold F is smooth in the root of the distance, s
+    s = 0.02 + 0.48 * np.cos(np.linspace(0.0, np.pi / 2, 12)) ** 2
+    stage = np.polynomial.Polynomial.fit(s, [fold - each**2 + force(fold - each**2) / k for each in s], 9)
+    turns = [root.real for root in stage.deriv().roots() if abs(root.imag) < 1e-9 and s.min() < root.real < s.max()]
+    end = next(event.load for frame in soft for event in frame.slips)
+    assert len(turns) == 1 and end == pytest.approx(float(stage(turns[0])), abs=1e-5)
+
+
+def at_no_load(scene):
+    def load(delta_bar):
+        changed = scene.changed(delta_bar=delta_bar, u_x_max=0.0)
+        return list(load_path(changed))[-1].L_bar
+
+    return scene.changed(delta_bar=brentq(load, 0.0, 1.0, xtol=1e-12))
+
+
+def test_normal_drive_leads_from_a_held_indentation_to_a_held_load():
+    """At zero load the drive is relaxed, so that all of these begin in the same state."""
+    scene = at_no_load(PUNCH.changed(u_x_max=4.0, du_x=0.5, tolerance=1e-8))
+    stiff, held = sheared(scene)[-1], sheared(scene.changed(hold="load"))[-1]
+    # without inertia, as a soft drive falls into contact from the height at which the run begins
+    driven = [sheared(scene.changed(drive_n=drive_n, damping=inf))[-1] for drive_n in (1e6, 1e3, 100.0, 10.0, 1e-3)]
+    loads, heights = np.array([(frame.L_bar, frame.delta_top) for frame in (stiff, *driven)]).T
+    assert np.all(np.diff(loads) < 0.0) and loads[-1] > held.L_bar
+    assert np.all(np.diff(heights) < 0.0) and heights[-1] > held.delta
+    sink = stiff.delta - held.delta
+    assert heights[1] == pytest.approx(stiff.delta, abs=1e-3 * sink) and loads[1] == pytest.approx(loads[0], rel=1e-3)
+    assert heights[-1] == pytest.approx(held.delta, abs=1e-5 * sink)
+    assert driven[-1].F_bar == pytest.approx(held.F_bar, abs=1e-5 * abs(stiff.F_bar - held.F_bar))
+
+
+def test_driven_run_agrees_with_an_explicit_gfmd_with_springs():
+    scene = PUNCH.changed(drive_t=20.0, drive_n=200.0, u_x_max=30.0, du_x=0.5, damping=4.0, tolerance=1e-7)
+    frames, records = list(load_path(scene)), list(plain_gfmd.run(scene))
+    assert len(frames) == len(records)
+    F = [[f.F_bar, f.L_bar] for f in frames]
+    plain = np.array([[r.F_bar, r.L_bar] for r in records])
+    assert any(slips_in(f) for f in frames if f.stage == "shear")
+    assert np.abs(F - plain).max() < 1e-5 * np.abs(plain).max()
+    for frame in frames[::7]:
+        assert recheck(scene, frame).residual < 2e-7
+    assert np.abs(work_of(scene, frames).defect).max() < 1e-3 * np.abs(work_of(scene, frames).top).max()
+
+
+def test_following_and_sensitivities_know_the_stiffness_of_the_drive():
+    scene = PUNCH.changed(drive_t=8.0, tolerance=1e-8)
+    skeleton = skeleton_of(scene)
+    other = scene.changed(drive_t=9.0)
+    expected = skeleton_of(other)
+    followed = follow(skeleton, other)
+    assert [b.end for b in followed.branches] == pytest.approx([b.end for b in expected.branches], abs=1e-4)
+    slope = sensitivities(skeleton).slips[0].by["drive_t"]
+    ends = [skeleton_of(scene.changed(drive_t=8.0 + h)).branches[0].end for h in (-0.01, 0.01)]
+    assert slope[0] == pytest.approx((ends[1] - ends[0]) / 0.02, rel=1e-4)
+    assert "drive_t" not in continuous(PUNCH)
+    rigid = follow(skeleton_of(scene.changed(drive_t=100.0)), scene.changed(drive_t=inf))
+    assert rigid.branches[0].end == pytest.approx(skeleton_of(PUNCH).branches[0].end, abs=1e-4)
+
+
+def test_fit_finds_the_stiffness_of_the_drive_and_asks_for_a_number_first():
+    scene = FLAT.changed(drive_t=20.0, tolerance=1e-8, u_x_max=30.0, damping=1.0)
+    frames = sheared(scene)[:30]
+    F = np.array([f.F_bar for f in frames])
+    measured = Measurement(np.array([f.U_x for f in frames]), {"F_bar": F}, {"F_bar": 1e-3 * F.max()}, ())
+    result = fit(scene.changed(drive_t=30.0), measured, ["drive_t"])
+    assert result.values["drive_t"] == pytest.approx(20.0, rel=1e-3)
+    with pytest.raises(ValueError, match="give drive_t a number first"):
+        fit(scene.changed(drive_t=inf), measured, ["drive_t"])
+
+
+def test_held_load_refuses_a_spring_that_would_not_act():
+    with pytest.raises(SceneError, match="use drive_n=inf or hold=delta"):
+        Scene(hold="load", drive_n=5.0)
+    assert Scene(hold="load", drive_t=5.0).drive_t == 5.0
+    assert Scene(drive_t="inf", damping="inf") == Scene(damping=inf)  # as JSON files have them
+    with pytest.raises(SceneError, match=r"drive_t = 0.0: allowed: 0.001 .. 1e\+06 or inf MPa/nm"):
+        Scene(drive_t=0.0)
+    assert number_from_text("drive_t", "2 GPa/nm") == 2000.0 and number_from_text("drive_n", "inf") == inf
+
+
+def test_curves_have_columns_of_the_top_only_with_a_drive():
+    frames = list(load_path(PUNCH.changed(drive_t=8.0, u_x_max=2.0)))
+    curves = curves_of(frames)
+    assert curves["U_x_top"][-1] == frames[-1].U_x_top < frames[-1].U_x == curves["U_x"][-1]
+    assert "U_x_top" not in curves_of(list(load_path(PUNCH.changed(u_x_max=0.5))))
