@@ -6,7 +6,7 @@ The server imports this module for the name of `work` only: all that costs somet
 import time
 
 from app.service import worker
-from solver import Scene, SceneError
+from solver import Scene, SceneError, load_path
 
 PAUSE = 0.2  # s between two messages that bring nothing but progress
 
@@ -25,11 +25,11 @@ def work(scene):
 
 def _warm_up():
     """Every method once on a small scene: loading its kernels must not count as its time."""
-    from solver.validation.methods import SERIES, frames
+    from solver.validation.methods import SERIES
 
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
-    for series in SERIES:
-        for _ in frames(small, series):
+    for method in SERIES.values():
+        for _ in load_path(small, method):
             pass
 
 

@@ -199,16 +199,11 @@ def _rows(model, trial):
     return rows
 
 
-def _scale(model, trial):
-    """nm of the measured U_x per nm of the run's."""
-    return float(trial.x[model.free.index("scale_U")]) if "scale_U" in model.free else 1.0
-
-
 def _remedy(model, trial):
     """What to do about a curve that does not fit."""
     period, apart = trial.predicted.skeleton.period, np.diff(model.intervals.mean(axis=0))
     if period and trial.predicted.slipping and apart.size:
-        measured, computed = float(np.median(apart)), period * _scale(model, trial)
+        measured, computed = float(np.median(apart)), period * trial.axes.scale_U
         if abs(measured / computed - 1.0) > PERIODS:
             return f"the data slip every {measured:.3g} nm, the curve every {computed:.3g} nm; vary E or phi_ratio"
     return "check units and noise, free other parameters, or vary the start"
@@ -218,10 +213,10 @@ def _of_slips(model, trial):
     """Warnings about slips that the data cannot show, or do not show."""
     predicted, measured, warnings = trial.predicted, model.measured, []
     period, spacing = predicted.skeleton.period, float(np.median(np.diff(measured.U_x)))
-    if period and period * _scale(model, trial) < PER_PERIOD * spacing:
-        points = f"{period * _scale(model, trial) / spacing:.2g} points on a period of {period:.3g} nm"
+    if period and period * trial.axes.scale_U < PER_PERIOD * spacing:
+        points = f"{period * trial.axes.scale_U / spacing:.2g} points on a period of {period:.3g} nm"
         warnings.append(f"{points} are too few to recognise slips safely; measure {PER_PERIOD} or more")
-    count = predicted.count(JUMP * model.noise_of(trial) * min(1.0, _chi2(trial)) ** 0.5)  # noise may be overestimated
+    count = predicted.count(JUMP * trial.noise * min(1.0, _chi2(trial)) ** 0.5)  # noise may be overestimated
     if count > len(measured.slips):
         used = f"{len(measured.slips)} of {count} predicted slips are recognised in the data and used"
         warnings.append(f"{used}; compare the curves, or measure more densely")

@@ -1,6 +1,6 @@
 """Uncertain parameters: a band around the curves of a run, and intervals of its slips."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,7 +131,8 @@ def spread(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Sprea
 
     band, slips = (tuple(map(deviation, parts)) for parts in (result.branches, result.slips))
     rows = [draw(skeleton, of, number) for number in range(draws if slips else 0)]
-    return Spread(result, dict(of), band, slips, *collected(rows))
+    drawn = [row for row in rows if row is not None]
+    return Spread(result, dict(of), band, slips, np.array(drawn).reshape(-1, 4), len(rows) - len(drawn))
 
 
 def draw(skeleton: Skeleton, of: Mapping[str, float], number: int) -> NDArray[np.float64] | None:
@@ -145,9 +146,3 @@ def draw(skeleton: Skeleton, of: Mapping[str, float], number: int) -> NDArray[np
         return None
     wide = drawn.width / scene.width
     return slip.values * [1.0, wide * drawn.E / scene.E, wide * drawn.E / scene.E, wide]
-
-
-def collected(rows: Sequence[NDArray[np.float64] | None]) -> tuple[NDArray[np.float64], int]:
-    """((draws, 4), number of lost ones) of results of `draw`."""
-    kept = [row for row in rows if row is not None]
-    return np.array(kept).reshape(-1, 4), len(rows) - len(kept)

@@ -43,12 +43,17 @@ class TimeUp(Exception):
 
 
 class Trial(NamedTuple):
-    """Parameters x (n,), residuals (k,), their derivatives (k, n), and the run they come from."""
+    """Parameters x (n,), residuals (k,), their derivatives (k, n), and the run they come from.
+
+    axes: the Axes among the parameters. noise: that of the measured F, in F_bar.
+    """
 
     x: Floats
     residuals: Floats
     jacobian: Floats
     predicted: Predicted
+    axes: Axes
+    noise: float
 
     @property
     def cost(self) -> float:
@@ -152,18 +157,15 @@ class Model:
         """The Trial of parameters x whose run is `skeleton`; raises NotFollowed where it slips too few times."""
         axes = Axes(**{name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES})
         U_x = (self.measured.U_x - axes.offset_U) / axes.scale_U
-        seen = self.measured.seen / axes.scale_F / self._unit(skeleton)
-        predicted = Predicted(sensitivities(skeleton, self.physical), seen, float(U_x[0]), float(U_x[-1]))
+        unit = axes.scale_F * self._unit(skeleton)
+        start, reach = float(U_x[0]), float(U_x[-1])
+        predicted = Predicted(sensitivities(skeleton, self.physical), self.measured.seen / unit, start, reach)
         curve = predicted.curve(U_x[self.kept], self.segment[self.kept], self.physical)
         parts = [self._quantity(k, curve, skeleton, axes, U_x) for k, name in enumerate(NAMES) if name in self.names]
         parts.append(self._slips(predicted, axes))
         residuals, rows = zip(*parts, strict=True)
-        return Trial(x.copy(), np.concatenate(residuals), np.vstack(rows), predicted)
-
-    def noise_of(self, trial: Trial) -> float:
-        """Noise of the measured F in F_bar of a trial."""
-        scale = float(trial.x[self.free.index("scale_F")]) if "scale_F" in self.free else 1.0
-        return self.measured.noise["F_bar"] / scale / self._unit(trial.predicted.skeleton)
+        noise = self.measured.noise["F_bar"] / unit
+        return Trial(x.copy(), np.concatenate(residuals), np.vstack(rows), predicted, axes, noise)
 
     @property
     def names(self) -> tuple[str, ...]:

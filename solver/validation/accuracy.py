@@ -81,7 +81,7 @@ def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iter
         else:
             if run not in finished:  # the scene's own values belong to every sweep
                 repeats = REPEATS if point.series == "fast" else 1
-                finished[run] = perform(run[1], point.series, known.states, effort.longest, repeats)
+                finished[run] = perform(run[1], SERIES[point.series], known.states, effort.longest, repeats)
             point = compare(point, finished[run], known, right)
             stopped |= {kin} if finished[run].stopped else set()
         report = replace(report, points=(*report.points, point))

@@ -5,11 +5,12 @@ states by lattice periods, at the loads that both runs have: nothing is interpol
 `landings` finds the right branches, by the paper's GFMD alone.
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from math import inf
 from time import thread_time
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from ..run.frame import Frame, SlipEvent
 from ..run.loadpath import load_path
 from ..run.shortcuts import ALL
 from ..scene import Scene, SceneError
-from .methods import frames
 
 QUANTITIES = ("F", "L", "A")
 REFINED = (10, 5, 2, 1)  # divisors of the scene's increments for the reference: the first one in range
@@ -130,10 +130,14 @@ def reference(scene: Scene, keep: Collection[float]) -> Curves:
 
 
 def perform(
-    scene: Scene, series: str, keep: Collection[float] | None = None, longest: float = inf, repeats: int = 1
+    scene: Scene,
+    method: str | Callable[..., Any],
+    keep: Collection[float] | None = None,
+    longest: float = inf,
+    repeats: int = 1,
 ) -> Curves:
-    """The Curves of a scene by a method of `methods.frames`; of `repeats` runs the fastest; arguments as `recorded`."""
-    again = (recorded(scene, frames(scene, series), keep, longest) for _ in range(repeats))
+    """The Curves of a scene by a method of `load_path`; of `repeats` runs the fastest; arguments as `recorded`."""
+    again = (recorded(scene, load_path(scene, method), keep, longest) for _ in range(repeats))
     return min(again, key=lambda curves: curves.seconds)
 
 

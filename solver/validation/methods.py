@@ -7,16 +7,12 @@ their velocity turned towards the force; otherwise they stop. NP1 has no potenti
 Inertia is not damped: from the end of a branch FIRE may reach another equilibrium than the damped transient.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from ..continuation.gfmd import Gfmd
-from ..run.frame import Frame
-from ..run.loadpath import load_path
-from ..scene import Scene
 
 SAFETY = 0.5  # of the longest stable step: the interface may stiffen before the next look at it
 PROBES = 6  # power iterations from a random direction; later ones go on from the last
@@ -35,11 +31,6 @@ class Engine:
 
 
 ENGINE = Engine()
-
-
-def frames(scene: Scene, series: str) -> Iterator[Frame]:
-    """The Frames of a scene by one of SERIES, or by any class under the contract of `Gfmd`; raises NotConverged."""
-    return load_path(scene, SERIES.get(series, series))
 
 
 class MassWeighted(Gfmd):

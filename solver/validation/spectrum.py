@@ -7,8 +7,6 @@ grows where mu lies outside the parabola Im(mu)^2 = -gamma^2 Re(mu): in a fold t
 complex pair. Overdamped: lambda is mu. Layer and springs are those of `extended`.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ..run.frame import Frame
@@ -16,27 +14,13 @@ from ..scene import Scene
 from . import extended
 
 
-class Critical(NamedTuple):
-    """The fastest growing, or slowest decaying, disturbance: growth Re(lambda), and its mu, GPa/nm."""
-
-    growth: float
-    mu: complex
-
-
 def growth(scene: Scene, frame: Frame, held: bool = False) -> float:
-    """The largest Re(lambda) at a Frame, of mu where damping is infinite; arguments as in `critical`."""
-    return critical(scene, frame, held).growth
+    """The largest Re(lambda) at a Frame, of mu where damping is infinite.
 
-
-def critical(scene: Scene, frame: Frame, held: bool = False) -> Critical:
-    """The Critical disturbance of a Frame; held: at constant normal load, under a top without mass.
-
-    Eigenvalues of 1024 nodes take 4 s; of a uniform surface, some milliseconds.
+    held: at constant normal load, under a top without mass. Eigenvalues of 1024 nodes take 4 s; of a uniform surface,
+    some milliseconds.
     """
-    values = exponents(scene, frame, held)
-    rates = rate(values, friction(scene))
-    i = int(np.argmax(rates))
-    return Critical(float(rates[i]), complex(values[i]))
+    return float(rate(exponents(scene, frame, held), friction(scene)).max())
 
 
 def rate(mu, gamma: float) -> np.ndarray:
