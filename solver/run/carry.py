@@ -36,13 +36,15 @@ def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
     once, in an increment 0 at the same U_x. If the state is no equilibrium there, the transient leads to the next one,
     without a slip event: the parameters caused it. Then the load step continues to u_x_max. A held load keeps its value
     in N/m; after a new indentation it is the load there. For method fast only.
-    Raises SceneError where `changed` has another surface or a path that ends before this load; ValueError where the run
-    is not in shear.
+    The last Frame of the approach is one of the shear at U_x = 0. Raises SceneError where `changed` has another surface
+    or a path that ends before this load; ValueError where the run is not in shear.
     """
-    if STAGES[frame.stage][0] != "U_x":
-        raise ValueError(f"stage = {frame.stage!r}: a run goes on with changed parameters in shear only; start it anew")
+    approach, following, *_ = load_steps_of(frame.scene)
+    stage = following.stage if frame.stage == "approach" and frame.delta >= approach.end else frame.stage
+    if STAGES[stage][0] != "U_x":
+        raise ValueError(f"stage = {stage!r}: a run goes on with changed parameters in shear only; start it anew")
     _refuse(frame.scene, changed)
-    rest = _rest(frame.stage, changed, load_of(frame, frame.stage))
+    rest = _rest(stage, changed, load_of(frame, stage))
     press = _press(frame, changed)
     ahead = rest if press is None else (press, *rest)
     return checkpoint_at(frame, ahead, unsure=True)._replace(carried=True)

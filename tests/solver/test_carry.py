@@ -41,6 +41,21 @@ def test_a_jump_of_the_parameters_is_not_reported_as_a_slip():
     assert not frame.slips and frame.residual <= scene.tolerance and not after.carried
 
 
+@pytest.mark.parametrize("hold", ["delta", "load"])
+def test_a_run_carries_on_from_the_last_frame_of_its_approach_as_from_the_first_of_its_shear(hold):
+    scene = SMALL.changed(delta_bar=0.3, u_x_max=2.0, hold=hold)
+    frames = list(load_path(scene))
+    last = stage(frames, "approach")[-1]
+    ends = []
+    for start in (last, stage(frames, "shear")[0]):
+        changed = scene.changed(E=1.1 * scene.E, delta_bar=0.4)
+        *_, (end, _) = Run(changed).frames(carry_on(start, changed))
+        ends.append((end.U_x, end.F_bar, end.L_bar, end.A_bar))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-6)
+    with pytest.raises(ValueError, match="in shear only"):
+        carry_on(stage(frames, "approach")[-2], changed)
+
+
 def test_a_carried_run_is_for_the_fast_method():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     changed = scene.changed(E=90.0)
