@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from ..continuation.fold import Fold
-from ..continuation.trace import Passed, Trace, TracedBranch
+from ..continuation.trace import Trace, TracedBranch
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import vertical
@@ -124,23 +124,11 @@ def _branch(scene, first, branch: TracedBranch, repeats):
         raise NotFollowed(f"a branch ends by {branch.end.kind} at {branch.end.load:g} nm: that is computed")
     if len(branch.states) < FEWEST:
         raise NotFollowed(f"a branch that begins at {branch.start:g} nm has only {len(branch.states)} states")
-    states = _filled(branch.states, scene.du_x * scene.delta_t)
-    loads, v, active = (np.array(column) for column in zip(*states, strict=True))
+    loads, v, active = (np.array(column) for column in zip(*branch.states, strict=True))
     start, end, periodic = float(loads[0]), float(loads[-1]), branch.end is None and repeats
     t = (loads - start) / (end - start) if periodic else position_between(start, end, loads)
     fold = Fold.of(end, v[-1], active[-1], v[-1] - branch.at(end - BEFORE).v) if branch.end else None
     return thinned(scene, first, Branch(start, end, t, v, active, fold, periodic))
-
-
-def _filled(states, step):
-    """States with guesses of others, a step apart, between the first two: a slip may land before the run began."""
-    begin, after = states[:2]
-    part = np.arange(step, after.load - begin.load - 0.5 * step, step) / (after.load - begin.load)
-    between = [
-        Passed(begin.load + x * (after.load - begin.load), begin.v + x * (after.v - begin.v), after.active)
-        for x in part
-    ]
-    return (begin, *between, *states[1:])
 
 
 def _jumps(scene, jumps, first, m):
