@@ -14,7 +14,7 @@ LEAST_GROWTH = 16  # nodes that a patch gains at each end, at least; large ones 
 class Contact:
     """The patch of `size` neighbouring nodes from node `first` on; counts its force evaluations.
 
-    Nodes outside carry no traction; the tractions of the patch displace them (`whole`). A flat's patch of one node is
+    Nodes outside carry no traction; the tractions of the patch displace them. A flat's patch of one node is
     `uniform`: this node represents all, and the cell has `count` = 1 node, else as many as the scene. `observe()` is
     called at every evaluation and may raise to end the increment. Owns its buffers: two threads need two objects.
 
@@ -83,16 +83,6 @@ class Contact:
         self._layer.field[:] = T
         self._layer.apply()
         return self._layer.product
-
-    @cached_property
-    def _spread(self):
-        return Convolution(self.cell, self.count)
-
-    def whole(self, T) -> np.ndarray:
-        """C T on all `count` nodes of the cell, (2, count) nm, of T (2, size) GPa; a buffer."""
-        self._spread.field[:, self.part] = T
-        self._spread.apply()
-        return self._spread.product
 
     def within_window(self, u) -> np.ndarray:
         """Nodes whose gap lies within the interaction window, bool (size,)."""

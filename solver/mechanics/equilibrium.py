@@ -87,8 +87,10 @@ class Equilibrium:
         The tractions of the patch displace the nodes outside. Those of the patch stay where v has them: where v is not
         quite an equilibrium, a tenth of the difference may decide which equilibrium a transient reaches.
         """
-        out = self.contact.whole(self.traction(v, active)) + np.array(self.top(v, s))[:, None]
-        out[:, self.contact.part] = self.surface(v)
+        surface, part, T = self.motion(), self.contact.part, np.zeros((2, self.contact.count))
+        T[:, part] = self.traction(v, active)
+        out = surface.through(T, surface.operators[1]) + np.array(self.top(v, s))[:, None]
+        out[:, part] = self.surface(v)
         return out
 
     def active(self, v, s, before=None, settled=None) -> np.ndarray:
