@@ -22,6 +22,7 @@ ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMB
 # A plain fork copies the locks of threads in whatever state they are. The fork server has one thread, and has imported
 # what `multiprocessing.set_forkserver_preload` names, so a process starts at once. Other systems do not have it.
 START = "forkserver" if sys.platform == "linux" else "spawn"
+LIMIT = 600.0  # s for a call: 15 times what five of the most expensive scenes of tests/bench/box.py take
 TRACEBACK = -6  # the innermost calls that a message shows: enough to find the cause
 starting = RLock()
 
@@ -112,51 +113,70 @@ def _prepared():
                 main.__file__ = file
 
 
-def outcomes(call: Callable, items: Sequence[Any], workers: int | str, limit: float) -> Iterator[tuple[int, Any]]:
-    """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
+class Processes:
+    """Processes of this machine; each makes one call after another, and the next one starts where one is lost."""
 
-    items: a list may grow while outcomes are consumed. workers: the number of processes on this machine, or the address
-    of a dask cluster's scheduler; then raises ClusterError. limit: s for each call.
-    """
-    if isinstance(workers, str):
-        from . import cluster  # it imports this module
+    def __init__(self, call: Callable, workers: int, limit: float) -> None:
+        self._call, self._limit = call, limit
+        self._threads, self._own, self._over = ThreadPoolExecutor(workers), local(), Event()
+        self._callers: list[Caller] = []
+        self._ended: SimpleQueue[Future] = SimpleQueue()
 
-        yield from cluster.outcomes(call, items, workers, limit)
-        return
-    callers: list[Caller] = []
-    own, over = local(), Event()
-    ended: SimpleQueue[Future] = SimpleQueue()
+    def __enter__(self) -> "Processes":
+        return self
 
-    def outcome(index):
+    def __exit__(self, *error: object) -> None:
+        """Ends all processes: the consumer may have left before the last outcome."""
+        self._over.set()
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for caller in list(self._callers):
+            caller.end()
+        self._threads.shutdown()
+
+    def submit(self, index: int, item: Any) -> None:
+        """Makes call(item) as soon as a process is free."""
+        self._threads.submit(self._outcome, index, item).add_done_callback(self._ended.put)
+
+    def completed(self) -> tuple[int, Any]:
+        """(index, result or Lost) of the call that ends next."""
+        return self._ended.get().result()
+
+    def _outcome(self, index, item):
         """Runs in a thread, which has its own process and starts another one for each that is lost."""
+        own = self._own
         try:
             if getattr(own, "caller", None) is None:
                 own.caller = Caller()
-                callers.append(own.caller)
-                if over.is_set():  # too late to be ended with the others
+                self._callers.append(own.caller)
+                if self._over.is_set():  # too late to be ended with the others
                     own.caller.end()
-            return index, own.caller.call(call, items[index], limit=limit)
+            return index, own.caller.call(self._call, item, limit=self._limit)
         except Lost as lost:
             if lost.kind != "error":
                 own.caller = None
             return index, lost
 
-    with ThreadPoolExecutor(workers) as threads:
+
+def outcomes(
+    call: Callable, items: Sequence[Any], workers: int | str, limit: float = LIMIT
+) -> Iterator[tuple[int, Any]]:
+    """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
+
+    items: a list may grow while outcomes are consumed. workers: the number of processes on this machine, or the address
+    of a dask cluster's scheduler; then raises ClusterError. limit: s for each call.
+    """
+    from .cluster import Cluster  # it imports this module
+
+    with Cluster(call, workers, limit) if isinstance(workers, str) else Processes(call, workers, limit) as pool:
         submitted = received = 0
-        try:
-            while True:
-                for index in range(submitted, len(items)):
-                    threads.submit(outcome, index).add_done_callback(ended.put)
-                    submitted += 1
-                if received == submitted:
-                    return
-                yield ended.get().result()
-                received += 1
-        finally:  # the consumer may have left before the last outcome
-            over.set()
-            threads.shutdown(wait=False, cancel_futures=True)
-            for caller in list(callers):
-                caller.end()
+        while True:
+            for item in items[submitted:]:
+                pool.submit(submitted, item)
+                submitted += 1
+            if received == submitted:
+                return
+            yield pool.completed()
+            received += 1
 
 
 def _serve(pipe):

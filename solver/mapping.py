@@ -84,7 +84,7 @@ def flats(arguments: argparse.Namespace) -> int:
     asked = regimes.points(scene_of(arguments.set, arguments.preset), arguments.points)
     rows = [dict.fromkeys(regimes.COLUMNS, "") | {"E": E, "phi_t": phi_t} for _, E, phi_t in asked]
     with progress(len(asked), " points") as bar:
-        for k, result in outcomes(regimes.regime, asked, workers, regimes.LIMIT):
+        for k, result in outcomes(regimes.regime, asked, workers):
             rows[k] |= {"reason": result.reason} if isinstance(result, Lost) else result
             bar.update()
     write(arguments.csv, write_rows, regimes.COLUMNS, (row.values() for row in rows))

@@ -29,7 +29,6 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
     import pandas as pd
     import xarray as xr
 
-LIMIT = 600.0  # s for one scene of a sweep: the most expensive scenes of tests/bench/box.py take a hundredth of it
 SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
 
@@ -172,7 +171,7 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
     scenes = [(scene or Scene()).changed(**combination) for combination in combinations]
     if workers > 1:
-        first = dict(outcomes(first_slip, scenes, workers, LIMIT))
+        first = dict(outcomes(first_slip, scenes, workers))
     else:
         first = {k: first_slip(each) for k, each in enumerate(scenes)}
     rows = [first[k] if isinstance(first[k], dict) else {"outcome": _lost(first[k])} for k in range(len(scenes))]

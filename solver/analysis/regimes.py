@@ -13,7 +13,6 @@ from .friction_laws import friction, friction_force, tau_max
 MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m: the line of E_c crosses the map
 END = 40.0  # nm, of a run that shows curves: 16 lattice periods of the default
 STEP = 0.2  # delta_t, increments of a run that gives the friction: slips are located, however long the increments
-LIMIT = 600.0  # s for one run, which takes seconds
 COLUMNS = "E", "phi_t", "slips", "F_s", "F_k", "mean", "exact", "reason"
 
 

@@ -11,6 +11,7 @@ from helpers import until
 
 from solver import cluster
 from solver.cli import main
+from solver.isolated import outcomes
 
 pytestmark = pytest.mark.slow
 distributed = pytest.importorskip("distributed", reason="needs the extra `cluster`")
@@ -57,14 +58,14 @@ def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_it
 
 @pytest.mark.thorough
 def test_calls_that_fail_hang_or_kill_their_worker_cost_no_other_result(address):
-    ((_, error),) = cluster.outcomes(int, ["x"], address, 60.0)
+    ((_, error),) = outcomes(int, ["x"], address, 60.0)
     assert error.kind == "error" and "ValueError" in error.reason
-    found = dict(cluster.outcomes(time.sleep, [0.0, 20.0], address, 10.0))
+    found = dict(outcomes(time.sleep, [0.0, 20.0], address, 10.0))
     assert found[0] is None and found[1].kind == "hang"
-    ((_, lost),) = cluster.outcomes(os._exit, [1], address, 60.0)
+    ((_, lost),) = outcomes(os._exit, [1], address, 60.0)
     assert lost.kind == "crash"
     until(lambda: workers(address) == 2)
-    assert sorted(dict(cluster.outcomes(abs, range(10), address, 60.0)).values()) == [*range(10)]
+    assert sorted(dict(outcomes(abs, range(10), address, 60.0)).values()) == [*range(10)]
 
 
 def test_an_unreachable_cluster_is_named_in_one_line(capsys, monkeypatch):

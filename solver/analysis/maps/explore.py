@@ -6,10 +6,6 @@ from ...isolated import Lost, outcomes
 from .grid import Map, Outcome, Place, worked_off
 from .point import Point
 
-# s for a tile of five points: 15 times what five of the most expensive scenes of tests/bench/box.py take (11 default
-# runs each), for slower machines and finer steps
-LIMIT = 600.0
-
 
 def explored(grid: Map, workers: int | str = 1, points: Iterable[Point] = ()) -> Iterator[Point]:
     """Yields the Points of a Map, coarse to fine.
@@ -26,7 +22,7 @@ def explored(grid: Map, workers: int | str = 1, points: Iterable[Point] = ()) ->
     reached: dict[Place, Outcome] = {(point.i, point.j): (point, None) for point in points}
     levels = (grid.tiles(level, reached) for level in range(grid.levels))  # each is made once that before is complete
     tiles = next(filter(None, levels), [])
-    for count, (k, result) in enumerate(outcomes(worked_off, tiles, workers, LIMIT), start=1):
+    for count, (k, result) in enumerate(outcomes(worked_off, tiles, workers), start=1):
         for point, skeleton in grid.lost(tiles[k], result.reason) if isinstance(result, Lost) else result:
             reached[point.i, point.j] = point, skeleton
             yield point
