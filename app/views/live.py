@@ -38,7 +38,7 @@ def live_figures():
 
 def punch(x, name="punch"):
     """The deformed punch above the lattice sites of the rigid substrate, nodes by state."""
-    said = [("x", "@x{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
+    said = [("x", "@at{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
     made = blank(name, x, Range1d(-1.2, 7), POSITION, "height (nm)")
     add(made, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
     draw(made, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
@@ -46,7 +46,7 @@ def punch(x, name="punch"):
     draw(made, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
     for state, node in reversed(NODES.items()):  # the first on top
         look = {"marker": node.marker, "size": node.size, "hover": {"tooltips": [(state, node.meaning), *said]}}
-        draw(made, "scatter", state, node.colour, "x", "gap", more=["T_n", "T_t"], **look)
+        draw(made, "scatter", state, node.colour, "x", "gap", more=["at", "T_n", "T_t"], **look)
     _pins(made)
     return made
 

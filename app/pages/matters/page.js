@@ -5,6 +5,7 @@ import { order } from "../../static/js/channel.js"
 import { by, make, makeButton, minus, on } from "../../static/js/dom.js"
 import { figures } from "../../static/js/figures.js"
 import { inks } from "../../static/js/pen.js"
+import { drawnFrame } from "../../static/js/punch.js"
 import { anew, leaveBehind, me } from "../../static/js/state.js"
 import { inWords } from "../../static/js/words.js"
 
@@ -56,7 +57,7 @@ function raise(name) {
 export function frame(run, k) {
   const box = result && !run.head.flat ? frameBox(figures.punch) : null
   if (!box) return
-  const { x } = run.frame(k), { first } = run.headOf(k), { nodes } = result, ink = inks()
+  const { drawn: x } = drawnFrame(run, k), { first } = run.headOf(k), { nodes } = result, ink = inks()
   const pen = by("story").getContext("2d")
   const most = Math.max(...nodes.map(Math.abs), 1e-12), wide = Math.max(2, 0.7 * box.across * run.head.spacing)
   x.forEach((at, i) => {

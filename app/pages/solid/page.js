@@ -4,7 +4,7 @@ import { set } from "../../static/js/bokeh.js"
 import { nice, rampIn, shades } from "../../static/js/colours.js"
 import { by, on } from "../../static/js/dom.js"
 import {
-  extent, figures, fillImage, painted as together, parts, tellLimits, tellStretch,
+  extent, figures, fillImage, painted as together, parts, stretchSaid, tellLimits,
 } from "../../static/js/figures.js"
 import { APART, mean, middles, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
 import { me } from "../../static/js/state.js"
@@ -24,6 +24,8 @@ const FIELDS = { // of sums over weights, and the scene; GPa
 }
 
 export function frame(run, k) {
+  const stretch = stretchSaid("solid_field")
+  if (stretch) by("solid_field-stretch").textContent = stretch === "to scale" ? stretch : `vertical ${stretch}`
   const scene = run.headOf(k).scene, half = figures.punch.x_range.end
   const depth = Math.min(half, scene.height * scene.width)
   const quantity = by("solid-quantity").value, key = [run.number, k, half, quantity].join()
@@ -36,7 +38,6 @@ export function frame(run, k) {
   set(figures.solid_field.y_range, { start: 0, end: depth })
   shade(quantity, run.number, image)
   nameQuantity(quantity)
-  tellStretch()
   by("solid-said").textContent = `largest ${Math.max(...extent(image).map(Math.abs)).toPrecision(3)} GPa`
 }
 

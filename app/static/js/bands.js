@@ -6,6 +6,7 @@ import { isShown } from "./colours.js"
 import { by, minus } from "./dom.js"
 import { figures } from "./figures.js"
 import { cleared, inks, line, size, within, write } from "./pen.js"
+import { drawnFrame } from "./punch.js"
 
 const GAP = 10 // px between both
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
@@ -13,7 +14,7 @@ const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 export function drawBands(run, k) {
   const canvas = by("bands"), box = frameBox(figures.punch), pen = box && isShown(canvas) ? cleared(canvas) : null
   if (!pen) return
-  const { x, T_n, T_t } = run.frame(k), ink = inks(), { start, end } = figures.punch.x_range
+  const { drawn: x, T_n, T_t } = drawnFrame(run, k), ink = inks(), { start, end } = figures.punch.x_range
   const row = 1.35 * size(), high = canvas.clientHeight - row - 4
   const normal = {
     of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering],

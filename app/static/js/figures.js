@@ -18,8 +18,7 @@ const SIGHT = 0.9 // of a curve must be in sight while a slider is held
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it, so that it stays for a while
 const TO_SCALE = 0.02 // a difference that nobody sees
 const THICK = 2.5 // times, for a projector
-const LONG = 11 // times the size of the text: as high as a view must be for a long title of its axis
-const SHORT = 5 // the same for one of a few letters
+const LETTER = 0.62 // of the size of the text, of a letter of an axis title, at most
 
 export function adopt(name, figure) {
   figures[name] = figure
@@ -150,8 +149,8 @@ function nameForces({ symbols, text }) {
 
 // In full where there is room: symbols stand in the legend as well
 function labelForces() {
-  const room = figures.forces.inner_height > SHORT * parseFloat(colour("--plot-text"))
-  set(figures.forces.left[0], { axis_label: room ? curvesDrawn.label : curvesDrawn.text })
+  const { label, text } = curvesDrawn
+  set(figures.forces.left[0], { axis_label: hasRoom("forces", label.length) ? label : text })
 }
 
 // Curves are drawn along U_x, or along delta
@@ -209,15 +208,15 @@ export function shade(view, label, low, high) {
 // What is not in sight is not drawn
 export const figureShown = (view) => isShown(document.querySelector(`.view[data-view="${view}"]`))
 
-// The vertical exaggerations as they are on this screen now
-export function tellStretch() {
-  const [punch, solid] = ["punch", "solid_field"].map((view) => {
-    const times = stretch(figures[view])
-    return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
-  })
-  if (punch) set(figures.punch.left[0], { axis_label: `height (nm), drawn ${punch}` })
-  if (solid) tell(by("solid_field-stretch"), solid === "to scale" ? solid : `vertical ${solid}`)
+// How many times as high as wide a figure is drawn on this screen now, in words; nothing before it is laid out
+export function stretchSaid(view) {
+  const times = stretch(figures[view])
+  return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
 }
+
+// Whether the title of an axis has room for so many letters
+export const hasRoom = (view, letters) =>
+  figures[view].inner_height > LETTER * letters * parseFloat(colour("--plot-text"))
 
 // Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
 export function paint() {
@@ -241,8 +240,8 @@ export function paint() {
       thicken(part, large ? THICK : 1)
     }
   }
-  const room = figures.map.inner_height > LONG * size // for a title in full
-  set(figures.map.left[0], { axis_label: room ? "x, undeformed (nm)" : "x (nm)" })
+  const title = "x, undeformed (nm)"
+  set(figures.map.left[0], { axis_label: hasRoom("map", title.length) ? title : "x (nm)" })
   labelForces()
   shareAxis()
 }

@@ -6,6 +6,7 @@ import { by, digits, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor } from "./inside.js"
 import { cleared } from "./pen.js"
+import { drawnFrame } from "./punch.js"
 import { keep, kept } from "./storage.js"
 
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
@@ -70,7 +71,8 @@ function paintSheet(run, k, { x_range, y_range }, found, part) {
   Object.assign(sheet, sheet.width === WIDE ? {} : { width: WIDE, height: HIGH })
   const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
   const shades = new Uint32Array(pixels.data.buffer)
-  const { x, gap } = run.frame(k), { first, spacing, middle } = run.headOf(k), U_x = run.curves.U_x[k]
+  const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
+  const U_x = times * run.curves.U_x[k]
   const inks = inksOf(document.documentElement.dataset.theme)
   const half = x_range.end, nm = (2 * half) / WIDE, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
   const step = (high - y_range.start) / HIGH

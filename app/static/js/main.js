@@ -5,7 +5,7 @@ import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
-import { adopt, paint, tellStretch } from "./figures.js"
+import { adopt, paint } from "./figures.js"
 import { connectFringes } from "./fringes.js"
 import { connectInside } from "./inside.js"
 import * as inputs from "./inputs.js"
@@ -44,7 +44,6 @@ export function start({ wire, figures, slots, told, index }) {
   connectStored(player.standIn)
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {
-    tellStretch()
     clearTimeout(resized)
     resized = setTimeout(() => { paint(); player.show() }, 100)
   }).observe(document.querySelector("figure"))

@@ -54,7 +54,10 @@ function show(name) {
   for (const button of document.querySelectorAll("nav button"))
     button.setAttribute("aria-pressed", button.dataset.page === name)
   for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
-  if (name) by(name).dataset.drawing = ""
+  if (name) {
+    by(name).dataset.drawing = ""
+    by(name).scrollIntoView() // on a phone it lies below the experiment
+  }
   load(name)
   clearTimeout(picking)
   picking = setTimeout(() => order("page", { page: name }), SETTLE)

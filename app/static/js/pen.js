@@ -56,13 +56,15 @@ export const size = () => parseFloat(colour("--plot-text")) || 13
 const font = (scale = 1, bold = false) =>
   `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
 
-// Text with a rim of the page's colour, so that it is legible over anything; returns from where to where it reaches
+// Text with a rim of the page's colour, so that it is legible over anything; returns from where to where it reaches.
+// Where it would leave the box it is moved, or, if it `stays` where it is, left out
 export function write({ pen, ink, box }, text, x, y,
-  { of = ink.text, align = "center", bold = false, scale = 1 } = {}) {
+  { of = ink.text, align = "center", bold = false, scale = 1, stays = false } = {}) {
   pen.font = font(scale, bold)
   pen.textAlign = "left"
   const width = pen.measureText(text).width
   x -= align === "center" ? width / 2 : align === "right" ? width : 0
+  if (stays && (x < box.left + 4 || x + width > box.left + box.width - 4)) return null
   if (box) x = Math.max(box.left + 4, Math.min(x, box.left + box.width - width - 4)) // all of it in sight
   pen.textBaseline = "middle"
   pen.lineJoin = "round"

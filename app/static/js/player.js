@@ -3,7 +3,7 @@
 import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
 import { by, digits, fixed, tell } from "./dom.js"
-import { drawCurves, drawMap, painted, tellStretch } from "./figures.js"
+import { drawCurves, drawMap, painted } from "./figures.js"
 import { paceAt } from "./pace.js"
 import { framePage } from "./pages.js"
 import { Run } from "./run.js"
@@ -159,7 +159,6 @@ function showFrame() {
     if (me.stage !== run.stageOfMap(k)) me.mapped = false
   }
   by("scrub").value = k
-  tellStretch()
 }
 
 // All that shows frame k of a run, or of a motion through a slip

@@ -4,16 +4,33 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, figureShown, fill, fit, LEAST, parts, shareAxis,
+  CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, shareAxis, stretchSaid,
 } from "./figures.js"
 import { declared, me } from "./state.js"
 
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
 const FAR_LESS = 0.6 // of an axis: where a run needs less of it, the axis shrinks
+const LARGER = 3 // times, at most, that a displacement sideways is drawn
+const IN_SIGHT = 0.4 // of half of the view: the top is drawn to move by no more
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 
+// By how much every displacement sideways is drawn larger, so that lean and slip are seen; to scale with tools, where
+// places are read
+export function sideways({ head, normal }) {
+  if (head.flat || "tools" in document.documentElement.dataset) return 1
+  const far = normal ? 0 : Math.max(...head.span.map(Math.abs)) // nm, what the top moves
+  return Math.max(1, Math.min(LARGER, Math.floor((IN_SIGHT * figures.punch.x_range.end) / far)))
+}
+
+// Frame k with `drawn`: x as it is drawn, with displacements so many times as large
+export function drawnFrame(run, k, times = sideways(run)) {
+  const frame = run.frame(k), { first, spacing, middle } = run.headOf(k)
+  const drawn = times === 1 ? frame.x : frame.x.map((x, i) => times * x - (times - 1) * ((first + i) * spacing - middle))
+  return { ...frame, drawn, times }
+}
+
 export function drawFrame(run, k) {
-  const frame = run.frame(k), { x, T_n, T_t } = frame
+  const frame = drawnFrame(run, k), { x, T_n, T_t } = frame
   const top = Math.max(7, Math.min(...frame.gap) + 3) // a punch still far away must be in view as well
   if (!me.dragging) set(figures.punch.y_range, { end: top })
   drawPunch(run, frame, top)
@@ -23,10 +40,18 @@ export function drawFrame(run, k) {
   }
   const location = run.curves[run.part(run.approaching(k)).abscissa][k]
   for (const view of CURVES) set(parts[view].cursor, { location })
+  nameScale(frame)
+}
+
+// How much larger heights are drawn than widths, and displacements sideways than they are
+function nameScale({ times }) {
+  const up = stretchSaid("punch"), said = times > 1 ? `${up}, sideways ×${times}` : `drawn ${up}`
+  const title = `height (nm), ${said}`
+  if (up) set(figures.punch.left[0], { axis_label: hasRoom("punch", title.length) ? title : said })
 }
 
 function drawPunch(run, frame, top) {
-  const { x, gap, T_n, T_t } = frame, n = x.length
+  const { x: at, drawn: x, gap, T_n, T_t } = frame, n = x.length
   const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
   for (let i = 0; i < n; i++) {
     outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
@@ -38,7 +63,7 @@ function drawPunch(run, frame, top) {
   const found = Object.groupBy(x.keys(), frame.state)
   for (const label in declared.nodes) {
     const pick = (list) => Float32Array.from(found[label] ?? [], (i) => list[i])
-    fill("punch", label, { x: pick(x), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
+    fill("punch", label, { x: pick(x), at: pick(at), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
   if (!run.head.flat) return
   const { mark, said } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike

@@ -5,6 +5,7 @@ import { by, fixed, newtons, say } from "./dom.js"
 import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
+import { drawnFrame } from "./punch.js"
 import { changeSaid, nowSaid, phaseSaid } from "./sentence.js"
 import { exact, me } from "./state.js"
 import { explain } from "./terms.js"
@@ -23,7 +24,7 @@ const GAIN = 0.005 // a change of the area by less is not told
 export function drawStory(run, k) {
   const box = frameBox(figures.punch), pen = cleared(by("story"))
   if (!box || !pen) return
-  const { X, Y } = box, frame = run.frame(k)
+  const { X, Y } = box, frame = drawnFrame(run, k)
   // of the motion of those that are followed two frames are known
   const slip = run.followed ? null : run.slipBefore(k, MARKED)
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
@@ -44,18 +45,18 @@ export function drawStory(run, k) {
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
 function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
   const { nodes, first, spacing, middle } = run.headOf(k), every = Math.max(1, Math.round(nodes / LINES))
-  const U_x = run.curves.U_x[k]
+  const U_x = frame.times * run.curves.U_x[k]
   pen.globalAlpha = 0.55
   for (let i = Math.floor(every / 2); i < nodes; i += every) {
     const hung = [X((first + i) * spacing - middle + U_x), box.top + BAR]
-    line(pen, [[X(frame.x[i]), Y(frame.gap[i])], hung], ink.body)
+    line(pen, [[X(frame.drawn[i]), Y(frame.gap[i])], hung], ink.body)
   }
   pen.globalAlpha = 1
 }
 
 // The rigid top: a bar whose marks move with it, and what it does
-function drawTop({ pen, box, X, run, k, ink }) {
-  const U_x = run.curves.U_x[k], { x_range } = figures.punch
+function drawTop({ pen, box, X, frame, run, k, ink }) {
+  const U_x = frame.times * run.curves.U_x[k], { x_range } = figures.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
   const pitch = run.head.flat ? run.head.spacing / 4 : 20, shift = U_x % pitch
@@ -105,7 +106,7 @@ function drawEdges(view) {
   }
   const place = (edge) => {
     const i = Math.floor(edge - run.headOf(k).first), t = edge - run.headOf(k).first - i
-    return X(frame.x[i] * (1 - t) + frame.x[Math.min(i + 1, frame.x.length - 1)] * t)
+    return X(frame.drawn[i] * (1 - t) + frame.drawn[Math.min(i + 1, frame.drawn.length - 1)] * t)
   }
   const drawn = patches.map((ends) => ends.map(place)), left = drawn[0][0], right = drawn.at(-1)[1]
   if (drawn.length <= PATCHES) for (const ends of drawn) bracket(view, ends, y)
@@ -123,8 +124,8 @@ function drawEdges(view) {
     const nm = Math.abs(sites) * run.head.spacing
     return Math.abs(sites) < 0.05 ? "" : `${fixed(nm, nm < 10 ? 1 : 0)} nm ${sites > 0 ? "let go" : "gained"}`
   })
-  if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right" })
-  if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left" })
+  if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right", stays: true })
+  if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left", stays: true })
 }
 
 function bracket({ pen, ink }, [left, right], y) {
@@ -140,7 +141,7 @@ function drawFriction(view, left, right, y) {
   arrow(view, [from, y], [-long, 0], ink.shear)
   if (!narrow)
     write(view, "friction", from - long + (F > 0 ? -8 : 8), y,
-      { of: ink.shear, align: F > 0 ? "right" : "left", bold: true })
+      { of: ink.shear, align: F > 0 ? "right" : "left", bold: true, stays: true })
 }
 
 // The nodes that slipped flash, and fade as the top goes on
@@ -150,7 +151,7 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   pen.globalAlpha = 0.4 * (1 - ((k - slip) * run.head.step) / MARKED) // nodes are seen through it
   let stretch = []
   for (let i = 0; i <= frame.x.length; i++) {
-    if (i in frame.x && moved[i + shift]) stretch.push([X(frame.x[i]), Y(frame.gap[i])])
+    if (i in frame.x && moved[i + shift]) stretch.push([X(frame.drawn[i]), Y(frame.gap[i])])
     else line(pen, stretch.splice(0), ink.slip, 14)
   }
   pen.globalAlpha = 1

@@ -6,6 +6,7 @@ import { colour } from "../colours.js"
 import { by, make, makeButton, makeShape, readdress } from "../dom.js"
 import { drawCurves, fill, overlays, painted } from "../figures.js"
 import { unpackLater } from "../packed.js"
+import { drawnFrame, sideways } from "../punch.js"
 import { Run } from "../run.js"
 import { me, onFrame } from "../state.js"
 import { value } from "../words.js"
@@ -57,8 +58,8 @@ export const matched = ({ run: pinned }, run, k) =>
 
 function drawSurfaces(run, k) {
   const lines = drawable(run).filter(({ run: of }) => !of.head.flat).map((pin) => {
-    const { x, gap } = pin.run.frame(matched(pin, run, k))
-    return { pin, x, y: gap, width: 2 }
+    const { drawn, gap } = drawnFrame(pin.run, matched(pin, run, k), sideways(run))
+    return { pin, x: drawn, y: gap, width: 2 }
   })
   if (lines.length || drawnSurfaces) fill("punch", "pins", columns(lines))
   drawnSurfaces = lines.length
