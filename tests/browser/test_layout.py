@@ -197,3 +197,11 @@ def test_on_a_phone_held_sideways_punch_and_curve_are_side_by_side(visit):
     punch, curve, play = (page.locator(what).bounding_box() for what in ("#punch-view", "#chosen", "#play"))
     assert punch["x"] + punch["width"] <= curve["x"]
     assert play["y"] + play["height"] <= 390
+
+
+def test_a_page_opened_on_a_phone_shows_its_heading_at_once(visit):
+    page = visit("?page=law", viewport={"width": 390, "height": 844})
+    page.wait_for_function(
+        "() => { const { top } = document.querySelector('#law h2').getBoundingClientRect();"
+        " return top >= -1 && top < innerHeight / 2 }"
+    )

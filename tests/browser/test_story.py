@@ -1,11 +1,18 @@
 """The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
 
 import pytest
-from served import laid_out
+from served import MODEL, finished, laid_out
 
 pytestmark = [pytest.mark.thorough]
 
 
+LEAN = f"""() => {{
+    const punch = {MODEL.format("punch")}, {{ run, drawn: k }} = window.punch, {{ x }} = run.frame(k)
+    const {{ first, spacing, middle }} = run.headOf(k), i = x.length >> 1, from = (first + i) * spacing - middle
+    const {{ data }} = punch.renderers.find(({{ name }}) => name === 'punch.surface').data_source
+    const drawn = (data.get?.('x') ?? data.x)[i]
+    return [Math.round((drawn - from) / (x[i] - from) * 100) / 100, punch.left[0].axis_label]
+}}"""
 OWN = "?preset=fig6&theme=light"  # of the two tests that leave the page changed
 
 
@@ -43,6 +50,16 @@ def test_a_flat_slips_without_an_area_and_has_no_lens(look):
     assert page.locator("#slip").inner_text().startswith("slip: one site (2.4 nm)")
     assert "A" not in page.locator("#slip").inner_text()
     assert page.locator("#lens").is_hidden()
+
+
+def test_lean_and_slip_are_drawn_larger_as_the_axis_says_and_to_scale_with_tools(visit):
+    page = visit("?view=hero")
+    finished(page)
+    page.wait_for_function("punch.drawn === punch.run.length - 1")
+    times, title = page.evaluate(LEAN)
+    assert times == 3 and "sideways ×3" in title
+    page.keyboard.press("l")
+    page.wait_for_function(f"({LEAN})()[0] === 1 && !({LEAN})()[1].includes('sideways')")
 
 
 def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(look):

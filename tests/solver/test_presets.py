@@ -12,6 +12,7 @@ import pytest
 import solver.cli as cli
 from solver import Scene, load_path
 from solver.analysis.friction_laws import INTERFACES
+from solver.cautions import cautions
 from solver.presets import WORDS, PresetError, preset, presets, read
 from solver.run.load_steps import load_steps_of
 
@@ -68,6 +69,14 @@ def test_inertia_doubles_the_drops_and_halves_their_number_as_its_preset_claims(
 def test_patches_of_the_rough_preset_slip_one_after_another_as_it_claims():
     large = drops("rough") > 0.15
     assert np.all(large[2:] != large[1:-1])  # a small drop, a large one, and so on
+
+
+@pytest.mark.slow
+def test_the_rough_preset_needs_no_caution():
+    scene = preset("rough").scene
+    frames = list(load_path(scene))
+    damping, sensitive = max(f.safe_damping for f in frames), any(f.sensitive for f in frames)
+    assert cautions(scene, safe_damping=damping, sensitive=sensitive) == []
 
 
 @pytest.mark.slow
