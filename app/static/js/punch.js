@@ -25,7 +25,8 @@ export function sideways({ head, normal }) {
 // Frame k with `drawn`: x as it is drawn, with displacements so many times as large
 export function drawnFrame(run, k, times = sideways(run)) {
   const frame = run.frame(k), { first, spacing, middle } = run.headOf(k)
-  const drawn = times === 1 ? frame.x : frame.x.map((x, i) => times * x - (times - 1) * ((first + i) * spacing - middle))
+  const larger = (x, i) => times * x - (times - 1) * ((first + i) * spacing - middle)
+  const drawn = times === 1 ? frame.x : frame.x.map(larger)
   return { ...frame, drawn, times }
 }
 
