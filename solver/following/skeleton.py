@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..continuation.fold import Fold
+from ..continuation.state import State
 from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
-from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, on_nodes
+from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, frame_of
 from ..run.loading import sideways, vertical
 from ..scene import Scene
 from .branch import Branch
@@ -101,20 +102,18 @@ class Skeleton:
 
         residuals: evaluate them, one force evaluation each; else `Frame.residual` is nan.
         """
-        v, m = self.unknowns(U_x), self.nodes
-        heights = v[:, -1] if self.scene.hold == "load" else np.full(len(v), -self.scene.delta)
-        contact = Contact(self.scene, self.first, m) if residuals else None
-        rows = zip(np.atleast_1d(U_x), v, heights, self.tractions(v), strict=True)
-        return [self._frame(float(U), u[: 2 * m].reshape(2, m), float(U_z), T, contact) for U, u, U_z, T in rows]
+        scene, problem, frames = self.scene, self.problem(), []
+        r = np.empty(problem.size)
+        for load, v in zip(np.atleast_1d(U_x).tolist(), self.unknowns(U_x), strict=True):
+            active, index = problem.active(v, load), round(load / (scene.du_x * scene.delta_t))
+            residual = problem.residual(v, active, load, r) if residuals else np.nan
+            frames.append(frame_of(scene, problem, State.at_rest(load, v, active), "shear", index, residual))
+        return frames
 
-    def _frame(self, U_x, u, U_z, T, contact):
-        scene, residual = self.scene, np.nan
-        if contact is not None:
-            residual = float(np.abs(np.array([[U_x], [U_z]]) + contact.comply(T) - u).max())
-        u, given = on_nodes(scene, u), on_nodes(scene, T)
-        first = 0 if u.shape[1] == scene.nodes else self.first
-        index = round(U_x / (scene.du_x * scene.delta_t))
-        return Frame(scene, "shear", index, U_x, 0.0 - U_z, first, u, given, *forces_and_area(scene, T), residual, 0)
+    def problem(self) -> Equilibrium:
+        """The shear, a problem on the patch."""
+        contact = Contact(self.scene, self.first, self.nodes)
+        return Equilibrium(contact, sideways(1.0, -self.scene.delta if self.held is None else 0.0), self.pressure)
 
     def unknowns(self, U_x: ArrayLike) -> NDArray[np.float64]:
         """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
@@ -132,10 +131,11 @@ class Skeleton:
     def widened(self) -> "Skeleton":
         """The same on a wider patch; the tractions of its nodes displace those that are added."""
         scene, held = self.scene, self.held
-        contact = Contact(scene, self.first, self.nodes)
-        given, approach = Equilibrium(contact, sideways(1.0, -scene.delta)), Equilibrium(contact, vertical(1.0))
-        shear = given if held is None else Equilibrium(contact, sideways(1.0, 0.0), self.pressure)
+        shear = self.problem()
+        contact = shear.contact
+        approach = Equilibrium(contact, vertical(1.0))
         if held is not None:
+            given = Equilibrium(contact, sideways(1.0, -scene.delta))
             held = Held(*given.wider().adopted(given, held.v, held.active, 0.0), held.kind)
         branches = tuple(_wide_branch(shear, branch) for branch in self.branches)
         jumps = tuple(_wide_fold(approach, jump) for jump in self.jumps)
