@@ -96,29 +96,6 @@ def _on_branch(corrector, state, point, active, mode, past):
     return State(*point, active, past, state.secants, corrector.sharp, mode, residual=corrector.worst)
 
 
-class Stride:
-    """Step control on the arc, in units of the problem: how long the next step is, and whether to go on."""
-
-    def __init__(self, unit):
-        self.length, self._unit = OPTIONS.short * unit, unit
-
-    def next(self, last) -> float:
-        """The length of the next step after one of length `last`, nm."""
-        self.length = min(self.length, OPTIONS.growth * last)
-        return self.length
-
-    def accepts(self, before, v) -> bool:
-        """Whether a point v may follow the one `before`; a longer step comes next, or a shorter one in its place."""
-        near = v is not None and bool(np.abs(v - before).max() <= OPTIONS.growth * self.length)
-        self.length = min(2.0 * self.length, OPTIONS.long * self._unit) if near else 0.5 * self.length
-        return near
-
-    @property
-    def too_short(self) -> bool:
-        """Whether the branch counts as lost."""
-        return self.length < OPTIONS.shortest * self._unit
-
-
 class _Arc:
     """One increment continued by arc length."""
 
@@ -129,21 +106,22 @@ class _Arc:
 
     def followed(self):
         """The State at the target, or the End before it."""
-        points, stride = self._two_points(), Stride(self.unit)
+        points, step, unit = self._two_points(), OPTIONS.short * self.unit, self.unit
         for _ in range(OPTIONS.points):
-            length = np.abs(points[0].v - points[1].v).max()
-            if length == 0.0 or stride.too_short:  # a node at the edge of the window, or no interaction yet
+            last = np.abs(points[0].v - points[1].v).max()
+            if last == 0.0 or step < OPTIONS.shortest * unit:  # a node at the edge, or no interaction yet
                 return self._lost()
             chord, arcs = _on_chord(points)
-            ahead = arcs[0] + (arcs[0] - arcs[1]) * stride.next(length) / length
-            point = self._point_at(chord, ahead, points)
-            if not stride.accepts(points[0].v, point and point.v):
+            step = min(step, OPTIONS.growth * last)
+            point = self._point_at(chord, arcs[0] + (arcs[0] - arcs[1]) * step / last, points)
+            if point is None or not np.abs(point.v - points[0].v).max() <= OPTIONS.growth * step:
+                step *= 0.5
                 continue
-            points = [point, *points[:3]]
+            step, points = min(2.0 * step, OPTIONS.long * unit), [point, *points[:3]]
             if point.load < points[1].load:
                 if turned := self._turned(points):
                     return turned
-                points, stride.length = points[1:], 0.25 * stride.length  # nearer to the fold
+                points, step = points[1:], 0.25 * step  # nearer to the fold
                 continue
             end = point.load < self.target and self._unstable(points)
             if end := end or self._fold_ahead(points):

@@ -69,24 +69,6 @@ class TooLong(Restless):
     """The motion diverged, or did not come to rest; shorter steps may help."""
 
 
-class Pace:
-    """Step control: the factor of the usual steps, from how far (units) the state moved since the last check."""
-
-    def __init__(self, finer, overdamped, options: SlipOptions = OPTIONS):
-        self.finer, self.overdamped, self.options, self._crawl = finer, overdamped, options, 1.0
-
-    def next(self, moved, starting) -> float:
-        """The factor of the usual steps until the next check."""
-        options = self.options
-        if not self.overdamped:
-            return (options.slow if starting else 1.0) / self.finer
-        if moved > options.crawl:  # without inertia, steps may adapt to the speed
-            self._crawl = max(0.5 * self._crawl, 1.0)
-        elif 0.0 < moved < 0.25 * options.crawl:
-            self._crawl = min(2.0 * self._crawl, options.crawl_longest)
-        return self._crawl / self.finer
-
-
 class Transient:
     """One motion to rest, with the steps and the start of a Trial; raises TooLong if shorter steps may help.
 
@@ -98,7 +80,7 @@ class Transient:
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
         self.unit, self.mode, self.options = problem.unit, None, options
         self.film: list | None = [] if filmed else None
-        self.pace = Pace(trial.finer, not isfinite(damping), options)
+        self.finer, self._crawl = trial.finer, 1.0  # divisor of the usual steps; their factor without inertia
         self.load, self.v = end.load, end.v + end.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
@@ -132,12 +114,24 @@ class Transient:
         stiffness = max(dynamics.interface(self.v, self.active), dynamics.interface(self.v + self.ahead, self.active))
         if not stiffness < options.diverged * self.closed:
             raise TooLong("the motion diverges")
-        motion.soften(stiffness, self.pace.next(np.abs(self.ahead).max() / self.unit, self.starting))
+        motion.soften(stiffness, self._pace() / self.finer)
         if self.film is None:
             motion.advance(self.active, options.steps)
         else:
             self._film_steps()
         self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
+
+    def _pace(self):
+        """The factor of the usual steps until the next check; without inertia, steps may adapt to the speed."""
+        options = self.options
+        if isfinite(self.damping):
+            return options.slow if self.starting else 1.0
+        moved = np.abs(self.ahead).max() / self.unit
+        if moved > options.crawl:
+            self._crawl = max(0.5 * self._crawl, 1.0)
+        elif 0.0 < moved < 0.25 * options.crawl:
+            self._crawl = min(2.0 * self._crawl, options.crawl_longest)
+        return self._crawl
 
     def _film_steps(self):
         """The same, step by step; the film takes each state that is far enough from its last one."""
@@ -217,7 +211,7 @@ class Transient:
         returned = self.starting and self._nearly_at_rest(self.problem.tolerance)
         if not returned and not self._restless():
             return
-        if not returned and self.pace.finer < 4 and self.end.kind != "flutter":
+        if not returned and self.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
         share = self.options.raised * (self.load - self.end.load)
         self.load += min(max(self.options.raised_least * self.unit, share), self.options.raised_most * self.unit)
