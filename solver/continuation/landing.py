@@ -60,11 +60,10 @@ def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landin
         return landing
     wide, state = problem, landing.state
     if problem.uniform:
-        wide = problem.wider()
+        wide, state = state.on_wider(problem)
         begun, _ = wide.adopted(problem, end.v + end.away, end.active, end.load)
         v, active = wide.adopted(problem, end.v, end.active, end.load)
         end = end._replace(v=v, active=active, away=begun - v)
-        state = state._replace(v=wide.adopted(problem, state.v, state.active, state.load)[0])
     return landing._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, FINE[0])))
 
 

@@ -30,7 +30,7 @@ class NotFollowed(Exception):
         self.nearer = nearer
 
 
-class Crowded(NotFollowed):
+class TooNarrow(NotFollowed):
     """A node outside the patch may interact."""
 
 

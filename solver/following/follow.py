@@ -11,7 +11,7 @@ from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from ..threads import one_thread
-from .branch import Branch, Crowded, NotFollowed
+from .branch import Branch, NotFollowed, TooNarrow
 from .moved import NEAR, Solver, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
@@ -74,7 +74,7 @@ def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
     for _ in range(WIDER):
         try:
             return _moved(skeleton, scene, spent)
-        except Crowded as failure:
+        except TooNarrow as failure:
             last, skeleton = failure, skeleton.widened()
         except NotConverged as failure:  # a pull-off under a held load
             raise NotFollowed(str(failure)) from None

@@ -13,9 +13,8 @@ from ..continuation.fold import Fold, FoldOptions, fold_near
 from ..continuation.interpolation import lagrange
 from ..continuation.problem import Problem
 from ..continuation.rest import Judge
-from ..continuation.state import Crowded as HiddenWave
-from ..continuation.state import State
-from .branch import TOLERANCE, Branch, Crowded, NotFollowed
+from ..continuation.state import Crowded, State
+from .branch import TOLERANCE, Branch, NotFollowed, TooNarrow
 
 FEW = 3  # unknowns of one node that represents all; it cannot represent waves
 SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
@@ -67,11 +66,11 @@ class Solver:
     def _check(self, v, active, load, residual, what):
         problem, self.residual = self.problem, max(self.residual, float(residual))
         if problem.crowded(v, active, load):
-            raise Crowded(f"{what} needs a wider patch")
+            raise TooNarrow(f"{what} needs a wider patch")
         if problem.size <= FEW:
             try:
                 Judge(self.damping).rightmost(problem, v, active)
-            except HiddenWave:
+            except Crowded:
                 raise NotFollowed(f"a wave grows at {what}") from None
 
 

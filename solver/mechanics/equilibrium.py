@@ -132,11 +132,6 @@ class Equilibrium:
 
         return solved
 
-    def pressure_of(self, J, w) -> float:
-        """Mean of the normal traction J w over the cell, GPa, of J (4, m) GPa/nm and w, nm."""
-        x, z = self.surface(w)
-        return self.contact.pressure(J[2] * x + J[3] * z)
-
     def crowded(self, v, active, s) -> bool:
         """Whether a node outside the patch may interact."""
         contact = self.contact

@@ -41,7 +41,7 @@ class Linearised:
         if not problem.held:
             return out
         out[self.m :] += w[-1]
-        return np.append(out, problem.scale * problem.pressure_of(self.J, w))
+        return np.append(out, problem.scale * self.contact.pressure(self.pull(w)[1]))
 
     def transposed(self, w) -> np.ndarray:
         """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""
