@@ -82,7 +82,7 @@ def test_growth_near_zero_is_that_of_dense_eigenvalues(values):
     seen = 0
     for frame, problem, state in states(scene, 40):
         held = scene.hold == "load" and frame.stage != "approach"
-        true = spectrum.critical(scene, frame, held).growth
+        true = spectrum.growth(scene, frame, held)
         found = Judge(scene.damping).rightmost(problem, state.v, state.active).growth
         gamma = spectrum.friction(scene)
         assert (found > 1e-6) == (true > 1e-6) or abs(true) < 1e-5 * gamma
@@ -102,7 +102,7 @@ def test_in_a_small_cell_waves_that_weak_damping_lets_grow_are_found():
     scene, found = CELL.changed(damping=0.2), []
     gamma = spectrum.friction(scene)
     for frame, problem, state in states(CELL, 12):  # of a run at critical damping: they rest there
-        true = spectrum.critical(scene, frame).growth
+        true = spectrum.growth(scene, frame)
         mode = Judge(0.2).rightmost(problem, state.v, state.active)
         assert mode.growth == pytest.approx(true, abs=1e-4 * gamma) or max(mode.growth, true) < -0.2 * gamma
         found.append(mode.growth)
@@ -116,7 +116,7 @@ def test_a_frame_that_may_flutter_says_so_and_none_flutters_that_does_not():
     scene = Scene(nodes=160, width=390.6, u_x_max=9.0, delta_bar=2.0, phi_ratio=0.1, du_x=0.3)
     for frame in [*load_path(scene)][-20::5]:
         for damping in (0.2, 0.3, 0.5, 0.8):
-            grows = spectrum.critical(frame.scene.changed(damping=damping), frame).growth > 1e-6
+            grows = spectrum.growth(frame.scene.changed(damping=damping), frame) > 1e-6
             assert not grows or damping < frame.safe_damping
             flutters += grows
     assert flutters > 0
