@@ -174,6 +174,27 @@ def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_end
     page.wait_for_function(f"() => punch.drawn === {k + 1}")
 
 
+def test_slow_motion_rests_at_the_state_its_slider_is_put_at_and_goes_on(look):
+    page = look("?preset=fig6")
+    at_first_slip(page)
+    page.keyboard.press("m")
+    scrub = page.locator("#film-scrub")
+    scrub.wait_for()
+    assert page.locator("#scrub").is_hidden() and page.locator("#play").inner_text() == "Pause"
+    put = "(scrub, k) => { scrub.value = k; scrub.dispatchEvent(new Event('input')) }"
+    forces = []
+    for k in (1, 5):
+        scrub.evaluate(put, k)
+        page.wait_for_function(f"document.getElementById('film-scrub').value === '{k}'")
+        page.wait_for_function(f"!{forces}.includes(document.getElementById('readout').textContent)")
+        forces.append(page.locator("#readout").inner_text())
+    assert page.locator("#play").inner_text() == "Play" and scrub.input_value() == "5"
+    page.keyboard.press(" ")
+    assert page.locator("#play").inner_text() == "Pause"
+    page.locator("#film").wait_for(state="hidden")
+    assert page.locator("#scrub").is_visible() and page.locator("#play").inner_text() == "Play"
+
+
 @pytest.mark.thorough
 def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(look):
     page = look("?preset=fig6&u_x_max=14")

@@ -7,7 +7,7 @@ import { theme } from "./colours.js"
 import { by, closest, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures, paint, shadeMap } from "./figures.js"
 import { closePage, openPage, paintPage } from "./pages.js"
-import { goto, move, play, reset, show, toSlip } from "./player.js"
+import { goto, move, play, reset, show, toggle, toSlip } from "./player.js"
 import { declared, exact, leaveBehind, me, reduced } from "./state.js"
 import { enter, letGo, nudge, steer } from "./steer.js"
 import { checkTruth } from "./status.js"
@@ -74,7 +74,7 @@ function switchTheme() {
 }
 
 const KEYS = {
-  " ": () => play(!me.playing), ArrowRight: move, ArrowLeft: (jump) => move(-jump),
+  " ": toggle, ArrowRight: move, ArrowLeft: (jump) => move(-jump),
   Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
   "?": () => by("keys").showModal(), p: project, l: useTools, c: chooseNext, m: slowMotion, f: fillScreen,
 }
@@ -153,7 +153,7 @@ export function connect() {
     if (detail > 0) target.closest?.("button:not([popovertarget], .term)")?.blur()
     if (target.matches?.(".as-table")) (await import("./tables.js")).openTable(target)
   })
-  on("play", "click", KEYS[" "])
+  on("play", "click", toggle)
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)

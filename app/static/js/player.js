@@ -2,10 +2,11 @@
 
 import { drawBands } from "./bands.js"
 import { heard, order } from "./channel.js"
-import { by, digits, fixed, tell } from "./dom.js"
+import { by, digits, fixed } from "./dom.js"
 import { drawCurves, drawMap, painted } from "./figures.js"
 import { paceAt } from "./pace.js"
 import { framePage } from "./pages.js"
+import { tellFrame } from "./readout.js"
 import { Run } from "./run.js"
 import { Picture } from "./picture.js"
 import { drawFrame, fitFrames } from "./punch.js"
@@ -13,7 +14,6 @@ import { exact, frameDrawn, me, now, QUIET, reduced } from "./state.js"
 import { checkTruth, tellState } from "./status.js"
 import { drawStory, tellNow } from "./story.js"
 import { drawFringes } from "./fringes.js"
-import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
 const HELD = 250 // ms between two pictures of the map while a slider is held: the curves come first
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
@@ -169,33 +169,6 @@ export function drawIncrement(run, k) {
   tellFrame(run, k)
 }
 
-function tellFrame(run, k) {
-  const v = run.values(k), stage = run.stage(k)
-  by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
-  const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
-  const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
-  const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
-  const unit = forceUnit([run])
-  const said = [
-    `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
-    `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
-    [work, under(run, k)].filter(Boolean).join("; "),
-  ]
-  by("solver").lastElementChild.textContent =
-    `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
-  said.forEach((text, i) => { by("readout").children[i].textContent = text })
-}
-
-// With what a frame was computed that a run goes on from, where that is no longer so; beside the sliders as well
-function under(run, k) {
-  const { scene } = run.headOf(k), other = Object.keys(scene).filter((name) => scene[name] !== run.head.scene[name])
-  for (const note of document.querySelectorAll(".here")) {
-    const { name } = note.dataset, value = named(name, scene[name]).split(" = ")[1]
-    tell(note, other.includes(name) ? `here ${value}` : "")
-  }
-  return other.length ? `computed with ${other.map((name) => named(name, scene[name])).join(", ")}` : ""
-}
-
 let before = 0
 export function tick(time) {
   const passed = Math.min((time - before) / 1000, 0.1)
@@ -257,7 +230,19 @@ export function play(on) {
   tellState()
 }
 
-const namePlay = () => { by("play").textContent = me.playing ? "Pause" : "Play" }
+let reel = null // {paused} of a slow motion on screen, which the button and its key pause
+export function setReel(given) {
+  reel = given
+  namePlay()
+}
+
+export function toggle() {
+  if (!reel) return play(!me.playing)
+  reel.paused = !reel.paused
+  namePlay()
+}
+
+const namePlay = () => { by("play").textContent = (reel ? !reel.paused : me.playing) ? "Pause" : "Play" }
 
 export function move(frames) {
   const target = Math.floor(me.at) + frames

@@ -2,10 +2,10 @@
 
 import { frameBox, set } from "../bokeh.js"
 import { order, take } from "../channel.js"
-import { by } from "../dom.js"
+import { by, make } from "../dom.js"
 import { figures } from "../figures.js"
 import { cleared, inks, line, over, size, write } from "../pen.js"
-import { drawIncrement, drawPicture, goto, isPainting, show } from "../player.js"
+import { drawIncrement, drawPicture, goto, isPainting, setReel, show, toggle } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
 import { me, now, onFrame } from "../state.js"
@@ -15,7 +15,8 @@ const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
-// {run, k: the frame that the slip led to, frames: a Run once they come, at, begun, range: of tractions before}
+// {run, k: the frame that the slip led to, frames: a Run once they come, at, clock: s of playing, before: ms, paused,
+// range: of tractions before}
 let film = null
 
 // Begin, or end; where there is no slip to go through, say so
@@ -26,7 +27,7 @@ export function slowMotion() {
   if (k === null)
     return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   goto(k)
-  film = { run, k, frames: null, at: -1, begun: 0 }
+  film = { run, k, frames: null, at: -1, clock: 0, before: 0, paused: false }
   tell("solving the motion …")
   order("film", { run: run.number, frame: k })
 }
@@ -54,7 +55,10 @@ function receive(chunk) {
   }
   film.frames.add(chunk)
   if (!film.frames.whole) return
-  film.begun = performance.now()
+  film.before = performance.now()
+  scrub.max = film.frames.length - 1 - film.k
+  swapScrubs(true)
+  setReel(film)
   const range = figures.traction.y_range, { T_least, T_most } = film.frames // of the motion as well, which is rougher
   film.range = { start: range.start, end: range.end }
   set(range, { start: Math.min(range.start, 1.1 * T_least), end: Math.max(range.end, 1.1 * T_most) })
@@ -64,11 +68,14 @@ function receive(chunk) {
 
 function step(time) {
   if (!film?.frames) return
-  const { frames, k } = film, passed = (time - film.begun) / 1000
-  if (passed > SECONDS + REST) return end()
-  const at = Math.max(k, Math.min(frames.length - 1, k + Math.floor((passed / SECONDS) * (frames.length - k))))
+  const { frames, k } = film, last = frames.length - 1
+  if (!film.paused) film.clock += Math.max(0, time - film.before) / 1000
+  film.before = time
+  if (film.clock > SECONDS + REST) return end()
+  const at = Math.min(last, k + Math.floor((film.clock / SECONDS) * (frames.length - k)))
   if (at !== film.at && !isPainting()) {
     film.at = at
+    scrub.value = at - k
     drawPicture(() => drawIncrement(frames, at)).then(() => {
       if (film?.frames !== frames) return
       drawTrace(frames, k, at)
@@ -77,6 +84,19 @@ function step(time) {
     })
   }
   requestAnimationFrame(step)
+}
+
+// The slider of the motion, in the place of that of the run: where it is put, the motion rests
+const scrub = make("input", { type: "range", value: 0, id: "film-scrub", "aria-label": "State of the slip shown" })
+scrub.addEventListener("input", () => {
+  film.clock = ((Number(scrub.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
+  if (!film.paused) toggle()
+})
+
+function swapScrubs(filmed) {
+  by("scrub").hidden = filmed
+  if (filmed) by("scrub").before(scrub)
+  else scrub.remove()
 }
 
 // F of the motion, up and down at the one place of the top: how far it has swung, and where it is now
@@ -100,6 +120,8 @@ function leave() {
   film.canvas?.remove()
   if (film.range) set(figures.traction.y_range, film.range)
   film = null
+  swapScrubs(false)
+  setReel(null)
   tell("")
 }
 

@@ -1,0 +1,33 @@
+// The increment on screen in numbers: under the views with tools, for those who hear the page, and beside the sliders.
+
+import { isShown } from "./colours.js"
+import { by, fixed, tell } from "./dom.js"
+import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
+
+export function tellFrame(run, k) {
+  const v = run.values(k), stage = run.stage(k), others = under(run, k)
+  by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
+  if (!isShown(by("readout"))) return
+  const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
+  const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
+  const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
+  const unit = forceUnit([run])
+  const said = [
+    `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm,`, `δ = ${fixed(v.delta, 1)} nm,`,
+    `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
+    [work, others].filter(Boolean).join("; "),
+  ]
+  by("solver").lastElementChild.textContent =
+    `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
+  said.forEach((text, i) => { by("readout").children[i].textContent = text })
+}
+
+// With what a frame was computed that a run goes on from, where that is no longer so; beside the sliders as well
+function under(run, k) {
+  const { scene } = run.headOf(k), other = Object.keys(scene).filter((name) => scene[name] !== run.head.scene[name])
+  for (const note of document.querySelectorAll(".here")) {
+    const { name } = note.dataset, value = named(name, scene[name]).split(" = ")[1]
+    tell(note, other.includes(name) ? `here ${value}` : "")
+  }
+  return other.length ? `computed with ${other.map((name) => named(name, scene[name])).join(", ")}` : ""
+}
