@@ -16,6 +16,10 @@ SOFT = 0.25  # phi_t/(E delta_t): above, GFMD's slips end elsewhere with another
 STRAIN = 0.1
 # of the surface, or of the punch where the contact ends: beyond, more than a tenth of the pressure acts along x
 SLOPE = 0.1
+SENSITIVE = (
+    "Which equilibrium a slip of this run reaches is sensitive: motions with other time steps or from another"
+    " start came to rest elsewhere. Later slips may differ, too."
+)
 
 
 def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
@@ -24,43 +28,27 @@ def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
     widest: the largest width within which nodes acted, over w; safe_damping: the largest of the run's frames;
     sensitive: whether a slip of the run is.
     """
-    sentences = []
+    return [
+        *_of_the_lattice(scene),
+        *flutter(scene, safe_damping),
+        *([SENSITIVE] if sensitive else []),
+        *_of_the_layer(scene),
+        *_of_the_surface(scene, widest),
+    ]
+
+
+def _of_the_lattice(scene):
     ratio = scene.spacing / scene.delta_t
     if ratio < COARSE:
-        sentences.append(
+        yield (
             f"Node spacing a = {ratio:.2g} δₜ is below {COARSE:g} δₜ: the corrugation, and with it the friction, is"
             " smoothed away. Use fewer nodes, or a smaller δₜ."
         )
     if ratio > FAR and scene.nu < NEARLY_RIGID:
-        sentences.append(
+        yield (
             f"Node spacing a = {ratio:.2g} δₜ is above {FAR:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes move"
             " sideways, out of reach of their springs, and the contact grows too wide. Use more nodes, or a larger δₜ."
         )
-    sentences += flutter(scene, safe_damping)
-    if sensitive:
-        sentences.append(
-            "Which equilibrium a slip of this run reaches is sensitive: motions with other time steps or from another"
-            " start came to rest elsewhere. Later slips may differ, too."
-        )
-    softness = scene.phi_t / (scene.E * scene.delta_t)
-    if softness > SOFT and scene.surface != "flat":
-        sentences.append(
-            f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: the time step of the"
-            " motion may decide where single nodes come to rest after a slip."
-        )
-    h, k = scene.height * scene.width, Modes.of(scene, 1).stiffness[:2, 0]  # of layer and drive; the layer's share:
-    shares = 1.0 - k * scene.drive_compliance
-    strain = (abs(scene.delta) * shares[1] + scene.u_x_max * shares[0]) / h
-    if strain > STRAIN:
-        sentences.append(
-            f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is no longer linear:"
-            " shear less far, or use a higher layer."
-        )
-    if scene.surface == "circular":
-        sentences += _of_the_punch(scene, widest)
-    elif scene.surface != "flat":
-        sentences += _of_the_profile(scene)
-    return sentences
 
 
 def flutter(scene, safe_damping) -> list[str]:
@@ -73,26 +61,39 @@ def flutter(scene, safe_damping) -> list[str]:
     ]
 
 
-def _of_the_profile(scene):
-    """[a sentence] where the surface is too steep for a theory of small slopes, else []."""
-    steepest = float(np.abs(np.diff(scene.profile)).max()) / scene.spacing
-    if steepest <= SLOPE:
-        return []
-    return [f"The surface has slopes of up to {steepest:.2g}: beyond {SLOPE:g} they are not small. Use a smoother one."]
+def _of_the_layer(scene):
+    softness = scene.phi_t / (scene.E * scene.delta_t)
+    if softness > SOFT and scene.surface != "flat":
+        yield (
+            f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: the time step of the"
+            " motion may decide where single nodes come to rest after a slip."
+        )
+    h, k = scene.height * scene.width, Modes.of(scene, 1).stiffness[:2, 0]  # of layer and drive; the layer's share:
+    shares = 1.0 - k * scene.drive_compliance
+    strain = (abs(scene.delta) * shares[1] + scene.u_x_max * shares[0]) / h
+    if strain > STRAIN:
+        yield (
+            f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is no longer linear:"
+            " shear less far, or use a higher layer."
+        )
 
 
-def _of_the_punch(scene, widest):
-    """Sentences on the width of the contact, which has no meaning on a flat surface."""
-    sentences = []
+def _of_the_surface(scene, widest):
+    """Sentences on slopes, and on the width of the contact, which has no meaning but for a punch."""
+    if scene.surface != "circular":
+        steepest = float(np.abs(np.diff(scene.profile)).max()) / scene.spacing
+        if steepest > SLOPE:
+            beyond = f"beyond {SLOPE:g} they are not small"
+            yield f"The surface has slopes of up to {steepest:.2g}: {beyond}. Use a smoother one."
+        return
     if widest > WIDE:
-        sentences.append(
+        yield (
             f"The contact takes up to {100 * widest:.0f} % of the width w, more than {100 * WIDE:.0f} %:"
             " the punch feels its periodic neighbours. Use a wider cell, or a smaller radius."
         )
     slope = 0.5 * widest / scene.radius
     if slope > SLOPE:
-        sentences.append(
+        yield (
             f"The punch has a slope of {slope:.2g} where the contact ends: beyond {SLOPE:g} slopes are not small."
             " Use a larger radius."
         )
-    return sentences

@@ -5,8 +5,11 @@ from collections.abc import Callable
 from typing import Any
 
 from . import plots, skeleton_of
+from .analysis import fit as fits
 from .analysis import sensitivities as analysis
 from .analysis import spread as spreads
+from .analysis.fit import USUAL, FitOptions
+from .analysis.measurement import read_measurement
 from .analysis.spread import SLIP, deviations
 from .command import (
     NOT_CONVERGED,
@@ -80,24 +83,19 @@ def add_fit(commands: Any) -> None:
     columns = "a CSV with columns U_x and F_bar (or F in N/m), L_bar or L, A_bar"
     parser.add_argument("file", metavar="FILE", help=columns)
     parser.add_argument("--free", nargs="+", required=True, metavar="NAME", help="parameters, scale_U, offset_U, ...")
-    starts = "number of starting points, default 3"
-    parser.add_argument("--starts", type=within(1), default=3, metavar="N", help=starts)
-    limit = "seconds in all, default 60"
+    starts, limit = "number of starting points, default %(default)s", "seconds in all, default %(default)g"
+    parser.add_argument("--starts", type=within(1), default=USUAL.starts, metavar="N", help=starts)
     add_plot(parser, "data, fitted curve and residuals")
-    parser.add_argument("--limit", type=within(0.0, kind=float), default=60.0, metavar="S", help=limit)
+    parser.add_argument("--limit", type=within(0.0, kind=float), default=USUAL.limit, metavar="S", help=limit)
 
 
 def fit(arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
-    from .analysis.fit import FitOptions
-    from .analysis.fit import fit as fitted  # it imports scipy.optimize, which takes 0.1 s
-    from .analysis.measurement import read_measurement
-
     scene = scene_of(arguments.set, arguments.preset)
     options = FitOptions(starts=arguments.starts, limit=arguments.limit)
     try:
         measured = read_measurement(arguments.file, scene)
-        result = fitted(scene, measured, arguments.free, options)
+        result = fits.fit(scene, measured, arguments.free, options)
     except ValueError as error:  # MeasurementError among them
         raise InputError(str(error)) from None
     for note in measured.notes:

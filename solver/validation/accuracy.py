@@ -5,15 +5,14 @@ print(sentence(report))
 """
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
 
 from ..run.frame import SlipEvent, largest_safe_damping
 from ..run.loadpath import load_path
-from ..scene import Scene, SceneError
-from .compare import Point, SlipError, compare, perform, reference
+from ..scene import Scene
+from .compare import Point, SlipError, compare, in_range, perform, reference
 from .landings import landings
 from .methods import SERIES
 
@@ -101,13 +100,8 @@ def shortened(scene: Scene, slips: int) -> Scene:
 
 def _values(scene, sweep, values):
     """The values of a sweep that are in range, the cheapest first."""
-    possible = []
-    for value in values:
-        value = round(value * scene.du_x, 12) if sweep == "du_x" else value
-        with suppress(SceneError):
-            scene.changed(**{sweep: value})
-            possible.append(value)
-    return sorted(possible, reverse=True)
+    values = [round(value * scene.du_x, 12) if sweep == "du_x" else value for value in values]
+    return sorted(in_range(scene, sweep, values), reverse=True)
 
 
 def plan(scene: Scene, effort: Effort) -> list[Point]:

@@ -5,7 +5,8 @@ states by lattice periods, at the loads that both runs have: nothing is interpol
 `landings` finds the right branches, by the paper's GFMD alone.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from math import inf
@@ -109,13 +110,19 @@ def position(frame: Frame) -> float:
 def refined(scene: Scene) -> Scene:
     """The scene with a tenth of both increments, or the smallest part in range."""
     for name in ("du_x", "du_z"):
-        for divisor in REFINED:
-            try:
-                scene = scene.changed(**{name: getattr(scene, name) / divisor})
-                break
-            except SceneError:
-                continue
+        parts = [getattr(scene, name) / divisor for divisor in REFINED]
+        scene = scene.changed(**{name: in_range(scene, name, parts)[0]})
     return scene
+
+
+def in_range(scene: Scene, name: str, values: Iterable[float]) -> list[float]:
+    """The values of a parameter with which the scene is valid."""
+    valid = []
+    for value in values:
+        with suppress(SceneError):
+            scene.changed(**{name: value})
+            valid.append(value)
+    return valid
 
 
 def reference(scene: Scene, keep: Collection[float]) -> Curves:
