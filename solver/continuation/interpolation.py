@@ -6,4 +6,5 @@ from math import prod
 
 def lagrange(nodes: Sequence[float], x: float) -> list[float]:
     """Weights of the values at `nodes` in that of their polynomial at x."""
-    return [prod((x - other) / (node - other) for other in nodes if other is not node) for node in nodes]
+    pairs = list(enumerate(nodes))
+    return [prod((x - other) / (node - other) for j, other in pairs if j != i) for i, node in pairs]

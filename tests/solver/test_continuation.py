@@ -12,6 +12,7 @@ from toys import CUBIC, Node, Toy, cubic, lattice, spiral
 from solver.continuation.corrector import Corrector
 from solver.continuation.fold import Fold, FoldOptions, fold_near
 from solver.continuation.gfmd import Gfmd
+from solver.continuation.interpolation import lagrange
 from solver.continuation.inverse import Solves
 from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
@@ -604,3 +605,10 @@ def test_dense_solves_step_in_where_iterations_do_not_converge():
     matrix, f = toy.linearised(v, np.ones(1, bool)).matrix(), np.array([1.0, 2.0])
     assert matrix @ solves(f) == pytest.approx(f, abs=1e-12)
     assert matrix.T @ solves(f, transposed=True) == pytest.approx(f, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_weights_at_any_sequence_of_nodes_reproduce_a_polynomial(kind):
+    nodes = kind([0.0, 0.3, 1.0, 1.7])
+    values = [2.0 - node + 3.0 * node**3 for node in nodes]
+    assert np.dot(lagrange(nodes, 2.0), values) == pytest.approx(24.0, rel=1e-13)  # some roundings
