@@ -612,3 +612,8 @@ def test_weights_at_any_sequence_of_nodes_reproduce_a_polynomial(kind):
     nodes = kind([0.0, 0.3, 1.0, 1.7])
     values = [2.0 - node + 3.0 * node**3 for node in nodes]
     assert np.dot(lagrange(nodes, 2.0), values) == pytest.approx(24.0, rel=1e-13)  # some roundings
+
+
+def test_the_weight_of_a_single_node_is_a_float():
+    """A whole number would make an array of weights that cannot be scaled in place."""
+    assert np.array(lagrange(np.array([0.5]), 2.0)).dtype == float
