@@ -67,7 +67,7 @@ def _with_nodes(corrector, state, active):
     corrector.begin(state)  # not with the inverse at hand: the tangent at an end is singular
     for load, v in state.past[:3]:
         v = v.copy()
-        if not corrector.solve(v, active, load, state.secants):
+        if corrector.solve(v, active, load, state.secants) is None:
             break
         past.append(Point(load, v))
     return past and State(state.load, past[0].v, active, past, state.secants, corrector.sharp, state.mode)
@@ -146,7 +146,7 @@ class _Arc:
         if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # two points are one, to round-off
             return None
         load, v = mixed(lagrange(arcs, arc), points)
-        load = self.corrector.solve_on_arc(v, self.state.active, load, self.state.secants, chord, arc)
+        load = self.corrector.solve(v, self.state.active, load, self.state.secants, chord, arc)
         return None if load is None else Point(load, v)
 
     def _lost(self):

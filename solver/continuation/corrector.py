@@ -70,7 +70,7 @@ class Corrector:
 
     def _iterations(self, v, active, *accuracy):
         """The inverse of -dR/dv by iterations."""
-        inverse = Inverse(self.problem.size).of_tangent(self.problem.linearised(v, active).tangent, None)
+        inverse = Inverse(self.problem.linearised(v, active).tangent, self.problem.size)
         return lambda r: -inverse.solve(r, *accuracy)
 
     def settle(self, v, active, s, secants) -> np.ndarray | None:
@@ -80,7 +80,7 @@ class Corrector:
         most once, so that this ends, even where an active node leaves the window and an inactive one enters it.
         """
         settled = None
-        while self.solve(v, active, s, secants):
+        while self.solve(v, active, s, secants) is not None:
             again = self.problem.active(v, s, active, settled)
             if again is active:
                 return active
@@ -89,24 +89,17 @@ class Corrector:
             active = again
         return None
 
-    def solve(self, v, active, s, secants) -> bool:
-        """Solve for v (size,), in place, at fixed load s, nm; whether that succeeded."""
-        return self._solved(v, active, s, secants) is not None
+    def solve(self, v, active, s, secants, chord=None, arc=0.0) -> float | None:
+        """Solve for v (size,), in place, at fixed load s, nm; returns the load, or None if it fails.
 
-    def solve_on_arc(self, v, active, s, secants, chord, arc) -> float | None:
-        """The load (nm) at which v, changed in place, is an equilibrium with <chord, v> = arc, nm; None if it fails."""
-        return self._solved(v, active, s, secants, chord, arc)
-
-    def _solved(self, v, active, s, secants, *arc):
-        """The load at which v, changed in place, is an equilibrium, or None.
-
-        Where Anderson steps fail, they are tried again with the inverse of the tangent at the equilibrium found last,
-        unless that was already in use. Secant pairs of steps that led nowhere would mislead the next ones.
+        With a chord, the load changes so that <chord, v> = arc, nm. Where Anderson steps fail, they are tried again
+        with the inverse of the tangent at the equilibrium found last, unless that was already in use. Secant pairs of
+        steps that led nowhere would mislead the next ones.
         """
         guess = v.copy()
         self._origin = self._origin or (guess, active)
         while True:
-            load = self._anderson(v, active, s, secants, *arc)
+            load = self._anderson(v, active, s, secants, chord, arc)
             if load is not None:
                 self._origin = v.copy(), active
                 return load
@@ -116,8 +109,8 @@ class Corrector:
                 return None
             self._use(self._origin)
 
-    def _anderson(self, v, active, s, secants, chord=None, arc=0.0):
-        """One attempt of `_solved`; with a chord, the load changes along with v."""
+    def _anderson(self, v, active, s, secants, chord, arc):
+        """One attempt of `solve`."""
         problem, r, direction = self.problem, self._r, self.problem.direction
         left = self.options.steps if self.sharp is None else self.options.sharp_steps
         self.worst = problem.residual(v, active, s, r)

@@ -16,16 +16,10 @@ FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16
 class Inverse:
     """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
 
-    def __init__(self, size, most=MOST):
-        """most: products in all solves."""
-        self.product = self._smooth = None
-        self.size, self.rows, self._most = size, 0, most
+    def __init__(self, product: Callable, size: int, smooth: Callable | None = None, most: int = MOST):
+        """product: w -> A w; smooth: None, or a preconditioner close to -A^-1; most: products in all solves."""
+        self.product, self.size, self.rows, self._smooth, self._most = product, size, 0, smooth, most
         self._z, self._q = np.empty((2, FIRST, size))
-
-    def of_tangent(self, product: Callable, smooth: Callable | None) -> "Inverse":
-        """Change to another tangent, w -> A w; smooth: None, or a preconditioner close to -A^-1."""
-        self.product, self._smooth, self.rows = product, smooth, 0
-        return self
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
         """w (size,) with |A w - b| <= accuracy |b|, or as close to that as `most` products lead."""
@@ -85,7 +79,7 @@ class Solves:
     def _inverse(self, transposed, size):
         if transposed not in self._by_iterations:
             product = self._transposed if transposed else self._product
-            self._by_iterations[transposed] = Inverse(size, self._most).of_tangent(product, None)
+            self._by_iterations[transposed] = Inverse(product, size, most=self._most)
         return self._by_iterations[transposed]
 
     def _product(self, x):
@@ -110,15 +104,10 @@ class Solves:
 class Space:
     """Orthonormal disturbances V, up to `room`, their images K V and M V under M = J - K, and V^T M V."""
 
-    def __init__(self, size, room):
-        self.rows, self._linearised = 0, None
-        self._v, self._k, self._w = np.empty((3, room, size))
-        self._matrix = np.empty((room, room))
-
-    def emptied(self, linearised) -> "Space":
-        """The same Space without vectors, for another equilibrium; it keeps its memory."""
+    def __init__(self, linearised, room):
         self.rows, self._linearised = 0, linearised
-        return self
+        self._v, self._k, self._w = np.empty((3, room, linearised.size))
+        self._matrix = np.empty((room, room))
 
     @property
     def vectors(self) -> np.ndarray:

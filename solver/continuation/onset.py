@@ -60,7 +60,7 @@ def _narrowed(corrector, judged, state, stable, unstable):
             break
         part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)  # so that both ends move
         load, v = mixed((part, 1.0 - part), (unstable.point, stable.point))
-        if not corrector.solve(v, state.active, load, state.secants):
+        if corrector.solve(v, state.active, load, state.secants) is None:
             break
         side = judged(Point(load, v), unstable.mode)
         grows = side.mode.growth >= 0.0

@@ -75,13 +75,13 @@ class Mode:
 
 
 class Judge:
-    """Judges the states of a run, under a motion of that damping over critical; keeps only scratch.
+    """Judges the states of a run, under a motion of that damping over critical.
 
     Raises Crowded where a wave grows that one node for all cannot show.
     """
 
     def __init__(self, damping, options: RestOptions = OPTIONS):
-        self.damping, self.options, self._scratch = damping, options, None
+        self.damping, self.options = damping, options
 
     def accept(self, problem, v, active, last=None, smooth=None) -> Mode:
         """The Mode of an equilibrium v (size,): `last`, that of an earlier state, where no search is needed.
@@ -114,19 +114,12 @@ class Judge:
             return _dense(linearised, friction)
         if linearised.size <= options.dense_waves and self.damping < linearised.safe_damping():
             return _dense(linearised, friction)
-        space, inverse = self._emptied(problem, linearised, smooth)
+        # the start, noise, the search, and its last step beyond that
+        space = Space(linearised, options.kept + 2 + options.most + 4)
+        inverse = Inverse(linearised.tangent, problem.size, smooth)
         zero = _NearZero(friction, options.radius * 0.25 * critical**2, self._scale(problem), fine, options)
         growth, mu, x, basis, margin = _search(linearised, inverse, space, last.basis if last else (), zero)
         return Mode(growth, mu, linearised.seen(x), basis, v, margin)
-
-    def _emptied(self, problem, linearised, smooth):
-        """An empty Space and Inverse for this equilibrium, in memory used again."""
-        sizes = linearised.size, problem.size
-        if self._scratch is None or self._scratch[0] != sizes:
-            room = self.options.kept + 2 + self.options.most + 4  # start, noise, search, and its last step beyond that
-            self._scratch = sizes, Space(linearised.size, room), Inverse(problem.size)
-        _, space, inverse = self._scratch
-        return space.emptied(linearised), inverse.of_tangent(linearised.tangent, smooth)
 
 
 def rate(mu, friction) -> np.ndarray:

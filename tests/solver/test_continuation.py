@@ -376,7 +376,7 @@ def test_anderson_steps_solve_a_linear_problem_in_as_many_steps_as_it_has_unknow
     problem = Linear()
     corrector = Corrector(problem)
     v = np.zeros(problem.size)
-    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants())
+    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants()) is not None
     assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-10)
     assert problem.evaluations - 1 <= problem.size + 2  # steps; in exact arithmetic one more than unknowns
 
@@ -385,7 +385,7 @@ def test_secant_pairs_kept_from_one_load_serve_at_the_next():
     problem = Linear()
     corrector = Corrector(problem)
     secants, v = corrector.secants(), np.zeros(problem.size)
-    assert corrector.solve(v, ACTIVE, 0.0, secants)
+    assert corrector.solve(v, ACTIVE, 0.0, secants) is not None
     problem.evaluations = 0
     assert corrector.solve(v, ACTIVE, 1.0, secants) and problem.evaluations - 1 <= 4 < problem.size
     expected = np.linalg.solve(problem.M, problem.b + problem.direction)
@@ -398,7 +398,7 @@ def test_where_anderson_steps_do_not_suffice_those_with_an_inverse_do():
     problem.M, problem.tolerance = np.diag(np.linspace(1.0, 1000.0, 100)), 1e-7
     corrector, v = Corrector(problem), np.zeros(problem.size)
     assert corrector.sharp is None
-    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants())
+    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants()) is not None
     assert corrector.sharp is not None
     assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-6)
 
@@ -407,7 +407,7 @@ def test_a_solution_that_does_not_exist_is_not_claimed():
     """R = s - 1 - v^2 has no root below s = 1."""
     toy = Toy(lambda v: v - 1.0 - v**2, lambda v: np.diag(1.0 - 2.0 * v))
     corrector = Corrector(toy)
-    assert not corrector.solve(np.array([0.3]), ACTIVE, 0.5, corrector.secants())
+    assert corrector.solve(np.array([0.3]), ACTIVE, 0.5, corrector.secants()) is None
     assert corrector.solve(np.array([0.3]), ACTIVE, 1.25, corrector.secants())
 
 
@@ -415,7 +415,7 @@ def test_by_arc_length_the_load_is_solved_for_beyond_a_fold():
     """On the unstable branch of the cubic, v = -0.3 belongs to the load v^3 - v."""
     toy = cubic()
     corrector, v = Corrector(toy), np.array([-0.35])
-    load = corrector.solve_on_arc(v, ACTIVE, 0.3, corrector.secants(), np.array([1.0]), -0.3)
+    load = corrector.solve(v, ACTIVE, 0.3, corrector.secants(), np.array([1.0]), -0.3)
     assert v[0] == pytest.approx(-0.3, abs=1e-11) and load == pytest.approx(-(0.3**3) + 0.3, abs=1e-11)
 
 

@@ -9,7 +9,7 @@ from solver.continuation.inverse import Inverse
 
 def test_pairs_beyond_the_first_memory_are_kept_for_the_next_solve():
     stiffness = np.linspace(1.0, 50.0, 400)
-    solver = Inverse(400).of_tangent(lambda w: stiffness * w, None)
+    solver = Inverse(lambda w: stiffness * w, 400)
     right = np.random.default_rng(1).normal(size=400)
     solution = solver.solve(right, accuracy=1e-8)
     np.testing.assert_allclose(stiffness * solution, right, atol=1e-8 * np.linalg.norm(right))
@@ -22,7 +22,7 @@ def test_pairs_beyond_the_first_memory_are_kept_for_the_next_solve():
 def test_a_solver_of_many_unknowns_takes_memory_for_the_pairs_it_has_only():
     tracemalloc.start()
     try:
-        Inverse(2 * 16_384)
+        Inverse(np.copy, 2 * 16_384)
         reserved = tracemalloc.get_traced_memory()[0]
     finally:
         tracemalloc.stop()
