@@ -7,18 +7,15 @@ from math import ceil, e, inf, pi, sqrt
 import numpy as np
 
 from ..continuation.state import NotConverged
+from ..presets import presets
 from ..run.frame import slips_in
 from ..run.loadpath import Checkpoint, extended
 from ..run.slices import advance
 from ..scene import LARGEST_RUN, Scene, SceneError
 
-# Paper Fig. 8: three interfaces, named as in the app's presets, over a range of loads from full separation under
-# tension to compression. The paper shows nine loads and names some; the others are ours.
-INTERFACES = {
-    "fig8-black": {"phi_n": 2.0, "phi_ratio": 1.0},
-    "fig8-red": {"phi_n": 1.0, "phi_ratio": 1.0},
-    "fig8-blue": {"phi_n": 2.0, "phi_ratio": 0.1},
-}
+# Paper Fig. 8: three interfaces, presets, over a range of loads from full separation under tension to compression. The
+# paper shows nine loads and names some; the others are ours.
+INTERFACES = "fig8-black", "fig8-red", "fig8-blue"
 INDENTATIONS = (-0.3, -0.2, -0.15, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6)
 CREEP = 1e-6  # growth of the reach that is no reason to go on: the strength of a surface at rest changes by round-off
 FINE = 8192  # points per lattice period of the flat interface's branches
@@ -116,13 +113,9 @@ def _extended(scene, end):
         return scene.changed(path="shear")
 
 
-def figure_8() -> list[tuple[str, Scene]]:
-    """[(name of the interface, Scene)] of the 27 runs of paper Fig. 8."""
-    return [
-        (name, Scene(delta_bar=delta_bar, **values))
-        for name, values in INTERFACES.items()
-        for delta_bar in INDENTATIONS
-    ]
+def figure_8(indentations=INDENTATIONS) -> list[tuple[str, Scene]]:
+    """[(name of the interface, Scene)] of the 27 runs of paper Fig. 8, or at other indentations."""
+    return [(name, presets()[name].scene.changed(delta_bar=depth)) for name in INTERFACES for depth in indentations]
 
 
 @dataclass(frozen=True)

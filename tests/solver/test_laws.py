@@ -252,3 +252,5 @@ def test_figure_8_is_nine_loads_on_three_interfaces():
     assert len({scene for _, scene in runs}) == len(runs) == len(INTERFACES) * len(INDENTATIONS) == 27
     assert {name for name, _ in runs} == set(INTERFACES)
     assert min(INDENTATIONS) == -0.3 and max(INDENTATIONS) == 0.6
+    strengths = {name: (scene.phi_n, scene.phi_ratio) for name, scene in runs}
+    assert strengths == {"fig8-black": (2.0, 1.0), "fig8-red": (1.0, 1.0), "fig8-blue": (2.0, 0.1)}

@@ -11,7 +11,6 @@ import pytest
 
 import solver.cli as cli
 from solver import Scene, load_path
-from solver.analysis.friction_laws import INTERFACES
 from solver.cautions import cautions
 from solver.presets import WORDS, PresetError, preset, presets, read
 from solver.run.load_steps import load_steps_of
@@ -91,11 +90,6 @@ def test_a_held_load_stays_and_the_punch_of_its_preset_rises_before_the_first_sl
     first = next(k for k, f in enumerate(shear) if f.slip)
     assert np.ptp([f.L_bar for f in shear]) < 1e-9 and shear[first - 1].delta < shear[0].delta - 0.2
     assert shear[first].delta > shear[first - 1].delta
-
-
-def test_interfaces_of_figure_8_are_those_of_the_presets():
-    for name, values in INTERFACES.items():
-        assert preset(name).scene == Scene(delta_bar=0.2, **values)
 
 
 @pytest.mark.parametrize(

@@ -47,8 +47,7 @@ def up_to_slip(scene):
 @pytest.fixture(scope="module")
 def figure():
     """{(interface, delta_bar): Onset} of Fig. 8 and of the deepest run on each interface."""
-    scenes = figure_8() + [(name, Scene(delta_bar=DEEPEST, **values)) for name, values in INTERFACES.items()]
-    return {(name, scene.delta_bar): onset(scene) for name, scene in scenes}
+    return {(name, scene.delta_bar): onset(scene) for name, scene in figure_8((*INDENTATIONS, DEEPEST))}
 
 
 def line(figure, interface, indentations=INDENTATIONS):

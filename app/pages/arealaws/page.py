@@ -17,6 +17,7 @@ from app.views.plots import Quantity, curve, dots, rendered
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
+from solver.presets import presets
 
 TITLE, ORDER, FIGURES = "Area laws", 3, ("runs", "threshold")
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
@@ -62,7 +63,7 @@ def series_of(scene):
     return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max, path="shear", damping=1.0)
 
 
-PAPER = [series_of(Scene(**values)) for values in INTERFACES.values()]  # whose marks are the first
+PAPER = [series_of(presets()[name].scene) for name in INTERFACES]  # whose marks are the first
 
 
 @dataclass
