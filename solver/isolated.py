@@ -158,15 +158,16 @@ class Processes:
 
 
 def outcomes(
-    call: Callable, items: Sequence[Any], workers: int | str, limit: float = LIMIT
+    call: Callable, items: Sequence[Any], workers: int | str | None = None, limit: float = LIMIT
 ) -> Iterator[tuple[int, Any]]:
     """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
 
-    items: a list may grow while outcomes are consumed. workers: the number of processes on this machine, or the address
-    of a dask cluster's scheduler; then raises ClusterError. limit: s for each call.
+    items: a list may grow while outcomes are consumed. workers: the number of processes on this machine (None: one for
+    each core), or the address of a dask cluster's scheduler; then raises ClusterError. limit: s for each call.
     """
     from .cluster import Cluster  # it imports this module
 
+    workers = workers or os.cpu_count() or 1
     with Cluster(call, workers, limit) if isinstance(workers, str) else Processes(call, workers, limit) as pool:
         submitted = received = 0
         while True:

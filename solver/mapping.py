@@ -1,7 +1,6 @@
 """The commands `map`, of first slips over two parameters, and `flats`, of the friction of flats."""
 
 import argparse
-import os
 import sys
 from typing import Any
 
@@ -58,13 +57,12 @@ def add_flats(commands: Any) -> None:
 
 def mapped(arguments: argparse.Namespace) -> int:
     """Computes a map and writes it; 1 if a point has no result."""
-    scene, workers = scene_of(arguments.set, arguments.preset), arguments.scheduler or os.cpu_count() or 1
-    grid = Map(scene, Axis.of(arguments.x), Axis.of(arguments.y))
+    grid = Map(scene_of(arguments.set, arguments.preset), Axis.of(arguments.x), Axis.of(arguments.y))
     points, code = _resumed(arguments.csv, grid) if arguments.resume else [], 0
     try:
         with progress(grid.size, " points") as bar:
             bar.update(len(points))
-            for point in explored(grid, workers, points):
+            for point in explored(grid, arguments.scheduler, points):
                 points.append(point)
                 bar.update()
     except KeyboardInterrupt:
@@ -80,11 +78,10 @@ def mapped(arguments: argparse.Namespace) -> int:
 
 def flats(arguments: argparse.Namespace) -> int:
     """Computes the points that `regimes.points` lists and writes them; 1 if one has no result."""
-    workers = arguments.scheduler or os.cpu_count() or 1
     asked = regimes.points(scene_of(arguments.set, arguments.preset), arguments.points)
     rows = [dict.fromkeys(regimes.COLUMNS, "") | {"E": E, "phi_t": phi_t} for _, E, phi_t in asked]
     with progress(len(asked), " points") as bar:
-        for k, result in outcomes(regimes.regime, asked, workers):
+        for k, result in outcomes(regimes.regime, asked, arguments.scheduler):
             rows[k] |= {"reason": result.reason} if isinstance(result, Lost) else result
             bar.update()
     write(arguments.csv, write_rows, regimes.COLUMNS, (row.values() for row in rows))

@@ -189,7 +189,7 @@ def atlas(
 ) -> list[dict]:
     """The outcome of every Case, in order, from processes of their own; workers, limit: as of `isolated.outcomes`."""
     results = [None] * len(asked)
-    for done, (k, outcome) in enumerate(outcomes(assess, asked, workers or os.cpu_count() or 1, limit), start=1):
+    for done, (k, outcome) in enumerate(outcomes(assess, asked, workers, limit), start=1):
         lost = isinstance(outcome, Lost)
         results[k] = _described(asked[k]) | Verdict(outcome.kind, outcome.reason)._asdict() if lost else outcome
         progress(done / len(asked))

@@ -7,11 +7,11 @@ from .grid import Map, Outcome, Place, worked_off
 from .point import Point
 
 
-def explored(grid: Map, workers: int | str = 1, points: Iterable[Point] = ()) -> Iterator[Point]:
+def explored(grid: Map, workers: int | str | None = None, points: Iterable[Point] = ()) -> Iterator[Point]:
     """Yields the Points of a Map, coarse to fine.
 
-    Parameters: workers: the number of processes, or the address of a dask cluster's scheduler; points: known ones,
-    which are neither computed nor yielded.
+    Parameters: workers: the number of processes (default: one for each core), or the address of a dask cluster's
+    scheduler; points: known ones, which are neither computed nor yielded.
     Returns an iterator of Points, in the order of completion; `grid.table` makes a DataFrame of them. A point that
     could not be computed has a `reason`.
     Raises ClusterError where the cluster cannot be used.
