@@ -109,3 +109,7 @@ def __getattr__(name: str) -> Any:
     if name not in LAZY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".analysis.{LAZY[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *LAZY]

@@ -103,6 +103,12 @@ def test_entry_points_document_parameters_results_and_errors_by_an_example(name)
         assert all(word in text for word in ("Parameters: ", "Returns ", "Example: ")), text
 
 
+def test_all_exports_are_offered_for_completion_and_to_the_reference():
+    check = "import solver; print(set(solver.__all__) - set(dir(solver)))"  # nothing is imported yet
+    shown = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, timeout=120, check=True)
+    assert shown.stdout.strip() == "set()"
+
+
 def test_an_unknown_name_of_the_solver_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'anneal'"):
         solver.anneal  # noqa: B018
