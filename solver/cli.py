@@ -24,7 +24,6 @@ from .command import (
     add_file,
     add_plot,
     caution,
-    progress,
     scene_of,
     write,
 )
@@ -33,7 +32,7 @@ from .files import write_csv, write_json, write_npz
 from .mapping import add_flats, add_map
 from .presets import PresetError, presets
 from .reports import add_accuracy, add_stability
-from .run.load_steps import load_steps_of
+from .results import with_progress
 from .run.shortcuts import account
 from .scene import CHOICES, PARAMETERS
 from .text import counted
@@ -167,12 +166,10 @@ def compute(scene: Scene, method: str, fields_too: bool) -> Computed:
     """The whole load path. u and T are kept only if asked for: those of a long run may not fit into memory."""
     frames = []
     try:
-        with progress(sum(step.increments + 1 for step in load_steps_of(scene)), " increments") as bar:
-            for frame in load_path(scene, method=method):
-                if frames and not fields_too:  # `account` reads the last ones
-                    frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
-                frames.append(frame)
-                bar.update()
+        for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
+            if frames and not fields_too:  # `account` reads the last ones
+                frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
+            frames.append(frame)
     except NotConverged as error:
         return Computed(frames, str(error), NOT_CONVERGED)
     except KeyboardInterrupt:

@@ -130,7 +130,8 @@ def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
     scene = scene or Scene()
-    return Result(scene, *collected(_with_progress(scene, progress)))
+    path = load_path(scene)
+    return Result(scene, *collected(with_progress(scene, path) if progress else path))
 
 
 def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
@@ -143,12 +144,12 @@ def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
     return frames, None
 
 
-def _with_progress(scene, progress):
-    if not progress:
-        return load_path(scene)
-    from tqdm.auto import tqdm
+def with_progress(scene: Scene, path: Iterable[Frame], **options: Any) -> Iterable[Frame]:
+    """The Frames of a scene's path, counted by a bar on standard error; options: those of tqdm."""
+    from tqdm import tqdm  # only who asks for a bar needs it
 
-    return tqdm(load_path(scene), total=sum(step.increments + 1 for step in load_steps_of(scene)), unit=" increments")
+    count = sum(step.increments + 1 for step in load_steps_of(scene))
+    return tqdm(path, total=count, unit=" increments", **options)
 
 
 def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any]) -> pd.DataFrame:
