@@ -5,7 +5,7 @@ Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the 
 
 import numpy as np
 from bokeh.core.properties import field
-from bokeh.models import BoxAnnotation, ColumnDataSource, HoverTool, LinearColorMapper, Range1d, Span
+from bokeh.models import BoxAnnotation, ColumnDataSource, HoverTool, LinearColorMapper, NoOverlap, Range1d, Span
 from bokeh.plotting import figure
 
 from app.schema import CURVES, NODES
@@ -152,6 +152,6 @@ def blank(name, x, y, x_label, y_label, **axes):
     axes |= {"x_axis_label": x_label, "y_axis_label": y_label}
     made = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
     for axis in made.axis:
-        axis.update(**AXIS)
+        axis.update(**AXIS, major_label_policy=NoOverlap(min_distance=6))  # px
     made.yaxis.ticker.desired_num_ticks = 4
     return made

@@ -205,3 +205,23 @@ def test_a_page_opened_on_a_phone_shows_its_heading_at_once(visit):
         "() => { const { top } = document.querySelector('#law h2').getBoundingClientRect();"
         " return top >= -1 && top < innerHeight / 2 }"
     )
+
+
+@pytest.mark.parametrize("query", ["?view=hero", "?view=lab"])
+def test_a_flat_has_its_picture_its_words_and_one_curve_at_every_size(visit, query):
+    page = visit(f"{query}&preset=fig4a-blue")
+    finished(page)
+    page.locator("main").evaluate("(main) => { main.dataset.chosen = 'area' }")  # a curve that a flat has not
+    assert not faults_at_every_size(page)
+    places = """() => ['.hero', '#said', '.forces'].map((what) => document.querySelector(`main ${what}`))
+        .map((part) => part.getBoundingClientRect()).map((box) => [box.left, box.right, box.top, box.bottom])"""
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        boxes = page.evaluate(places)
+        for i, (left, right, top, bottom) in enumerate(boxes):
+            assert right - left > 0.2 * width and bottom > top, (width, height)
+            for others in boxes[i + 1 :]:
+                beside = others[0] >= right - 1 or others[1] <= left + 1
+                apart = beside or others[2] >= bottom - 1 or others[3] <= top + 1
+                assert apart, (width, height)

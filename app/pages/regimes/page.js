@@ -1,12 +1,13 @@
 // The page "Map": its axes and its quantity; a click goes to that scene, and a drag through all between.
 
-import { drawnBy, onEvent } from "../../static/js/bokeh.js"
+import { drawnBy, onEvent, set } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"
 import { by, digits, minus, on } from "../../static/js/dom.js"
 import { figures, parts } from "../../static/js/figures.js"
 import { letGo, steer } from "../../static/js/steer.js"
 
 const DIGITS = 4 // of a value
+const NAMED = 420 // px, from which on the names of regimes stand beside each other
 const HINT = "Point at the map to read it; click or drag to go there."
 
 let axes = [], regimes = [] // {name, values} across and upwards; of each place, row by row, what it is called
@@ -26,6 +27,7 @@ export function told(news) {
   axes = news.axes ?? []
   regimes = news.codes?.map((code) => news.names.at(code)) ?? []
   unit = news.unit ?? ""
+  set(parts.regimes_map.names, { visible: figures.regimes_map.inner_width > NAMED })
   readOut()
 }
 

@@ -9,6 +9,7 @@ import { cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 
 const GAP = 10 // px between both
+const LABEL = 4 // times the size of the text, for a number of a place
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 
 export function drawBands(run, k) {
@@ -50,10 +51,10 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
   })
   const view = { pen, ink, box }
   if (high < 2 * size()) return
-  if (!says[1] || of.some((T) => T > 0))
-    write(view, says[0], box.left + 8, Math.max(0.6 * size(), Y(0) - 0.75 * size()),
-      { of: over, align: "left", scale: 0.95 })
-  if (says[1]) write(view, says[1], box.left + 8, Y(0) + 1.15 * size(), { of: under, align: "left", scale: 0.95 })
+  const text = (said, y, colour) => write(view, said, box.left + 8, y, { of: colour, align: "left", scale: 0.95 })
+  const above = Math.max(top + 0.6 * size(), Y(0) - 0.75 * size()), below = Y(0) + 1.15 * size()
+  if (!says[1] || of.some((T) => T > 0)) text(says[0], above, over)
+  if (says[1] && below + 0.5 * size() < top + high) text(says[1], below, under)
 }
 
 const NICE = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200] // GPa
@@ -67,8 +68,9 @@ function drawScale({ pen, ink, box }, top, scale, row, bottom) {
   write({ pen, ink }, `${bar} GPa`, x - 5, top + 0.5 * bar * scale, { of: ink.soft, align: "right", scale: 0.9 })
 }
 
-function drawPlaces({ pen, ink, box: { X } }, start, end, y, row) {
-  const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((nm) => (end - start) / nm <= 8) ?? 2000
+function drawPlaces({ pen, ink, box: { X, width } }, start, end, y, row) {
+  const most = Math.min(8, width / (LABEL * size())) // numbers side by side
+  const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((nm) => (end - start) / nm <= most) ?? 2000
   for (let at = Math.ceil(start / step) * step; at <= end; at += step) {
     line(pen, [[X(at), y - 2], [X(at), y + 3]], ink.soft)
     write({ pen, ink }, `${minus(at)}${at === 0 ? " nm" : ""}`, X(at), y + 0.65 * row, { of: ink.soft, scale: 0.95 })

@@ -18,6 +18,7 @@ const SIGHT = 0.9 // of a curve must be in sight while a slider is held
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it, so that it stays for a while
 const TO_SCALE = 0.02 // a difference that nobody sees
 const THICK = 2.5 // times, for a projector
+const TITLES = [["map", "x, undeformed (nm)", "x (nm)"], ["traction", "traction (GPa)", "GPa"]] // in full, and short
 const LETTER = 0.62 // of the size of the text, of a letter of an axis title, at most
 
 export function adopt(name, figure) {
@@ -240,8 +241,8 @@ export function paint() {
       thicken(part, large ? THICK : 1)
     }
   }
-  const title = "x, undeformed (nm)"
-  set(figures.map.left[0], { axis_label: hasRoom("map", title.length) ? title : "x (nm)" })
+  for (const [view, title, short] of TITLES)
+    set(figures[view].left[0], { axis_label: hasRoom(view, title.length) ? title : short })
   labelForces()
   shareAxis()
 }

@@ -1,6 +1,6 @@
 // Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
 
-import { by, closest, on, onDrag } from "./dom.js"
+import { by, closest, fixed, on, onDrag } from "./dom.js"
 import { figures } from "./figures.js"
 import { line, size, write } from "./pen.js"
 import { me } from "./state.js"
@@ -129,7 +129,7 @@ function wedge(pen, x, y, half) {
 
 // Flat on flat: all nodes move alike, each on an elastic line to the top; a picture of its own in place of the punch
 export function drawLattice(view) {
-  const { pen, box, X, Y, frame, run, k, ink } = view, { spacing } = run.head
+  const { pen, box, narrow, X, Y, frame, run, k, ink } = view, { spacing } = run.head
   const { start: from, end: to } = figures.punch.x_range, scale = box.across, low = Y(0)
   pen.fillStyle = ink.page
   pen.fillRect(box.left, box.top, box.width, box.height)
@@ -139,6 +139,8 @@ export function drawLattice(view) {
     line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + 9]], ink.body, 2)
   }
   drawAtoms(view, X, (y) => low - y * scale, scale, from, to)
+  const said = `${narrow ? "layer" : "the elastic layer,"} sheared by ${fixed(stretch, 1)} nm`
+  write(view, said, box.left + 0.5 * box.width, box.top + 0.4 * box.height)
 }
 
 export function connectLens(redraw) {
