@@ -49,9 +49,11 @@ class Scene:
     hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
     u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the stage", LOADING)
     drive_t: float = number(
-        inf, *DRIVE, "tangential stiffness of the drive between stage and top", LOADING, False, True
+        inf, *DRIVE, "stiffness of the drive along x, between stage and top", LOADING, unbounded=True
     )
-    drive_n: float = number(inf, *DRIVE, "normal stiffness of the drive between stage and top", LOADING, False, True)
+    drive_n: float = number(
+        inf, *DRIVE, "stiffness of the drive along z, between stage and top", LOADING, unbounded=True
+    )
     damping: float = number(1.0, 0.2, 4.0, "", DAMPING, LOADING, unbounded=True, beyond=UNDERDAMPED)
     du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOADING)
     du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOADING)

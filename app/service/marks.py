@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver import NotFollowed, SceneError, follow
-from solver.analysis.friction_laws import critical_modulus
+from solver.analysis.friction_laws import critical_modulus, softening
 from solver.following.branch import Branch
 from solver.run.load_steps import lifts
 
@@ -52,9 +52,10 @@ def of_skeleton(skeleton, name):
 
 
 def of_flat(scene, name):
-    """The same on the flat, where it is known exactly: the ratio of stiffness to strength alone counts."""
-    part = scene.E / critical_modulus(scene)
-    value = scene.E / part if name == "E" else scene.phi_ratio * part
+    """The same on the flat, where it is known exactly: stick-slip ends where the interface softens less than k."""
+    value = critical_modulus(scene)
+    if name == "phi_ratio":
+        value = scene.phi_ratio / (softening(scene) * scene.shear_compliance)
     return ((value, SAID[name]),) if min(ENDS[name]) <= value <= max(ENDS[name]) else ()
 
 

@@ -114,7 +114,7 @@ def applies(name):
     kinds = [kind for kind, surface in SURFACES.items() if name in surface.parameters]
     if kinds:
         return {"surface": kinds}
-    return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x") else {}
+    return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x", "drive_t") else {}
 
 
 def read(name, text, notes=None, scene=None):

@@ -21,7 +21,7 @@ SLIP = {"marker": "diamond", "size": 8, "fill_alpha": 0, "line_width": 1.5}  # h
 AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
 POSITION = "x on the substrate, from the middle (nm)"  # where a node is
 UNDEFORMED = "x, undeformed (nm)"  # where it was
-TOP = "displacement of the top Uₓ (nm)"
+TOP = "displacement Uₓ (nm)"
 
 
 def live_figures():

@@ -17,8 +17,9 @@ COLUMNS = "E", "phi_t", "slips", "F_s", "F_k", "mean", "exact", "reason"
 
 
 def flat(scene) -> Scene:
-    """The scene as flat on flat at zero gap, overdamped as in the paper's Fig. 4."""
-    return scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
+    """The scene as flat on flat at zero gap, with a rigid drive, overdamped as in the paper's Fig. 4."""
+    flat = scene.changed(surface="flat", delta_bar=0.0, u_x_max=END, path="shear", hold="delta", damping=inf)
+    return flat.changed(drive_t=inf, drive_n=inf)
 
 
 def sliding(scene, E) -> Scene:

@@ -6,6 +6,7 @@ the browser (page.js), so that a hand can try before the machine does.
 
 import re
 import sys
+from math import inf
 from random import randrange
 
 import numpy as np
@@ -25,6 +26,7 @@ FREE = {  # what can be free: what the page calls it, its unit, whether it is fr
     "phi_ratio": ("friction / adhesion φₜ/φₙ", "", True),
     "delta_bar": ("press depth δ/δ₀", "", True),
     "E": ("stiffness E", "GPa", False),
+    "drive_t": ("drive kₜ", "MPa/nm", False),
     "offset_U": ("zero of Uₓ", "nm", False),
     "scale_F": ("scale of F", "", False),
     "offset_F": ("zero of F", "", False),
@@ -38,7 +40,7 @@ SEEDS = 2**32  # of made-up measurements, each another one
 LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin the data out"
 NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # of what a made-up measurement does not change
 ROOM = 0.08  # of a curve, above and below it
-PLACE, FORCE = Quantity("U_x", "displacement of the top Uₓ", "nm"), Quantity("F", "F", "N/m")
+PLACE, FORCE = Quantity("U_x", "displacement Uₓ", "nm"), Quantity("F", "F", "N/m")
 OFF = Quantity("off", "difference", "noise")
 
 
@@ -109,6 +111,8 @@ class Page(Sheet):
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:
                 return self.publish(texts={"fit-said": "No parameter is free. Tick at least one."})
+            if "drive_t" in free and scene.drive_t == inf:
+                return self.publish(texts={"fit-said": "The drive is rigid: give drive_t a number under Parameters."})
             self.wanted.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
             said = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
             self.publish(busy=0.0, texts={"fit-said": said})

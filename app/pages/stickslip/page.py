@@ -196,14 +196,14 @@ class Page(Sheet):
     def _describe(self, before=""):
         own = self.own
         sticks = critical_modulus(own) > own.E
-        first = friction(own).F_s * own.E * own.height * own.width / own.shear_modulus if sticks else 0.0
+        first = friction(own).F_s * own.E * own.shear_compliance if sticks else 0.0
         regime = (
             f"stick, and slip first at about Uₓ = {first:.0f} nm"
             if sticks
             else "slide continuously, almost without friction"
         )
         text = (
-            f"{before}Flat on flat, whatever the shape of the punch, this interface (E = {own.E:g} GPa,"
+            f"{before}Flat on flat and with a rigid drive, this interface (E = {own.E:g} GPa,"
             f" φₜ = {own.phi_t:g} N/m) would {regime}. There, sliding is continuous from"
             f" E = {critical_modulus(own):,.0f} GPa on, where the layer (G/h) is as stiff as the interface softens"
             f" (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"

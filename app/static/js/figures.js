@@ -162,7 +162,7 @@ function nameAxis(normal) {
   const [first, second] = document.querySelectorAll(".slips"), event = normal ? "jump" : "slip"
   explain(first, event)
   second.textContent = event
-  const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement of the top Uₓ (nm)"]
+  const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement Uₓ (nm)"]
   for (const view of CURVES) {
     set(figures[view].below[0], { axis_label: label })
     retell(view, ([, value], ...rest) => [[symbol, value], ...rest])

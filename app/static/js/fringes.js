@@ -72,7 +72,7 @@ function paintSheet(run, k, { x_range, y_range }, found, part) {
   const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
   const shades = new Uint32Array(pixels.data.buffer)
   const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
-  const U_x = times * run.curves.U_x[k]
+  const U_x = times * run.top(k)
   const inks = inksOf(document.documentElement.dataset.theme)
   const half = x_range.end, nm = (2 * half) / WIDE, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
   const step = (high - y_range.start) / HIGH

@@ -133,7 +133,7 @@ export function drawLattice(view) {
   const { start: from, end: to } = figures.punch.x_range, scale = box.across, low = Y(0)
   pen.fillStyle = ink.page
   pen.fillRect(box.left, box.top, box.width, box.height)
-  const stretch = run.curves.U_x[k] - run.least(k)
+  const stretch = run.top(k) - run.least(k)
   for (const at of frame.x) {
     if (at < from - 3 * spacing || at > to + 3 * spacing) continue
     line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + 9]], ink.body, 2)

@@ -31,7 +31,7 @@ export class Run extends Frames {
     this.filmed = false // whether its last frames are a motion through a slip
     this.sheared = -1 // the frame at which shear begins, once it is there
     this.carried = 0 // frames of another run that this one goes on from
-    this.worked = 0 // nJ/m, work of the top in the runs before, from which this one goes on
+    this.worked = 0 // nJ/m, work of the stage in the runs before, from which this one goes on
     Object.assign(this, SPAN)
   }
 
@@ -95,6 +95,16 @@ export class Run extends Frames {
 
   values(k) { return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]])) }
 
+  // Whether the drive has a stiffness; that of a rigid one is the word inf
+  get driven() { return ["drive_t", "drive_n"].some((name) => Number(this.head.scene[name])) }
+
+  // U_x or delta of the top of the layer at frame k, nm: that of the stage less the stretch of the drive
+  top(k, along = "U_x") {
+    const [name, force] = { U_x: ["drive_t", "F"], delta: ["drive_n", "L"] }[along], { scene, middle } = this.headOf(k)
+    const stretch = (1e3 * this.curves[force][k]) / (2 * middle * Number(scene[name])) // MPa/nm
+    return this.curves[along][k] - (stretch || 0) // NaN where it is rigid
+  }
+
   // Whether the run ends with the approach
   get pressed() { return this.head.span[0] === this.head.span[1] }
 
@@ -157,7 +167,7 @@ export class Run extends Frames {
     this.worked = this.curves.work.at(-1)
   }
 
-  // Work of the top over the closed cycle of a loop, nJ/m, once it is closed
+  // Work of the stage over the closed cycle of a loop, nJ/m, once it is closed
   get dissipated() {
     const { stage, work } = this.curves
     const end = (name) => stage.lastIndexOf(this.head.stages.indexOf(name))

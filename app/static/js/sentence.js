@@ -184,9 +184,11 @@ export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding
 const CHANGES = { // parameter: what more and less of it is called
   E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"],
   phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
-  phi_n: ["A stickier surface", "A less sticky surface"], radius: ["A blunter punch", "A sharper punch"],
+  phi_n: ["A stickier surface", "A less sticky surface"], drive_t: ["A stiffer drive", "A softer drive"],
+  radius: ["A blunter punch", "A sharper punch"],
 }
 const APART = "the surfaces do not hold on to each other any more", TOGETHER = "now the surfaces hold on to each other"
+const real = (value) => (value === "inf" ? Infinity : Number(value))
 const ALONE = ["surface", "path", "hold"] // another experiment: nothing to compare
 const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.abs(b))
 
@@ -196,7 +198,7 @@ export function changeSaid(run, before) {
     || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
   const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
   if (names.length !== 1 || ALONE.includes(names[0])) return null
-  const [name] = names, up = Number(run.scene[name]) > Number(before.scene[name])
+  const [name] = names, up = real(run.scene[name]) > real(before.scene[name])
   const head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
   if (run.normal) return lifted(run, before, head)
   if (run.carried) return goesOn(run, head)

@@ -12,6 +12,7 @@ import { drawStory } from "./story.js"
 import { described, parameters } from "./words.js"
 
 const NAME = "mixed-mode-contact"
+const TOP = { U_x_top: "U_x", delta_top: "delta" } // with a drive that has a stiffness
 const COLUMNS = ["U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip"] // as solver/files.py
 const LINE = 20, MARGIN = 12 // px of a caption
 const FONT = "system-ui, 'Segoe UI', Roboto, sans-serif"
@@ -148,12 +149,14 @@ const number = (value) => `${Number(value.toPrecision(7))}` // of single precisi
 
 // Comments with the scene and the units, then a row per increment after the approach, as `solver.files.write_csv`
 export function csv(run) {
-  const { changing } = run
+  const { changing } = run, tops = run.driven ? Object.entries(TOP) : []
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
     : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))),
-      run.stage(k), ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
+      ...tops.map(([, along]) => number(run.top(k, along))), run.stage(k),
+      ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
   const comments = [parameters(me.status, changing), UNITS].map((text) => `# ${text}`)
-  return [...comments, [...COLUMNS, "stage", ...changing].join(","), ...rows, ""].join("\n")
+  const heading = [...COLUMNS, ...tops.map(([name]) => name), "stage", ...changing]
+  return [...comments, heading.join(","), ...rows, ""].join("\n")
 }
 
 const say = (text) => { by("share-said").textContent = text }

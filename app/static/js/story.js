@@ -10,6 +10,8 @@ import { changeSaid, nowSaid, phaseSaid } from "./sentence.js"
 import { exact, me } from "./state.js"
 import { explain } from "./terms.js"
 
+const REST = 46 // px, a drive that is not stretched
+const TURNS = 12 // of its spring
 const LINES = 24 // of the mesh in the body, from the surface to the top
 const BAR = 9 // px, height of the top of the layer
 const ARROW = 90 // px, the longest
@@ -45,7 +47,7 @@ export function drawStory(run, k) {
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
 function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
   const { nodes, first, spacing, middle } = run.headOf(k), every = Math.max(1, Math.round(nodes / LINES))
-  const U_x = frame.times * run.curves.U_x[k]
+  const U_x = frame.times * run.top(k)
   pen.globalAlpha = 0.55
   for (let i = Math.floor(every / 2); i < nodes; i += every) {
     const hung = [X((first + i) * spacing - middle + U_x), box.top + BAR]
@@ -56,13 +58,27 @@ function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
 
 // The rigid top: a bar whose marks move with it, and what it does
 function drawTop({ pen, box, X, frame, run, k, ink }) {
-  const U_x = frame.times * run.curves.U_x[k], { x_range } = figures.punch
+  const U_x = frame.times * run.top(k), { x_range } = figures.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
   const pitch = run.head.flat ? run.head.spacing / 4 : 20, shift = U_x % pitch
   for (let x = Math.ceil((x_range.start - shift) / pitch) * pitch; x + shift < x_range.end; x += pitch) {
     line(pen, [[X(x + shift) - 3, box.top + BAR], [X(x + shift) + 3, box.top]], ink.page, 1.5)
   }
+}
+
+// The spring of the drive from the top to the stage, which stays in view; to scale. Returns where it begins, px
+function drawDrive(view, right, y) {
+  const { pen, box, narrow, X, frame, run, k, ink } = view, stretch = run.curves.U_x[k] - run.top(k)
+  const drawn = X(frame.times * stretch) - X(0)
+  const long = Math.min(0.3 * box.width, Math.max(0.2 * REST, REST + drawn)), left = right - long
+  const turns = Array.from({ length: TURNS + 1 }, (_, i) =>
+    [left + (i * long) / TURNS, y + (i % TURNS ? 5 * (-1) ** i : 0)])
+  line(pen, [[left, box.top + BAR], ...turns], ink.text, 1.5)
+  line(pen, [[right, y - 9], [right, y + 9]], ink.soft, 4)
+  const text = `drive ${stretch < 0 ? "compressed" : "stretched"} by ${fixed(Math.abs(stretch), 1)} nm`
+  if (!narrow && Math.abs(stretch) > 0.05) write(view, text, right, y + 1.3 * size(), { align: "right" })
+  return left
 }
 
 // What the hand does: F to the side at the top, against it at the interface, and L down or up; lengths over the largest
@@ -72,19 +88,21 @@ function drawForces(view) {
   const full = Math.max(run.strongest, me.run.strongest)
   const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
   const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row
-  const right = box.left + box.width - 12
-  const to = `to δ = ${fixed(delta, 1)} nm`, down = `lowered ${to}`
+  const spring = Number(run.headOf(k).scene.drive_t) // NaN where the drive is rigid
+  const edge = box.left + box.width - 12, right = spring ? drawDrive(view, edge, y) - 10 : edge
+  const to = `to δ = ${fixed(delta, 1)} nm`, down = `lowered ${to}`, stage = run.driven ? "stage " : ""
   const moves = { approach: down, reload: down, unload: `raised ${to}`,
-    back: `moved back to ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `moved ${fixed(U_x, 1)} nm`
+    back: `${stage}moved back to ${fixed(U_x, 1)} nm` }[run.stage(k)] ?? `${stage}moved ${fixed(U_x, 1)} nm`
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
   const way = (pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"
-  const pulled = `${box.width < WIDE * size() ? "" : `${moves}, ${way} by `}F = ${newtons(F)}`
+  const wide = box.width - (edge - right) > (spring ? 1.2 : 1) * WIDE * size()
+  const pulled = `${!wide ? "" : `${moves}, ${way} by `}F = ${newtons(F)}`
   write(view, pull ? pulled : moves, right - Math.abs(pull) - (pull ? 8 : 0), y,
     { of: pull ? ink.shear : ink.text, align: "right", bold: true })
   if (none(L) || run.apart) return
   const deep = (Math.abs(L) / full) * long, at = box.left + (narrow ? 0.06 : LENS) * box.width
-  const from = y + 0.8 * row // under the key and the text of F
+  const from = y + (spring ? 2 : 0.8) * row // under the key, the text of F and the drive
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
   const text = narrow ? `L = ${newtons(L)}` : `load L = ${newtons(L)}, ${L > 0 ? "presses" : "holds it up"}`

@@ -31,12 +31,14 @@ function nodes(run, k, what, headings, cells) {
 }
 
 function increments(run, title, headings, cells) {
-  const rows = []
+  const rows = [], driven = run.driven && !run.normal
   for (let k = Math.max(0, run.sheared); k < run.length; k++) {
     const v = run.values(k)
-    rows.push([run.stage(k), fixed(run.along[k], 2), ...cells(v, run, k), v.slip ? "slip" : ""])
+    const top = driven ? [fixed(run.top(k), 2)] : []
+    rows.push([run.stage(k), fixed(run.along[k], 2), ...top, ...cells(v, run, k), v.slip ? "slip" : ""])
   }
-  return { title, headings: ["stage", run.normal ? "δ (nm)" : "Uₓ (nm)", ...headings, "slip"], rows }
+  const along = [run.normal ? "δ (nm)" : "Uₓ (nm)", ...(driven ? ["Uₓ of the top (nm)"] : [])]
+  return { title, headings: ["stage", ...along, ...headings, "slip"], rows }
 }
 
 // Where anything acts in a frame, in places of the undeformed punch

@@ -46,9 +46,12 @@ export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() ||
 
 const SYMBOLS = {
   delta_bar: "δ/δ₀", phi_ratio: "φₜ/φₙ", E: "E", phi_n: "φₙ", delta_n: "δₙ", delta_t: "δₜ", nu: "ν", radius: "R",
-  damping: "damping",
+  damping: "damping", drive_t: "drive kₜ", drive_n: "drive kₙ",
 }
-const UNITS = { E: "GPa", phi_n: "N/m", delta_n: "nm", delta_t: "nm", radius: "w", width: "nm", u_x_max: "nm" }
+const UNITS = {
+  E: "GPa", phi_n: "N/m", delta_n: "nm", delta_t: "nm", radius: "w", width: "nm", u_x_max: "nm",
+  drive_t: "MPa/nm", drive_n: "MPa/nm",
+}
 const MAIN = ["delta_bar", "phi_ratio", "E"]
 
 export const value = (name, given) =>

@@ -10,12 +10,12 @@ import { me } from "../state.js"
 const NONE = "–"
 const MEASURES = { // measure: [heading, unit, what it is]
   slips: ["slips", "", "ends of branches after the approach"],
-  U_s: ["Uₛ", "nm", "displacement of the top at the first slip"],
+  U_s: ["Uₛ", "nm", "displacement at the first slip"],
   F_s: ["Fₛ", "N/m", "friction where the first slip begins"],
   A_s: ["Aₛ", "nm", "repulsive width where the first slip begins"],
   tau_c: ["Fₛ/Aₛ", "GPa",
     "mean shear stress where the first slip begins; the slope of Fₛ over Aₛ takes several loads: page Area laws"],
-  dissipated: ["dissipated", "nJ/m", "work of the top over a closed cycle"],
+  dissipated: ["dissipated", "nJ/m", "work over a closed cycle"],
 }
 const number = (value, digits = 4) =>
   fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-9)))))

@@ -6,7 +6,7 @@ import { cleared, inks, size, write } from "../pen.js"
 import { firstSlip } from "../sentence.js"
 
 const ACROSS = 9 // nodes that are seen with their springs
-const DEFAULT = { F: 195 } // N/m
+const DEFAULT = { F: 195, U: 10.8 } // N/m, nm
 
 export const PICTURES = {
   // nodes, sites and the springs between them at the trailing edge, to scale
@@ -36,7 +36,7 @@ export const PICTURES = {
   },
   pulls: (canvas, run, k, before) => {
     const now = firstSlip(run)
-    bars(canvas, [["before", before.U, "nm", "free"], ...(now ? [["now", now.U, "nm", "shear"]] : [])])
+    bars(canvas, [["before", before?.U ?? DEFAULT.U, "nm", "free"], ...(now ? [["now", now.U, "nm", "shear"]] : [])])
   },
 }
 

@@ -54,6 +54,15 @@ export const STOPS = [
     turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
   },
   {
+    name: "A rubber band", preset: "fig6", values: { drive_t: 10 }, to: 22, order: [1, 0, 2],
+    curve: "forces", picture: "pulls",
+    question: "Now a rubber band pulls the top. It is as stiff as the punch. When will the punch slip?",
+    answers: ["after a longer pull, at the same force", "after the same pull, at a smaller force",
+      "after a shorter pull, at a larger force"],
+    why: "The force at which the contact gives way is the same. To reach it, the band has to be stretched as well.",
+    turn: "E", ask: "Move the stiffness of the punch: how little changes once the band is the softer spring?",
+  },
+  {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces",
     picture: "pulls",
     unseen: [

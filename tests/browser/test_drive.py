@@ -1,0 +1,67 @@
+"""A drive with a stiffness, on the page."""
+
+import csv
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+from served import PATIENCE, finished
+
+from solver import load_path
+from solver.presets import preset
+
+
+def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit):
+    """Top and stage of every increment are those of the solver, in the picture and in the CSV."""
+    page = visit("?preset=soft-drive&view=lab")
+    finished(page)
+    frames = [frame for frame in load_path(preset("soft-drive").scene) if frame.stage != "approach"]
+    tops = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.top(k)).slice(punch.run.sheared)")
+    assert tops == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
+    slip = next(k for k, frame in enumerate(frames) if frame.slips)
+    assert tops[slip] - tops[slip - 1] > frames[slip].U_x - frames[slip - 1].U_x  # the spring takes it along
+
+    page.locator("#take").click()
+    with page.expect_download() as download:
+        page.locator("#save-csv").click()
+    lines = Path(download.value.path()).read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    for name in ("U_x_top", "delta_top"):
+        found = [float(row[name]) for row in rows]
+        assert found == pytest.approx([getattr(frame, name) for frame in frames], abs=1e-4)
+
+
+def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(visit):
+    page = visit("?u_x_max=2&view=lab")
+    finished(page)
+    assert not page.evaluate("punch.run.driven")
+    assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
+
+
+def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(visit):
+    page = visit("?drive_t=4&u_x_max=3&view=lab")
+    finished(page)
+    assert "drive_t=4" in page.url
+    entered = page.evaluate("punch.status.values")
+    assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
+    page.locator("#more").click()
+    page.locator("#drive_t-entry").fill("0")
+    page.keyboard.press("Enter")
+    page.get_by_text("allowed: 0.001 to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)
+    page.locator("#drive_t-entry").fill("inf")
+    page.keyboard.press("Enter")
+    page.wait_for_function("punch.status.values.drive_t === 'inf' && punch.status.state === 'finished'")
+    assert "drive_t" not in page.url
+
+
+def test_tour_asks_about_a_rubber_band_and_its_run_gives_the_answer(visit):
+    page = visit("?tour=7&view=hero")
+    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+    page.evaluate("punch.speed = 40")
+    page.locator("button.answer", has_text="after a longer pull, at the same force").click()
+    page.locator("#tour-card [role=status]", has_text="Yes.").wait_for(timeout=PATIENCE)
+    scenes = [preset("fig6").scene.changed(drive_t=drive_t) for drive_t in (inf, 10.0)]
+    rigid, soft = (next(frame for frame in load_path(scene) if frame.U_x > 0 and frame.slips) for scene in scenes)
+    rigid, soft = rigid.slips[0], soft.slips[0]
+    assert soft.load > 1.5 * rigid.load and np.isclose(soft.F_bar, rigid.F_bar, rtol=1e-2)
