@@ -88,6 +88,8 @@ def read(file: str) -> Recorded:
             raise InputError(f"{file!r}: schema {report['schema']}; allowed: up to {SCHEMA}; use a newer version")
         origin = f"schema {report['schema']}, version {report['version']}, commit {report['commit'] or 'unknown'}"
         return Recorded(_legs(report), report["method"], origin, values)
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{file!r}: {error.strerror}; {HOLDS}") from None
     except (KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:

@@ -85,6 +85,13 @@ def test_other_files_are_refused_in_one_line(tmp_path, capsys, content, words):
     assert words in err and len(err.splitlines()) == 1
 
 
+def test_a_file_of_a_later_version_is_not_taken_for_another_kind_of_file(tmp_path, capsys):
+    (tmp_path / "file").write_text('{"schema": 99}')
+    assert cli.main(["verify", str(tmp_path / "file")]) == 2
+    err = capsys.readouterr().err
+    assert "schema 99; allowed: up to 1" in err and "not a run" not in err
+
+
 def test_a_missing_file_is_named(tmp_path, capsys):
     assert cli.main(["verify", str(tmp_path / "none.json")]) == 2
     assert "none.json" in capsys.readouterr().err
