@@ -73,7 +73,7 @@ def _of_the_layer(scene):
     strain = (abs(scene.delta) * shares[1] + scene.u_x_max * shares[0]) / h
     if strain > STRAIN:
         yield (
-            f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is no longer linear:"
+            f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is not linear:"
             " shear less far, or use a higher layer."
         )
 

@@ -1,4 +1,4 @@
-"""The command `verify`: computes the run of a file anew, and reports what differs."""
+"""The command `verify`: repeats the run of a file, and reports what differs."""
 
 import argparse
 import json
@@ -42,8 +42,8 @@ class Difference(NamedTuple):
 
 def add_verify(commands: Any) -> None:
     """Adds `verify` to the subcommands."""
-    text = "Computes the run of a JSON or NPZ file anew. Exit code 0: the same; 1: something differs, which is listed."
-    parser = commands.add_parser("verify", help="compute a file's run anew and compare", description=text)
+    text = "Repeats the run of a JSON or NPZ file. Exit code 0: the same; 1: something differs, which is listed."
+    parser = commands.add_parser("verify", help="repeat a file's run and compare", description=text)
     parser.add_argument("file", metavar="FILE", help="a JSON or NPZ file of a run")
     parser.set_defaults(command=verify)
 
@@ -109,7 +109,7 @@ def _legs(report):
 
 
 def values_of(scene: Scene, frames: Sequence[Frame], like: dict[str, Any]) -> dict[str, Any]:
-    """The values of Frames under the names of a file, whose values these are to be compared with."""
+    """The values of Frames under the names of the file that they are compared with."""
     if "events" in like:
         return plain(summarize(scene, frames))
     after = [frame for frame in frames if frame.stage != "approach"]

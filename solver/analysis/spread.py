@@ -27,7 +27,8 @@ class Spread:
 
     deviations: {parameter: standard deviation}. band: of each branch (4, n), standard deviations of U_x (nm), F_bar,
     L_bar, A_bar of its states, each at its place on the branch. slips: of each slip (4,), those of U_s, F_s, L_s, A_s.
-    drawn: (draws, 4), the same of the first slip in runs followed to drawn parameters; lost: draws that have none such.
+    drawn: (draws, 4), U_s, F_s, L_s, A_s of the first slip in runs followed to drawn parameters. lost: the number of
+    draws without such a run.
     """
 
     sensitivities: Sensitivities
@@ -44,7 +45,7 @@ class Spread:
         return middle - WIDE * float(self.slips[slip][k]), middle + WIDE * float(self.slips[slip][k])
 
     def drawn_interval(self, name: str) -> tuple[float, float] | None:
-        """95 % of the same of the first slip, by the draws; None without."""
+        """95 % of U_s, F_s, L_s or A_s of the first slip, by the draws; None without draws."""
         if not len(self.drawn):
             return None
         low, high = np.percentile(self.drawn[:, SLIP.index(name)], ENDS)
@@ -136,7 +137,7 @@ def spread(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Sprea
 
 
 def draw(skeleton: Skeleton, of: Mapping[str, float], number: int) -> NDArray[np.float64] | None:
-    """U_s, F_s, L_s, A_s (4,) of the first slip of a run followed to parameters at random; None where it has none."""
+    """U_s, F_s, L_s, A_s (4,) of the first slip of a run followed to random parameters; None without a slip."""
     rng, scene = np.random.default_rng((1, number)), skeleton.scene
     values = {name: getattr(scene, name) + deviation * rng.normal() for name, deviation in of.items()}
     try:

@@ -22,12 +22,12 @@ SCALES = (0.1, 10.0)  # range of scale_U and scale_F: a factor beyond is a wrong
 PERIOD = {"scale_U", "width"}  # parameters that change the distance between slips
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
 APART_BY = 1.5  # largest factor between the first start and a random one
-WORSE = 10.0  # factor on the last residuals, for a trial whose run cannot be had: the optimiser turns back
+WORSE = 10.0  # factor on the last residuals, for a trial without a run: the optimiser turns back
 NO_RUN = NotFollowed, NotConverged, SceneError
 
 
 class Axes(NamedTuple):
-    """measured U_x = scale_U U_x + offset_U (nm), and the same of F, offset_F in units of F_bar."""
+    """measured U_x = scale_U U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar."""
 
     scale_U: float = 1.0
     offset_U: float = 0.0

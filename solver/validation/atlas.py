@@ -155,7 +155,7 @@ def cases(quick: bool = False) -> list[Case]:
 
 
 def _remedied(points):
-    """The scenes whose tolerance is below the round-off of so soft a layer, with the tolerance that they ask for."""
+    """Scenes with a tolerance below the round-off of their soft layer, with the tolerance that the message names."""
     for probed, values in points:
         try:
             least = Scene(**values | {"tolerance": COARSEST}).attainable

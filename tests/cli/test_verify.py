@@ -1,4 +1,4 @@
-"""`verify` computes the run of a file anew: it says that it is the same, or what differs, and refuses other files."""
+"""`verify` repeats the run of a file: it reports "same" or what differs, and refuses other files."""
 
 import json
 

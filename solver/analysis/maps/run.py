@@ -60,7 +60,7 @@ def _skeleton(scene, checkpoint):
 
 
 def _of_shear(sheared, skeleton, reason, off):
-    """What a Point says of the Frames of a shear; reason: why the run ended early, or ""; off: by pull-off."""
+    """Fields of a Point from the Frames of a shear; reason: why the run ended early, or ""; off: by pull-off."""
     if sheared and not touches(sheared[0]):
         return {"regime": NEVER_TOUCHES, "A_0": sheared[0].A_bar}
     slipping = next((k for k, f in enumerate(sheared) if slips_in(f)), None)
@@ -76,7 +76,7 @@ def _of_shear(sheared, skeleton, reason, off):
 
 
 def _at_slip(sheared, k, skeleton):
-    """The same for a run whose first slip lies in Frame `k`; the numbers are the run's own."""
+    """Fields of a Point from a run with its first slip in Frame `k`; the numbers are those of the run."""
     event, before, after = slips_in(sheared[k])[0], sheared[max(0, k - 1)], sheared[k]
     end = next(iter(slips_in(skeleton)), None) if skeleton else None
     if end and abs(end.load - event.load) < ALIKE:  # states just before and after it, rather than some du_x away
