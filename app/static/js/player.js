@@ -18,6 +18,10 @@ import { drawFringes } from "./fringes.js"
 const HELD = 250 // ms between two pictures of the map while a slider is held: the curves come first
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
 
+let coming = null // the run that takes the place of what is on screen once it is whole
+let bornAt = 0, freshAt = 0, mappedAt = 0 // ms, when the run came on screen, and when curves and map were drawn last
+let stage = null // of the map
+
 export function receive(chunk) {
   if (chunk.run === me.run?.number) me.run.add(chunk)
   else if (!replaced(chunk)) return
@@ -29,15 +33,15 @@ export function receive(chunk) {
 // Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is
 // held does so when it is whole, so that nothing jumps; any other at once. Whether it has
 function replaced(chunk) {
-  if (me.coming?.number !== chunk.run) me.coming = new Run(chunk.run, chunk.head)
-  const { coming, status } = me, known = status.run === chunk.run
+  if (coming?.number !== chunk.run) coming = new Run(chunk.run, chunk.head)
+  const { status } = me, known = status.run === chunk.run
   if (!coming.length && known && status.after && me.origin?.number === status.after[0])
     coming.takeOver(me.origin, status.after[1])
   coming.add(chunk)
   const waits = me.run?.stored ? !me.stale : me.run && !exact(me.run) && !(known && status.state === "running")
   if (waits && !coming.whole) return false
-  me.coming = null
   begin(coming)
+  coming = null
   return true
 }
 
@@ -47,7 +51,8 @@ export function follow(message) {
   const picture = new Picture(message, me.run, me.status.values)
   heard(picture.heard)
   begin(picture)
-  Object.assign(me, { at: picture.shown, following: false, coming: null, fresh: true })
+  coming = null
+  Object.assign(me, { at: picture.shown, following: false, fresh: true })
   tellState()
   if (!painting) drawDue(performance.now()) // not an animation frame later
 }
@@ -73,7 +78,7 @@ function begin(run) {
   if (me.status.run === run.number) run.scene = me.status.scene
   by("play").disabled = false
   checkTruth()
-  me.bornAt = performance.now()
+  bornAt = performance.now()
   me.preview = null
 }
 
@@ -105,14 +110,16 @@ function showFresh() {
 }
 
 async function drawFresh(time) {
-  Object.assign(me, { fresh: "drawing", freshAt: time })
+  me.fresh = "drawing"
+  freshAt = time
   await drawPicture(showFresh)
   if (me.fresh === "drawing") me.fresh = false // nothing came meanwhile
 }
 
 // The map takes longest: it is painted in an animation frame of its own
 async function drawLate(time) {
-  Object.assign(me, { stage: me.run.stageOfMap(me.drawn), mappedAt: time })
+  stage = me.run.stageOfMap(me.drawn)
+  mappedAt = time
   await drawPicture(() => drawMap(me.run, me.drawn))
   me.mapped = true
 }
@@ -156,7 +163,7 @@ function showFrame() {
   onCanvases.ofPage = true
   if (run.sheared >= 0 && me.begun === run.number) {
     if (me.approach !== run.approaching(k)) drawPart(run)
-    if (me.stage !== run.stageOfMap(k)) me.mapped = false
+    if (stage !== run.stageOfMap(k)) me.mapped = false
   }
   by("scrub").value = k
 }
@@ -185,9 +192,9 @@ const isPlayed = () => me.playing && !me.dragging && (!me.stale || me.lost || me
 // What is not on screen yet, one thing in an animation frame
 function drawDue(time) {
   const { run } = me, since = (then) => run.whole || time - then > QUIET
-  const mapDue = !me.mapped && me.begun === run.number && since(Math.max(me.mappedAt, me.bornAt))
-  if (me.fresh === true && (me.begun !== run.number || since(me.freshAt))) drawFresh(time)
-  else if (mapDue && !(me.dragging && time - me.mappedAt < HELD)) drawLate(time)
+  const mapDue = !me.mapped && me.begun === run.number && since(Math.max(mappedAt, bornAt))
+  if (me.fresh === true && (me.begun !== run.number || since(freshAt))) drawFresh(time)
+  else if (mapDue && !(me.dragging && time - mappedAt < HELD)) drawLate(time)
   else if (moved) drawNext()
 }
 

@@ -8,17 +8,16 @@ export const declared = {} // what Python declares, as main.js is told
 export const me = Object.seal({ // what is not declared here cannot be set
   // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
   run: null, ghost: null, behind: null, anchor: null,
-  coming: null, // the run that takes the place of what is on screen once it is whole
-  origin: null, from: null, // the run, and [its number, frame], that a change carries on from
+  origin: null, // the run that a change carries on from
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   playing: !reduced, following: true, speed: 0, status: {},
   // no server; the sliders say another scene; the place of the path to go to once it is there
   lost: false, stale: false, place: null,
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   rests: 400, // ms without a move, after which a hand rests although it holds on
-  // frames not drawn yet; map up to date; run whose curves are drawn; stage of the map; whether the approach is drawn
-  fresh: false, mapped: true, begun: null, stage: null, approach: false,
-  freshAt: 0, mappedAt: 0, bornAt: 0, quiet: 0, clock: 0, // ms; clock: s of playing
+  // frames not drawn yet; map up to date; run whose curves are drawn; whether the approach is drawn
+  fresh: false, mapped: true, begun: null, approach: false,
+  quiet: 0, clock: 0, // ms until which a new run has the processor; s of playing
 })
 
 // The increment played at, of the run on screen; -1 before there is any

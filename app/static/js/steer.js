@@ -13,6 +13,7 @@ const BURST = 900 // ms between two moves of one slider that are one drag
 let drag = { name: "", ended: 0 } // what was moved last, and when it was let go, ms
 let last = 0 // when something was sent
 let resting = 0
+let from = null // [number of a run, its frame] that a change carries on from
 
 // Changes parameters {name: text}, one or those of a place of a map
 export function enter(values) {
@@ -33,10 +34,10 @@ export function enter(values) {
 
 // With "carry on" a change takes effect at the increment shown, and the run goes on from there
 function goOnFrom() {
-  me.from = null
+  from = null
   if (!by("carry").checked || !exact(me.run) || !sheared()) return
   me.origin = me.run
-  me.from = [me.run.number, now()]
+  from = [me.run.number, now()]
 }
 
 // Whether the top has been pulled at the increment on screen
@@ -50,7 +51,7 @@ function send(held) {
   if (!me.entered) return
   last = performance.now()
   const at = sheared() ? me.run.curves.U_x[now()] : 0
-  order("scene", me.entered, { ...(me.from && { after: me.from }), ...(held && { held, at }) })
+  order("scene", me.entered, { ...(from && { after: from }), ...(held && { held, at }) })
   me.entered = null
 }
 

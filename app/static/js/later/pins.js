@@ -20,7 +20,7 @@ export const pins = []
 // Only the run itself was carried on from another: loaded, or in a link, its scene begins anew
 export const titleOf = ({ name, carried }) => `${name}${carried ? ", carried on" : ""}`
 const style = (slot) => ({ ink: colour(`--pin-${slot}`), dash: colour(`--pin-${slot}-dash`) })
-export const walksAlong = ({ run: pinned }, run) => pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa
+const walksAlong = ({ run: pinned }, run) => pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa
 const drawable = (run) => pins.filter((pin) => pin.shown && walksAlong(pin, run))
 
 // What the lines of some runs have in common: colours and dashes in columns
@@ -53,7 +53,7 @@ function outline(pin) {
 }
 
 // The frame of a pinned run whose top has been pulled, or pressed, as far as that of the run on screen
-export const matched = ({ run: pinned }, run, k) =>
+const matched = ({ run: pinned }, run, k) =>
   (k < run.sheared ? Math.min(k, pinned.sheared) : pinned.nearest(run.along[k], Math.max(k, pinned.sheared)))
 
 function drawSurfaces(run, k) {
