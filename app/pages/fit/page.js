@@ -7,7 +7,8 @@ import { extent, figures, fill } from "../../static/js/figures.js"
 import { leaveBehind } from "../../static/js/state.js"
 
 const ROOM = 0.08 // of a curve, above and below it
-const OWN = ["phi_n", "phi_ratio", "delta_bar", "E", "drive_t"] // parameters of the scene; the others belong to the axes
+// parameters of the scene; the others belong to the axes
+const OWN = ["phi_n", "phi_ratio", "delta_bar", "E", "drive_t"]
 
 let fitted = null // {values, errors, truth: {name: number}, correlations}
 let measured = false // whether there is a measurement, which sets the ranges
