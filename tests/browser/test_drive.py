@@ -22,6 +22,10 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit):
     slip = next(k for k, frame in enumerate(frames) if frame.slips)
     assert tops[slip] - tops[slip - 1] > frames[slip].U_x - frames[slip - 1].U_x  # the spring takes it along
 
+    last = frames[-1]
+    page.keyboard.press("End")
+    page.get_by_text(f"Uₓ = {last.U_x:.1f} nm (top {last.U_x_top:.1f} nm)").wait_for(timeout=PATIENCE)
+
     page.locator("#take").click()
     with page.expect_download() as download:
         page.locator("#save-csv").click()
