@@ -53,9 +53,7 @@ class Search:
     """The state of a search for an onset, picklable; outcome: the Onset, or None as long as the search goes on."""
 
     checkpoint: Checkpoint | None = None
-    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar) in shear
-    nodes: int = 0  # under repulsion, in the last row
-    strength: float = 0.0  # GPa, the largest that the surface had on the way
+    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar, A_bar by the count of nodes, strength in GPa) in shear
     end: float = 0.0  # nm, of the run in hand
     outcome: Onset | None = None
 
@@ -65,28 +63,27 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     end = search.end or reach(scene)
     longer = _extended(scene, end)
     frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
-    rows, nodes, strength = list(search.rows), search.nodes, search.strength
+    rows = list(search.rows)
     for frame in (frame for frame in frames if frame.stage == "shear"):
+        nodes = np.count_nonzero(frame.T[1] > 0.0) / scene.nodes
         if slips := slips_in(frame):
-            rows.append((slips[0].load, slips[0].F_bar, slips[0].A_bar, slips[0].L_bar))
-            return Search(outcome=_onset(scene, rows, nodes, True))
-        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
-        nodes = int(np.count_nonzero(frame.T[1] > 0.0))
-        strength = max(strength, _strength(scene, frame))
+            at = slips[0]
+            return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar, nodes, 0.0)], True))
+        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes, _strength(scene, frame)))
     if checkpoint.failure:
         raise NotConverged(checkpoint.failure)
     if not checkpoint.done:
-        return Search(checkpoint, tuple(rows), nodes, strength, search.end)
-    farther = reach(scene, strength)
+        return Search(checkpoint, tuple(rows), search.end)
+    farther = reach(scene, max(row[-1] for row in rows))
     if farther <= (1.0 + CREEP) * max(end, scene.u_x_max) or _extended(scene, farther).u_x_max <= longer.u_x_max:
-        return Search(outcome=_onset(scene, rows, nodes, False))
-    return Search(extended(checkpoint), tuple(rows), nodes, strength, farther)
+        return Search(outcome=_onset(rows, False))
+    return Search(extended(checkpoint), tuple(rows), farther)
 
 
-def _onset(scene, rows, nodes, slipped):
-    U, F, A, L = np.array(rows).T.copy()
+def _onset(rows, slipped):
+    U, F, A, L, nodes, _ = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
-    return Onset(*end, float(A[0]), U, F, A, L, nodes / scene.nodes)
+    return Onset(*end, float(A[0]), U, F, A, L, float(nodes[-2:][0] if slipped else nodes[-1]))
 
 
 def _strength(scene, frame):
