@@ -122,6 +122,8 @@ def test_the_curve_that_is_asked_about_is_fully_in_sight_at_every_step(visit, qu
             page.set_viewport_size({"width": width, "height": height})
             laid_out(page)
             assert page.evaluate(SEEN, "area"), (phase, width)
+            high = page.evaluate("document.querySelector('main .area .view').clientHeight")
+            assert high >= (150 if width < 600 else 100), (phase, width, high)
         if phase == "ask":
             page.evaluate("punch.speed = 20")
             page.keyboard.press("2")
