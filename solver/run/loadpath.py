@@ -207,7 +207,9 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
         return failure
     remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
     if isinstance(failure, Restless):
-        remedy = "try another indentation or a larger E" + " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
+        overdamped = "damping=inf, " * (any(scene.drive_compliance) and scene.damping != inf)
+        weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
+        remedy = f"try {overdamped}another indentation or a larger E{weaker}"
     if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
         remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
     elif not fast and not isinstance(failure, Restless):

@@ -14,10 +14,13 @@ from solver.analysis.friction_laws import critical_modulus, friction, friction_f
 from solver.analysis.measurement import Measurement
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
+from solver.continuation.state import Restless
 from solver.files import curves_of
 from solver.following.follow import follow
 from solver.following.from_run import skeleton_of
 from solver.run.frame import slips_in
+from solver.run.load_steps import load_steps_of
+from solver.run.loadpath import with_remedy
 from solver.text import number_from_text
 from solver.validation.recheck import recheck
 
@@ -177,3 +180,12 @@ def test_curves_have_columns_of_the_top_only_with_a_drive():
     curves = curves_of(frames)
     assert curves["U_x_top"][-1] == frames[-1].U_x_top < frames[-1].U_x == curves["U_x"][-1]
     assert "U_x_top" not in curves_of(list(load_path(PUNCH.changed(u_x_max=0.5))))
+
+
+def test_message_of_a_transient_without_rest_suggests_no_inertia_for_a_soft_drive():
+    driven = Scene(drive_n=5.0, damping=4.0)
+    step = load_steps_of(driven)[0]
+    message = str(with_remedy(Restless("it flutters"), driven, step, 0.0))
+    assert "try damping=inf, another indentation" in message
+    for scene in (Scene(damping=4.0), driven.changed(damping=inf)):
+        assert "damping=inf" not in str(with_remedy(Restless("it flutters"), scene, step, 0.0))
