@@ -125,7 +125,7 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
         root = ET.fromstring(saved(sheet, "#save-svg"))
         text = " ".join("".join(node.itertext()) for node in root.iter() if node.tag.endswith("}text"))
         assert "δ/δ₀ = 0.4" in text and "φₜ/φₙ = 0.1" in text
-        assert name in ("punch", "traction") or "displacement of the top" in text  # its own axis, also above another
+        assert name in ("punch", "traction") or "displacement Uₓ" in text  # its own axis, also above another
         assert (name == "map") == ("colours: from" in text)
         assert len(list(root.iter())) > 20  # axes and curves
 
