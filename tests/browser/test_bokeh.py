@@ -162,7 +162,7 @@ def test_no_canvas_is_a_stop_of_the_tab_key(still):
 
 def test_a_figure_becomes_an_svg_with_its_words(still):
     svg = still.evaluate("bokeh.svgOf(figures.map)")  # the lowest of the curves, whose axis all share
-    assert svg.startswith("<svg") and "displacement of the top" in svg
+    assert svg.startswith("<svg") and "displacement Uₓ" in svg
 
 
 def test_the_element_that_holds_a_figure_is_found_from_within_it(still):
