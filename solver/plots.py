@@ -11,7 +11,7 @@ import numpy as np
 
 from .run.frame import Frame
 from .run.summary import fields_of
-from .scene import LIMITS, Scene
+from .scene import LIMITS, PARAMETERS, Scene
 
 if TYPE_CHECKING:
     import holoviews as hv
@@ -91,6 +91,21 @@ def first_slips(table: pd.DataFrame, x: str, y: str, of: str | None) -> hv.Layou
     numbers = hv.HeatMap(cells, kdims, hv.Dimension(column, unit=UNITS.get(column)))
     regimes = {name: hv.Points(part, kdims, []) for name, part in cells.groupby("regime", sort=False)}
     return _sized(numbers.opts(hv.opts.HeatMap(colorbar=True)) + hv.NdOverlay(regimes, kdims="regime"))
+
+
+def friction_over_load(table: pd.DataFrame) -> hv.Overlay:
+    """F_s over L_s of the first slips in a table of `sweep`, and the line L = 0, where adhesion alone holds.
+
+    The columns of parameters colour the points, the first one, and name them, all.
+    """
+    import holoviews as hv
+
+    _ready()
+    names = [name for name in table if name in PARAMETERS]
+    slips = table[table["outcome"] == "slips"]
+    points = hv.Points(slips, ["L_s (N/m)", "F_s (N/m)"], names)
+    colour = {"color": names[0], "colorbar": True} if names else {}
+    return (points.opts(size=8, tools=["hover"], **SIZES["bokeh"], **colour, backend="bokeh")) * hv.VLine(0.0)
 
 
 def _ready():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver import Axis, Map, Scene, explored, load_path, simulate, skeleton_of, spread, summarize, sweep
+from solver import Axis, Map, Scene, explored, load_path, plots, simulate, skeleton_of, spread, summarize, sweep
 from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
@@ -131,3 +131,22 @@ def test_an_exported_spread_is_an_interval_around_the_slip():
 @pytest.mark.parametrize(("count", "text"), [(0, "0 slips"), (1, "1 slip"), (2, "2 slips")])
 def test_a_count_of_one_takes_the_singular(count, text):
     assert counted(count, "slip") == text
+
+
+@pytest.mark.slow
+def test_friction_over_load_plots_the_slips_of_a_sweep_and_leaves_runs_without_a_slip_out():
+    """F_s does not vanish with L: at the default, adhesion alone holds."""
+    from bokeh.models import HoverTool, Scatter
+    from holoviews import render
+
+    quick = Scene(nodes=256, width=625.0, du_x=0.5, u_x_max=14.0)
+    table = sweep(quick, delta_bar=[0.0, 0.2], phi_ratio=[0.0, 1.0])
+    figure = render(plots.friction_over_load(table), backend="bokeh")
+    drawn = next(part for part in figure.renderers if isinstance(part.glyph, Scatter))
+    slips = table[table["outcome"] == "slips"]
+    assert 0 < len(slips) < len(table)
+    data, glyph = drawn.data_source.data, drawn.glyph
+    assert list(data[glyph.x]) == list(slips["L_s (N/m)"]) and list(data[glyph.y]) == list(slips["F_s (N/m)"])
+    assert min(data[glyph.x]) < 0.0 < min(data[glyph.y])
+    tips = str(next(tool for tool in figure.tools if isinstance(tool, HoverTool)).tooltips)
+    assert "delta_bar" in tips and "phi_ratio" in tips
