@@ -1,20 +1,25 @@
 """How soon a moved slider shows in a real browser: the first changed frame and the whole new curve, p50 and p95.
 
-Run `panel serve app` first, then `python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--json FILE]`. Times
-are taken in the page, from the slider's input event to the animation frame after the one that painted the new run. One
-visitor, warm. Without --drag: single key steps, each after the curve of the one before. With it: each of the three
-sliders is dragged at 20 moves a second, slowly and quickly, forth and back; prints new curves per second, their age,
-and the time from the release to the exact run. The scenes are new to the server unless --known is given.
+`python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--json FILE]` starts a server unless it has a --url.
+The page takes the times, from the slider's input event to the animation frame after the one that painted the new run.
+There is one visitor, on a warm server. Without --drag, each key step follows the curve of the one before.
+With it, each of three sliders is dragged at 20 moves a second, slowly and quickly, forth and back. It prints new curves
+per second, their age, and the time from the release to the exact run. Scenes are new to the server without --known.
 """
 
 import argparse
 import json
 import os
 import shutil
+import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 from playwright.sync_api import sync_playwright
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
+from served import Server
 
 WATCH = """
 (name) => {
@@ -116,7 +121,7 @@ def drag(page, name, positions, moves):
 
 
 def drags(page, moves):
-    """All twelve, {name: what was seen}, told as they come."""
+    """Drag each slider slowly and quickly, forth and back; print each row; return {name: what was seen}."""
     found = {}
     for name, ways in DRAGS.items():
         for pace, positions in zip(("slow", "quick"), ways, strict=True):
@@ -131,20 +136,34 @@ def drags(page, moves):
     return found
 
 
+@contextmanager
+def served(url):
+    """The address of the app: `url`, or that of a server with warm workers, which is stopped at the end."""
+    if url:
+        yield url
+        return
+    server = Server()
+    try:
+        server.wait_for("workers are warm")
+        yield server.address
+    finally:
+        server.stop()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--url", default="http://localhost:5006/app")
+    parser.add_argument("--url", help="of a running app (default: start a server)")
     parser.add_argument("--moves", type=int, default=40, help="of a drag or, step by step, of all: 120 at most")
-    parser.add_argument("--known", action="store_true", help="the same scenes every time: found on the server's shelf")
+    parser.add_argument("--known", action="store_true", help="the same scenes every time, which the server has stored")
     parser.add_argument("--drag", action="store_true", help="move on every 50 ms without waiting, as a hand does")
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()
     chromium = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    with sync_playwright() as playwright:
+    with served(options.url) as url, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=BROWSER)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         stiffness = 70.0 if options.known else 70.0 + time.time() % 1.0
-        page.goto(f"{options.url}?E={stiffness:.6f}" + ("" if options.drag else "&delta_bar=-0.3"))
+        page.goto(f"{url}?E={stiffness:.6f}" + ("" if options.drag else "&delta_bar=-0.3"))
         page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
         found = (drags if options.drag else step_by_step)(page, options.moves)
         browser.close()

@@ -13,8 +13,10 @@ from contextlib import suppress
 
 from client import Server, Tab, summary, tell
 
+from app import pages
+
 TOGETHER = 4  # visits at a time
-PAGES = "", "law", "stickslip", "arealaws", "solid"
+PAGES = "", *pages.listed()
 
 
 async def arrive(port, number, wait, found):

@@ -1,0 +1,27 @@
+"""Benches run on their smallest input and print their figure."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+SMALLEST = {  # bench: (arguments, what it prints)
+    "follow": (["--scenes", "1"], "F, L and A all right"),
+    "jumps": (["--scenes", "1"], "1 scenes"),
+    "map": (["--x", "delta_bar=0:0.2:2", "--y", "phi_ratio=0.5:1:2", "--workers", "1", "--checks", "1"], "U_s off by"),
+    "onset": (["--scenes", "1"], "1 scenes at du_x"),
+    "rests": (["--scenes", "2", "--jobs", "1"], "slips located"),
+    "skeletons": (["--scenes", "1"], "error of F_s"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SMALLEST)
+def test_a_bench_prints_its_figure(name):
+    arguments, figure = SMALLEST[name]
+    command = [sys.executable, HERE / f"{name}.py", *arguments]
+    ended = subprocess.run(command, cwd=HERE.parents[1], capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    assert figure in ended.stdout
