@@ -34,7 +34,7 @@ from .presets import PresetError, presets
 from .reports import add_accuracy, add_stability
 from .results import with_progress
 from .run.shortcuts import account
-from .scene import CHOICES, PARAMETERS
+from .scene import CHOICES, LIMITS, PARAMETERS
 from .text import counted
 from .threads import one_thread
 from .verify import add_verify
@@ -101,7 +101,7 @@ def parameter_table() -> str:
     lines, indent = [], 12 * " "
     for name, parameter in PARAMETERS.items():
         default = getattr(Scene, name)
-        lines.append(f"{name:<11} {parameter.span}, default {default if name in CHOICES else f'{default:g}'}")
+        lines.append(f"{name:<11} {parameter.span}, default {f'{default:g}' if name in LIMITS else default or 'none'}")
         words = (f"{word}: {meaning}" for word, meaning in CHOICES.get(name, {}).items())
         for text in (parameter.meaning, *words):
             lines += wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + "  ")

@@ -1,14 +1,15 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil, e, floor, hypot, inf, pi, sqrt
 from sys import float_info
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .schema import Choice, Range, SceneError, number, parameters, word
+from .schema import Choice, Range, SceneError, number, parameters, path_points, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
 ROUNDINGS = 2.0  # largest measured round-off of a residual over the estimate of `Scene.attainable`, on soft scenes
@@ -21,6 +22,7 @@ PATHS = {
     "shear": "approach, then shear",
     "unload": "approach, retraction and approach again at U_x = 0",
     "loop": "approach, then shear to u_x_max, back to -u_x_max, and forth again",
+    "points": "straight lines between the points of the parameter `points`",
 }
 DAMPING = "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped"
 UNDERDAMPED = "with less, waves of the contact flutter and never come to rest"
@@ -32,7 +34,34 @@ LAWS = {
     "np1": "the paper's, whose resistance to shear grows with overclosure",
     "xu-needleman": "with a potential for phi_ratio 1; its resistance to shear falls with overclosure",
 }
+DEPTHS = -1.0, 100.0, "δ₀"  # of delta_bar; the surfaces are apart at -1
+FAR = 1e4  # nm
+POINTS = "points U_x,delta_bar of path 'points', in nm and δ₀; semicolons separate them"
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
+
+
+class Leg(NamedTuple):
+    """A straight line of the stage from one (U_x, delta) to another, nm, with the steps du_x and du_z, nm."""
+
+    begin: tuple[float, float]
+    end: tuple[float, float]
+    du_x: float
+    du_z: float
+
+    @property
+    def across(self) -> float:
+        """Change of U_x, nm."""
+        return self.end[0] - self.begin[0]
+
+    @property
+    def down(self) -> float:
+        """Change of delta, nm."""
+        return self.end[1] - self.begin[1]
+
+    @property
+    def increments(self) -> int:
+        """Number of increments; the last one may be shorter."""
+        return ceil(max(abs(self.across) / self.du_x, abs(self.down) / self.du_z) - 1e-9)
 
 
 @dataclass(frozen=True)
@@ -44,10 +73,13 @@ class Scene:
     impossible combination.
     """
 
-    delta_bar: float = number(0.0, -1.0, 100.0, "δ₀", "indentation depth δ over δ₀ = 10 δₙ", LOADING)
+    delta_bar: float = number(0.0, *DEPTHS, "indentation depth δ over δ₀ = 10 δₙ", LOADING)
     path: str = word("shear", PATHS, "stages of the load path", LOADING)
+    points: str = path_points(
+        (Range(-FAR, FAR, "nm", "", LOADING), Range(*DEPTHS, "", LOADING)), 20, POINTS, LOADING
+    )
     hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
-    u_x_max: float = number(40.0, 0.0, 1e4, "nm", "largest tangential displacement of the stage", LOADING)
+    u_x_max: float = number(40.0, 0.0, FAR, "nm", "largest tangential displacement of the stage", LOADING)
     drive_t: float = number(
         inf, *DRIVE, "stiffness of the drive along x, between stage and top", LOADING, unbounded=True
     )
@@ -98,8 +130,11 @@ class Scene:
         """(parameter, what is allowed, remedy) of each impossible combination."""
         if refused := SURFACES[self.surface].refused(self):
             yield refused
-        if self.path == "unload" and self.hold == "load":
-            yield "hold", "allowed with path 'unload': delta", "choose path 'shear' or 'loop'"
+        if self.path in ("unload", "points") and self.hold == "load":
+            yield "hold", f"allowed with path {self.path!r}: delta", "choose path 'shear' or 'loop'"
+        if self.path == "points" and not self._approaches():
+            above = "two points or more, the first at delta_bar -1, the second at the same U_x: the approach"
+            yield "points", f"allowed with path 'points': {above}", "write them as 0,-1; 0,0.2; 8,0.2"
         if self.hold == "load" and self.drive_n != inf:
             yield "drive_n", "allowed with hold 'load', where no spring acts: inf", "use drive_n=inf or hold=delta"
         thick = self.height * self.width
@@ -129,7 +164,10 @@ class Scene:
         if self.tolerance < least:
             allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
             yield "tolerance", allowed, f"enlarge it, or {soft}"
-        for name, steps in (("du_x", self.shear_increments), ("du_z", self.approach_increments)):
+        steps_of = ("du_x", self.shear_increments), ("du_z", self.approach_increments)
+        if self.path == "points":
+            steps_of = (("du_x", sum(leg.increments for leg in self.legs)),)
+        for name, steps in steps_of:
             if steps > LARGEST_RUN:
                 allowed = f"the run would take {steps} increments, at most {LARGEST_RUN} are allowed"
                 yield name, allowed, f"enlarge {name} or shorten the run"
@@ -154,8 +192,24 @@ class Scene:
         # how far adhesion can draw the surface down: the layer as a whole and a wave as long as the cell
         compliance = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)) * h + min(h, long_waves * h)
         drawn = (compliance / self.shear_modulus + self.drive_compliance[1]) * self.phi_n / (e * self.delta_n)
-        largest = self.u_x_max + self.delta_0 + abs(self.delta) + min(drawn, 0.5 * float(self.profile.max()))
+        farthest = max((abs(leg.end[0]) for leg in self.legs), default=self.u_x_max)
+        largest = farthest + self.delta_0 + abs(self.delta) + min(drawn, 0.5 * float(self.profile.max()))
         return ROUNDINGS * float_info.epsilon * largest * stiffness * amplified
+
+    def _approaches(self):
+        """Whether the points begin with an approach, and none repeats the one before."""
+        legs = self.legs
+        return bool(legs) and legs[0].begin[1] == -self.delta_0 and not legs[0].across and all(leg.increments for leg in legs)
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The straight lines of path 'points'; empty on another path."""
+        if self.path != "points":
+            return ()
+        pairs = PARAMETERS["points"].read("points", self.points)
+        corners = [(U_x, delta_bar * self.delta_0) for U_x, delta_bar in pairs]
+        steps = self.du_x * self.delta_t, self.du_z * self.delta_n
+        return tuple(Leg(begin, end, *steps) for begin, end in pairwise(corners))
 
     @property
     def spacing(self) -> float:
@@ -189,8 +243,8 @@ class Scene:
 
     @property
     def delta(self) -> float:
-        """Indentation depth at the end of the approach, nm."""
-        return self.delta_bar * self.delta_0
+        """Indentation depth at the end of the approach, nm; of path 'points' the largest one."""
+        return max((leg.end[1] for leg in self.legs), default=self.delta_bar * self.delta_0)
 
     @property
     def approach_increments(self) -> int:
@@ -226,6 +280,6 @@ class Scene:
         return {name: getattr(self, name) for name in PARAMETERS if getattr(self, name) != getattr(other, name)}
 
 
-PARAMETERS = parameters(Scene)  # {name: Range or Choice}
+PARAMETERS = parameters(Scene)  # {name: Range, Choice or Points}
 LIMITS = {name: parameter for name, parameter in PARAMETERS.items() if isinstance(parameter, Range)}
 CHOICES = {name: parameter.choices for name, parameter in PARAMETERS.items() if isinstance(parameter, Choice)}

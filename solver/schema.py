@@ -70,6 +70,41 @@ class Choice(NamedTuple):
         return value
 
 
+class Points(NamedTuple):
+    """Points of a path as text: "0,-1; 0,0.2; 8,0.2" holds three pairs of numbers; `axes` are their ranges."""
+
+    axes: tuple[Range, Range]
+    most: int
+    meaning: str
+    group: str
+
+    @property
+    def span(self) -> str:
+        """The ranges as text."""
+        return f"up to {self.most} pairs, {self.axes[0].span} and {self.axes[1].span}"
+
+    def read(self, name: str, text: Any) -> list[tuple[float, float]]:
+        """The pairs of a text; raises SceneError, which names the pair."""
+        pairs = [pair for pair in str(text).split(";") if pair.strip()]
+        if not isinstance(text, str) or len(pairs) > self.most:
+            raise SceneError(name, text, f"allowed: {self.span}", f"write at most {self.most} of them as text")
+        return [self._pair(name, pair.split(",")) for pair in pairs]
+
+    def _pair(self, name, numbers):
+        if len(numbers) != 2:
+            raise SceneError(name, ",".join(numbers), "allowed: pairs of numbers", "write them as 0,-1; 0,0.2; 8,0.2")
+        try:
+            values = [float(number) for number in numbers]
+        except ValueError:
+            values = [nan, nan]
+        x, y = (axis.checked(name, value) for axis, value in zip(self.axes, values, strict=True))
+        return x, y
+
+    def checked(self, name: str, value: Any) -> str:
+        """`value` in its shortest form; raises SceneError."""
+        return "; ".join(f"{x:.12g},{y:.12g}" for x, y in self.read(name, value))
+
+
 def as_number(value: Any) -> float:
     """`value` as a float; nan for texts, truth values and everything else that is not a number."""
     try:
@@ -95,6 +130,11 @@ def word(default: str, *declared: Any) -> Any:
     return field(default=default, metadata={"parameter": Choice(*declared)})
 
 
-def parameters(cls: type) -> dict[str, Range | Choice]:
-    """{name: Range or Choice} of a dataclass, in the order of its fields."""
+def path_points(*declared: Any) -> Any:
+    """A dataclass field that holds the points of a path as text, by default none; the arguments are those of Points."""
+    return field(default="", metadata={"parameter": Points(*declared)})
+
+
+def parameters(cls: type) -> dict[str, Range | Choice | Points]:
+    """{name: Range, Choice or Points} of a dataclass, in the order of its fields."""
     return {f.name: f.metadata["parameter"] for f in fields(cls) if "parameter" in f.metadata}

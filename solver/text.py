@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from .scene import CHOICES, LIMITS, PARAMETERS, Scene, SceneError
+from .scene import LIMITS, PARAMETERS, Scene, SceneError
 from .schema import Range, name_remedy
 from .surfaces import Profile
 
@@ -60,7 +60,7 @@ def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, no
     for name, text in pairs.items():
         if name not in PARAMETERS:
             raise SceneError("name", name, f"allowed: {', '.join(PARAMETERS)}", name_remedy(name, PARAMETERS))
-        values[name] = text if name in CHOICES else number_from_text(name, text, notes)
+        values[name] = number_from_text(name, text, notes) if name in LIMITS else text
     return Scene(**values)
 
 

@@ -166,8 +166,7 @@ def layer_table(scene, depth, rows, modes):
 def slow_motion(scene, before, after):
     """Packed blocks of the motion between two frames, each (packed block, row); or why there is none."""
     goal = _frame(scene, *after)
-    name, sign = STAGES[goal.stage]
-    load = sign * getattr(goal, name)
+    load = next(step.loading.load_of(goal) for step in load_steps_of(scene) if step.stage == goal.stage)
     try:
         film, _ = through(scene, _frame(scene, *before), goal.stage, load, limit=worker.SLOW)
     except (NotConverged, ValueError) as error:

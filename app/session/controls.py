@@ -105,8 +105,9 @@ def meaning(name):
     """What is to be said beside a parameter of the drawer: the rest of its meaning, and its range."""
     if name in CHOICES:
         return ""
-    rest = RANGES[name].meaning.removeprefix(words(name)).lstrip(",; ")
-    return f"{rest}; {RANGES[name].span}" if rest else RANGES[name].span
+    parameter = RANGES.get(name, PARAMETERS[name])
+    rest = parameter.meaning.removeprefix(words(name)).lstrip(",; ")
+    return f"{rest}; {parameter.span}" if rest else parameter.span
 
 
 def applies(name):
@@ -114,6 +115,8 @@ def applies(name):
     kinds = [kind for kind, surface in SURFACES.items() if name in surface.parameters]
     if kinds:
         return {"surface": kinds}
+    if name == "points":
+        return {"path": ["points"]}
     return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x", "drive_t") else {}
 
 
@@ -122,7 +125,7 @@ def read(name, text, notes=None, scene=None):
 
     scene: of whose lengths the number may be a part; then '4 nm' is as good as 0.4.
     """
-    if name in CHOICES:
+    if name not in LIMITS:
         return PARAMETERS[name].checked(name, text)
     unit = "δ₀" if name == "delta_bar" else RANGES[name].unit
     whole = getattr(scene, WHOLES[unit]) if scene and unit in WHOLES else None

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..run.frame import STAGES, Frame
+from ..run.frame import Frame, kind, moving
 from ..run.summary import whole_surface
 from ..scene import Scene
 
@@ -68,8 +68,10 @@ def layer_energy(scene, frame) -> float:
 
 def _top(before, frame, following):
     """Work of the stage between two frames, nN: F dU_x + L d(delta)."""
-    if STAGES[frame.stage][0] == "delta":
+    if moving(frame.stage) == "delta":
         return _integral(before, frame, following, "delta", "L")
+    if kind(frame.stage) == "move":
+        return _integral(before, frame, following, "U_x", "F") + _integral(before, frame, following, "delta", "L")
     # a held load is the same before and after a slip, however delta changes
     return _integral(before, frame, following, "U_x", "F") + _trapezoid(before, frame, "delta", "L")
 
@@ -88,9 +90,12 @@ def _integral(before, frame, following, along, force):
     if following is not None and not following.slips and getattr(following, along) != end:
         slope = (getattr(following, force) - last) / (getattr(following, along) - end)
     total = 0.0
+    first, of = load, moving(frame.stage)
     for slip in frame.slips:
-        total += 0.5 * (f + getattr(slip, f"{force}_bar") * frame.unit) * (slip.load - load)
-        load, f = slip.load, last - slope * (end - slip.load)
+        part = (slip.load - getattr(before, of)) / (getattr(frame, of) - getattr(before, of))
+        at = first + part * (end - first)
+        total += 0.5 * (f + getattr(slip, f"{force}_bar") * frame.unit) * (at - load)
+        load, f = at, last - slope * (end - at)
     return total + 0.5 * (f + last) * (end - load)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..scene import SURFACES, Scene, SceneError
-from .frame import STAGES, Frame, load_of
+from .frame import Frame, moving
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
@@ -41,10 +41,10 @@ def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
     """
     approach, following, *_ = load_steps_of(frame.scene)
     stage = following.stage if frame.stage == "approach" and frame.delta >= approach.end else frame.stage
-    if STAGES[stage][0] != "U_x":
+    if frame.scene.legs or changed.legs or moving(stage) != "U_x":
         raise ValueError(f"stage = {stage!r}: a run goes on with changed parameters in shear only; start it anew")
     _refuse(frame.scene, changed)
-    rest = _rest(stage, changed, load_of(frame, stage))
+    rest = _rest(stage, changed, frame)
     press = _press(frame, changed)
     ahead = rest if press is None else (press, *rest)
     return checkpoint_at(frame, ahead, unsure=True)._replace(carried=True)
@@ -76,13 +76,14 @@ def _refuse(scene, changed):
             raise SceneError(name, getattr(changed, name), *given)
 
 
-def _rest(stage, changed, load):
-    """The load steps of `changed` from that load (nm) of that stage on."""
+def _rest(stage, changed, frame):
+    """The load steps of `changed` from a Frame on, of that stage."""
     load_steps = load_steps_of(changed)
     position = next((i for i, step in enumerate(load_steps) if step.stage == stage), None)
     if position is None:
         raise SceneError("path", changed.path, f"allowed: one with stage {stage!r}, in which the run is", "start anew")
     step = load_steps[position]
+    load = step.loading.load_of(frame)
     end = step.at(step.increments)
     ahead = (end - load) / step.increment
     if ahead < -1e-9:

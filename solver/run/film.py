@@ -13,7 +13,7 @@ from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
 from .carry import checkpoint_at
-from .frame import Frame, frame_of, load_of
+from .frame import Frame, frame_of
 from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import deadline, with_remedy
@@ -34,7 +34,8 @@ def through(
         if np.ptp(before.u, axis=1).max() > 1e-3 * scene.delta_t:
             raise ValueError("not all nodes of this flat are alike, and only some of them are at hand")
         before = replace(before, u=before.u[:, :1])
-    step, start = _step(scene, before, stage), load_of(before, stage)
+    step = _step(scene, before, stage)
+    start = step.loading.load_of(before)
     step = replace(step, start=start, increment=load - start, increments=1, end=load)
     begin = checkpoint_at(before, (step,))
     problem = step.problem(Contact(scene, *begin.patch), begin.pressure)

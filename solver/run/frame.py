@@ -14,7 +14,9 @@ from ..continuation.rest import OPTIONS as REST
 from ..mechanics.flutter import safe_damping
 from ..scene import Scene
 
-STAGES = {  # stage: what changes along it, and which way; press: to another indentation, see `carry`
+# stage: what changes along it, and which way. A stage of path "points" has a number before, as in "2 shear".
+# press: to another indentation, see `carry`
+STAGES = {
     "approach": ("delta", 1.0),
     "shear": ("U_x", 1.0),
     "back": ("U_x", -1.0),
@@ -22,6 +24,7 @@ STAGES = {  # stage: what changes along it, and which way; press: to another ind
     "unload": ("delta", -1.0),
     "reload": ("delta", 1.0),
     "press": ("delta", 1.0),
+    "move": ("U_x", 1.0),  # with delta, along an oblique line
 }
 
 # T_z over phi_n/delta_n from which a node is in contact: elsewhere it only tells zero from round-off, but on a flat at
@@ -29,6 +32,16 @@ STAGES = {  # stage: what changes along it, and which way; press: to another ind
 CONTACT, CONTACT_OF_FLATS = 1e-8, 1e-3
 
 SAMPLE = 8  # frames: along a branch the safe damping changes by less than 0.05 in so many; one takes 0.2 ms
+
+
+def moving(stage: str) -> str:
+    """What changes along a stage, "U_x" or "delta": the load of its SlipEvents."""
+    return STAGES[kind(stage)][0]
+
+
+def kind(stage: str) -> str:
+    """A stage without its number."""
+    return stage.split(" ")[-1]
 
 
 @dataclass(frozen=True)
@@ -51,7 +64,7 @@ class SlipEvent:
 
     def as_dict(self) -> dict[str, Any]:
         """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
-        load = STAGES[self.stage][0]
+        load = moving(self.stage)
         numbers = {"F_bar": self.F_bar, "L_bar": self.L_bar, "A_bar": self.A_bar}
         return {"stage": self.stage, load: self.load} | numbers | {"kind": self.kind, "located": self.located}
 
@@ -146,12 +159,6 @@ def largest_safe_damping(frames: Sequence[Frame]) -> float:
 def slips_in(run) -> list[SlipEvent]:
     """The SlipEvents of a Frame or Skeleton without the jump where a held load takes over ("control")."""
     return [event for event in run.slips if event.kind != "control"]
-
-
-def load_of(frame, stage) -> float:
-    """The load of a Frame along a stage, nm."""
-    name, sign = STAGES[stage]
-    return sign * getattr(frame, name)
 
 
 def forces(scene, T) -> tuple[Any, Any]:

@@ -5,9 +5,10 @@ the one with direction (-1, 0). Every step begins with the state that the one be
 """
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import copysign, hypot, inf
 
 from ..mechanics.equilibrium import Equilibrium
+from .frame import moving
 from .loading import Loading, sideways, vertical
 
 # delta_0 above first touch, where a retraction ends even if the punch still adheres: a punch on E = 0.5 GPa detaches at
@@ -39,12 +40,46 @@ class LoadStep:
 
 def load_steps_of(scene) -> tuple[LoadStep, ...]:
     """The LoadSteps of a scene's path, in order."""
+    if scene.legs:
+        return tuple(_straight(number, leg) for number, leg in enumerate(scene.legs, 1))
     return _lowering(scene, "approach"), *_FOLLOWING[scene.path](scene)
+
+
+def position(scene, frame, slip=None) -> float:
+    """How far along its path a Frame is, or a SlipEvent in it, nm from the end of the approach."""
+    far = 0.0
+    for step in load_steps_of(scene):
+        if step.stage == frame.stage:
+            break
+        far += step.end - step.start if step.stage != "approach" else 0.0
+    far += step.loading.load_of(frame) - (step.start if step.stage != "approach" else step.end)
+    if slip is None:
+        return far
+    name = moving(frame.stage)
+    return far - abs((getattr(frame, name) - slip.load) / step.loading.direction[name == "delta"])
 
 
 def lifts(scene) -> bool:
     """Whether after the approach the top moves up and down only, so that curves are drawn along delta, not U_x."""
     return not any(step.loading.direction[0] for step in load_steps_of(scene))
+
+
+def _straight(number, leg):
+    """The LoadStep of a Leg; the first one is the approach."""
+    (x, delta), (x_end, delta_end), du_x, du_z = leg
+    if not leg.across:
+        sign = copysign(1.0, leg.down)
+        stage, loading = ("reload" if sign > 0.0 else "unload"), vertical(sign, x)
+        start, end, increment = sign * delta, sign * delta_end, du_z
+    elif not leg.down:
+        sign = copysign(1.0, leg.across)
+        stage, loading = ("shear" if sign > 0.0 else "back"), sideways(sign, -delta)
+        start, end, increment = sign * x, sign * x_end, du_x
+    else:
+        start, end = 0.0, hypot(leg.across, leg.down)
+        stage, loading = "move", Loading("path", (x, -delta), (leg.across / end, -leg.down / end))
+        increment = end / leg.increments
+    return LoadStep("approach" if number == 1 else f"{number} {stage}", loading, start, increment, leg.increments, end)
 
 
 def _lowering(scene, stage):

@@ -15,6 +15,11 @@ class Loading:
         """(U_x, U_z) at that load, nm."""
         return self.base[0] + load * self.direction[0], self.base[1] + load * self.direction[1]
 
+    def load_of(self, frame) -> float:
+        """The load of a Frame on this path, nm."""
+        (x, z), (along_x, along_z) = self.base, self.direction
+        return along_x * (frame.U_x - x) + along_z * (-frame.delta - z)
+
     def coordinate(self, load) -> float:
         """U_x or delta, whichever changes along the path, at that load, nm."""
         U_x, U_z = self.at(load)

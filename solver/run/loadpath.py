@@ -158,7 +158,7 @@ class Run:
         scene = self.scene
         problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene))
-        if self._fast and "translation" in self.leave_out and step.loading.direction[0]:
+        if self._fast and "translation" in self.leave_out and not step.loading.direction[1]:
             stepper = Replay(stepper, scene.spacing)
         self._stepper, self._place = stepper, place
         return stepper

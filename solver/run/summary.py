@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
-from .frame import Frame, largest_safe_damping, load_of, slips_in
+from .frame import Frame, kind, largest_safe_damping, slips_in
 from .load_steps import load_steps_of
 
 
@@ -48,7 +48,7 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """
     names = changing(frames)
     events = [event.as_dict() | _values(f, names) for f in frames for event in f.slips]
-    sliding = (e.as_dict() | _values(f, names) for f in frames if f.stage == "shear" for e in slips_in(f))
+    sliding = (e.as_dict() | _values(f, names) for f in frames if kind(f.stage) == "shear" for e in slips_in(f))
     first: dict[str, Any] = next(sliding, {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {
@@ -64,7 +64,7 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
         "F_s": first.get("F_bar"),
         "A_s": first.get("A_bar"),
     }
-    if retraction := [f.L_bar for f in after if f.stage == "unload"]:
+    if retraction := [f.L_bar for f in after if kind(f.stage) == "unload"]:
         summary["L_min"] = min(retraction)
     if names:
         summary |= {"E_s": first.get("E", scene.E) if first else None, "changes": changes(frames)}
@@ -76,7 +76,7 @@ def _converged(scene, frames):
     last = load_steps_of(scene)[-1]
     if not frames or frames[-1].stage != last.stage:
         return False
-    ended = load_of(frames[-1], last.stage) >= last.at(last.increments) - 1e-9 * last.increment
+    ended = last.loading.load_of(frames[-1]) >= last.at(last.increments) - 1e-9 * last.increment
     return ended and all(f.residual <= f.scene.tolerance for f in frames)
 
 

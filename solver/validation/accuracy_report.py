@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any, NamedTuple
 
 from ..cautions import flutter
-from ..run.frame import STAGES
+from ..run.frame import moving
 from ..scene import LIMITS
 from ..text import changes
 from .accuracy import FULL, LEAST, QUICK, SWEEPS, Report
@@ -118,7 +118,7 @@ def _landed(report):
 
 def _places(slips):
     """The loads of these slips, as text; "" if there are none."""
-    loads = ", ".join(f"{STAGES[slip.stage][0]} = {slip.load:.5g} nm" for slip in slips)
+    loads = ", ".join(f"{moving(slip.stage)} = {slip.load:.5g} nm" for slip in slips)
     return f" after the slip at {loads}" if loads else ""
 
 
