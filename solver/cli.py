@@ -101,7 +101,7 @@ def parameter_table() -> str:
     lines, indent = [], 12 * " "
     for name, parameter in PARAMETERS.items():
         default = getattr(Scene, name)
-        lines.append(f"{name:<11} {parameter.span}, default {f'{default:g}' if name in LIMITS else default or 'none'}")
+        lines.append(f"{name:<11} {parameter.span}, default {f'{default:g}' if name in LIMITS else default}")
         words = (f"{word}: {meaning}" for word, meaning in CHOICES.get(name, {}).items())
         for text in (parameter.meaning, *words):
             lines += wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + "  ")

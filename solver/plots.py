@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .run.frame import Frame
+from .run.load_steps import abscissa, place
 from .run.summary import fields_of
 from .scene import LIMITS, PARAMETERS, Scene
 
@@ -24,17 +25,17 @@ UNITS = {"U_s": "nm", "F_s": "wE", "A_s": "w", "A_0": "w", "L_min": "wE"}
 
 
 def experiment(scene: Scene, frames: Sequence[Frame]) -> hv.Layout:
-    """F and L, A, and T_z over x, along U_x (with path "unload": delta)."""
+    """F and L, A, and T_z over x, along U_x, or delta, or the path: see `load_steps.abscissa`."""
     import holoviews as hv
 
     _ready()
-    along = "delta" if scene.path == "unload" else "U_x"
+    along = abscissa(scene)
     across, force, area = (
         hv.Dimension(along, unit="nm"),
         hv.Dimension("force", unit="N/m"),
         hv.Dimension("A", unit="nm"),
     )
-    at = [getattr(frame, along) for frame in frames]
+    at = [place(scene, f) for f in frames]
     forces = hv.Overlay(
         [hv.Curve((at, [getattr(f, name) for f in frames]), across, force, label=name) for name in "FL"]
     )

@@ -18,7 +18,7 @@ from .following.from_run import skeleton_of
 from .following.skeleton import Skeleton
 from .isolated import Lost, outcomes
 from .run.frame import Frame, slips_in
-from .run.load_steps import load_steps_of
+from .run.load_steps import abscissa, load_steps_of, place
 from .run.loadpath import load_path
 from .run.summary import fields_of
 from .scene import PARAMETERS, Scene
@@ -102,10 +102,6 @@ class Result:
         """The Frames after the approach; of a run that failed before, those that there are."""
         return [frame for frame in self.frames if frame.stage != "approach"] or list(self.frames)
 
-    @property
-    def _along(self) -> str:
-        return "delta" if self.scene.path == "unload" else "U_x"
-
     def _repr_html_(self) -> str:
         """What differs from the default, the first slip, and F over the path as a small curve."""
         changed = ", ".join(f"{name} = {value}" for name, value in self.scene.differences().items()) or "the default"
@@ -117,7 +113,7 @@ class Result:
             count = int((self.slips["stage"] != "approach").sum())
             slipping += f", A = {first['A (nm)']:.4g} nm; {counted(count, 'slip')}"
         lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
-        return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self._after, self._along)
+        return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self.scene, self._after)
 
 
 def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
@@ -211,14 +207,14 @@ def _slip(frame, event):
     return where | {name: getattr(event, name) for name in ("kind", "located", "sensitive")}
 
 
-def _curve(frames, along):
-    """F over `along` as an SVG without axes."""
+def _curve(scene, frames):
+    """F over the `abscissa` as an SVG without axes."""
     if len(frames) < 2:
         return ""
-    x, y = np.array([(getattr(frame, along), frame.F) for frame in frames]).T
+    x, y = np.array([(place(scene, frame), frame.F) for frame in frames]).T
     wide, high = SVG
     at = [(value - value.min()) / (np.ptp(value) or 1.0) for value in (x, y)]
     points = " ".join(f"{wide * a:.1f},{high * (1.0 - b):.1f}" for a, b in zip(*at, strict=True))
-    label = f"F over {along}, {y.min():.4g} to {y.max():.4g} N/m"
+    label = f"F over {abscissa(scene)}, {y.min():.4g} to {y.max():.4g} N/m"
     line = f'<polyline points="{points}" fill="none" stroke="#0072b2" stroke-width="1.5"/>'
     return f'<svg width="{wide}" height="{high}" role="img" aria-label="{label}"><title>{label}</title>{line}</svg>'

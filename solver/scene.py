@@ -76,7 +76,11 @@ class Scene:
     delta_bar: float = number(0.0, *DEPTHS, "indentation depth δ over δ₀ = 10 δₙ", LOADING)
     path: str = word("shear", PATHS, "stages of the load path", LOADING)
     points: str = path_points(
-        (Range(-FAR, FAR, "nm", "", LOADING), Range(*DEPTHS, "", LOADING)), 20, POINTS, LOADING
+        "0,-1; 0,0.2; 8,0.2; 8,-1",
+        (Range(-FAR, FAR, "nm", "", LOADING), Range(*DEPTHS, "", LOADING)),
+        20,
+        POINTS,
+        LOADING,
     )
     hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
     u_x_max: float = number(40.0, 0.0, FAR, "nm", "largest tangential displacement of the stage", LOADING)
@@ -199,7 +203,12 @@ class Scene:
     def _approaches(self):
         """Whether the points begin with an approach, and none repeats the one before."""
         legs = self.legs
-        return bool(legs) and legs[0].begin[1] == -self.delta_0 and not legs[0].across and all(leg.increments for leg in legs)
+        return (
+            bool(legs)
+            and legs[0].begin[1] == -self.delta_0
+            and not legs[0].across
+            and all(leg.increments for leg in legs)
+        )
 
     @property
     def legs(self) -> tuple[Leg, ...]:

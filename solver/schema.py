@@ -91,13 +91,12 @@ class Points(NamedTuple):
         return [self._pair(name, pair.split(",")) for pair in pairs]
 
     def _pair(self, name, numbers):
-        if len(numbers) != 2:
-            raise SceneError(name, ",".join(numbers), "allowed: pairs of numbers", "write them as 0,-1; 0,0.2; 8,0.2")
         try:
-            values = [float(number) for number in numbers]
+            x, y = map(float, numbers)
         except ValueError:
-            values = [nan, nan]
-        x, y = (axis.checked(name, value) for axis, value in zip(self.axes, values, strict=True))
+            allowed, remedy = "allowed: pairs of numbers", "write them as 0,-1; 0,0.2; 8,0.2"
+            raise SceneError(name, ",".join(numbers).strip(), allowed, remedy) from None
+        x, y = (axis.checked(name, value) for axis, value in zip(self.axes, (x, y), strict=True))
         return x, y
 
     def checked(self, name: str, value: Any) -> str:
@@ -130,9 +129,9 @@ def word(default: str, *declared: Any) -> Any:
     return field(default=default, metadata={"parameter": Choice(*declared)})
 
 
-def path_points(*declared: Any) -> Any:
-    """A dataclass field that holds the points of a path as text, by default none; the arguments are those of Points."""
-    return field(default="", metadata={"parameter": Points(*declared)})
+def path_points(default: str, *declared: Any) -> Any:
+    """A dataclass field that holds the points of a path as text; the other arguments are those of Points."""
+    return field(default=default, metadata={"parameter": Points(*declared)})
 
 
 def parameters(cls: type) -> dict[str, Range | Choice | Points]:

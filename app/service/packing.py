@@ -8,19 +8,19 @@ import struct
 import zlib
 from dataclasses import dataclass, replace
 from itertools import groupby
-from math import e
+from math import e, hypot
 
 import numpy as np
 
 from solver.files import plain
-from solver.run.frame import STAGES
-from solver.run.load_steps import lifts
+from solver.run.frame import STAGES, moving
+from solver.run.load_steps import abscissa, lifts, load_steps_of, position
 from solver.scene import PARAMETERS
 
 OF_FRAME = ("index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations")
 # Of a packed block: a number each per frame; slips in it, and of the first
 COLUMNS = ("stage", *OF_FRAME, "slip", "slip_at", "slip_F", "slip_A", "work")
-ORDER = tuple(STAGES)  # what the column "stage" counts
+ORDER = tuple(STAGES)  # what the column "stage" counts, but of path "points": see `stages_of`
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 FLAT = 160  # nodes sent of a flat surface, where all are alike
 LEVEL = 3  # of zlib: a default run takes 20 ms; with 6 it takes 80 ms for 11 % fewer bytes
@@ -72,8 +72,8 @@ def pack(scene, rows, last, compress=False):
     traction = np.array([frame.T for frame in frames])
     fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
     scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
-    curves = np.array([_numbers(frame, work) for frame, work in rows], dtype=np.float32).T
-    normal = lifts(scene)
+    curves = np.array([_numbers(scene, frame, work) for frame, work in rows], dtype=np.float32).T
+    along, du_x, du_z = abscissa(scene), scene.du_x * scene.delta_t, scene.du_z * scene.delta_n
     header = {
         "last": last,
         "compressed": compress,
@@ -82,14 +82,18 @@ def pack(scene, rows, last, compress=False):
         "first": first,
         "spacing": scene.spacing,
         "middle": scene.width / 2,
-        "columns": COLUMNS,
+        "columns": COLUMNS + ("path",) * bool(scene.legs),
         "scales": dict(zip(FIELDS, scales, strict=True)),
-        "stages": ORDER,
-        "along": [along for along, _ in STAGES.values()],
-        "abscissa": "delta" if normal else "U_x",
-        "step": scene.du_z * scene.delta_n if normal else scene.du_x * scene.delta_t,
+        "stages": (stages := stages_of(scene)),
+        "along": [moving(stage) for stage in stages],
+        "abscissa": along,
+        "step": {"delta": du_z, "U_x": du_x, "path": hypot(du_x, du_z)}[along],
         "span": _span(scene),
-        "approach": [-scene.delta_0, scene.delta, scene.du_z * scene.delta_n],  # from, to and step of delta
+        "approach": [
+            -scene.delta_0,
+            scene.legs[0].end[1] if scene.legs else scene.delta,
+            du_z,
+        ],  # from, to and step of delta
         "adhesion": scene.phi_n / (e * scene.delta_n),
         "free": FREE,
         "delta_n": scene.delta_n,
@@ -168,17 +172,29 @@ def _body(block):
 
 
 def _span(scene):
-    """[lowest, highest] of what is drawn along: U_x, or delta of a path that only lifts; nm."""
+    """[lowest, highest] of what is drawn along, nm: see `load_steps.abscissa`."""
+    if scene.legs:
+        return [0.0, sum(hypot(leg.across, leg.down) for leg in scene.legs[1:])]
     if lifts(scene):
         return [-scene.delta_0, scene.delta]
     end = scene.shear_at(scene.shear_increments)
     return [-end if scene.path == "loop" else 0.0, end]
 
 
-def _numbers(frame, work):
+def stages_of(scene):
+    """The stages that the column "stage" counts."""
+    return tuple(step.stage for step in load_steps_of(scene)) if scene.legs else ORDER
+
+
+def _numbers(scene, frame, work):
     first = frame.slips[0] if frame.slips else None
     slip = (first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)
-    return ORDER.index(frame.stage), *(getattr(frame, name) for name in OF_FRAME), len(frame.slips), *slip, work
+    numbers = (getattr(frame, name) for name in OF_FRAME)
+    if not scene.legs:
+        return ORDER.index(frame.stage), *numbers, len(frame.slips), *slip, work
+    at = position(scene, frame)
+    slip = position(scene, frame, first) if first else at, *slip[1:]
+    return stages_of(scene).index(frame.stage), *numbers, len(frame.slips), *slip, work, at
 
 
 def middle(scene, frame):

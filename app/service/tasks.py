@@ -27,7 +27,8 @@ from solver.files import write_json, write_npz
 from solver.following.branch import NotFollowed
 from solver.following.from_run import skeleton_of
 from solver.run.film import through
-from solver.run.frame import STAGES, Frame
+from solver.run.frame import Frame
+from solver.run.load_steps import load_steps_of
 
 SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of a made-up measurement: how many, of the largest F, times a parameter

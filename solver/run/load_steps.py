@@ -45,6 +45,16 @@ def load_steps_of(scene) -> tuple[LoadStep, ...]:
     return _lowering(scene, "approach"), *_FOLLOWING[scene.path](scene)
 
 
+def abscissa(scene) -> str:
+    """What curves are drawn along: "U_x", "delta" where the top only moves up and down, or "path" for points."""
+    return "path" if scene.legs else "delta" if lifts(scene) else "U_x"
+
+
+def place(scene, frame) -> float:
+    """Where a Frame is along the `abscissa`, nm."""
+    return position(scene, frame) if scene.legs else getattr(frame, abscissa(scene))
+
+
 def position(scene, frame, slip=None) -> float:
     """How far along its path a Frame is, or a SlipEvent in it, nm from the end of the approach."""
     far = 0.0

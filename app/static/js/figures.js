@@ -93,7 +93,7 @@ export function drawCurves(run, ghost, approach) {
   const along = run.normal || approach, [start, end] = run.extent(approach)
   const room = start < end ? 0 : 1 // nm, where nothing is walked
   set(figures.forces.x_range, { start: start - room, end: end + room })
-  nameAxis(along)
+  nameAxis(approach ? "delta" : run.head.abscissa)
   const marked = [["forces", along ? L : F, run.normal ? L : F, factor], ["area", "A", "A", 1]]
   for (const [view, name, way, times] of marked) {
     const [U_x, value] = run.slips(name, times, null, approach)
@@ -154,15 +154,18 @@ function labelForces() {
   set(figures.forces.left[0], { axis_label: hasRoom("forces", label.length) ? label : text })
 }
 
-// Curves are drawn along U_x, or along delta
-let named = false
-function nameAxis(normal) {
-  if (normal === named) return
-  named = normal
-  const [first, second] = document.querySelectorAll(".slips"), event = normal ? "jump" : "slip"
+// What curves are drawn along
+const AXES = {
+  U_x: ["Uₓ", "displacement Uₓ (nm)"], delta: ["δ", "indentation δ (nm)"], path: ["path", "length of the path (nm)"],
+}
+let named = "U_x"
+function nameAxis(abscissa) {
+  if (abscissa === named) return
+  named = abscissa
+  const [first, second] = document.querySelectorAll(".slips"), event = abscissa === "delta" ? "jump" : "slip"
   explain(first, event)
   second.textContent = event
-  const [symbol, label] = normal ? ["δ", "indentation δ (nm)"] : ["Uₓ", "displacement Uₓ (nm)"]
+  const [symbol, label] = AXES[abscissa]
   for (const view of CURVES) {
     set(figures[view].below[0], { axis_label: label })
     retell(view, ([, value], ...rest) => [[symbol, value], ...rest])

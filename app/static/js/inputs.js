@@ -61,7 +61,7 @@ function connectHand() {
 
   function push(delta) {
     const at = closest(values, delta)
-    if (Number(slider.value) !== at) steer({ delta_bar: `${values[at]}` })
+    if (!slider.disabled && Number(slider.value) !== at) steer({ delta_bar: `${values[at]}` })
   }
 }
 

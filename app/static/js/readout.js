@@ -6,14 +6,14 @@ import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
 
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k), others = under(run, k)
-  by("scrub").setAttribute("aria-valuetext", `${stage} increment ${v.index}`)
+  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}`)
   if (!isShown(by("readout"))) return
   const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
   const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
   const unit = forceUnit([run]), top = run.driven ? ` (top ${fixed(run.top(k), 1)} nm)` : ""
   const said = [
-    `${stage} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm${top},`, `δ = ${fixed(v.delta, 1)} nm,`,
+    `${run.leg(k)} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm${top},`, `δ = ${fixed(v.delta, 1)} nm,`,
     `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
     [work, others].filter(Boolean).join("; "),
   ]

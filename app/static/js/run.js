@@ -143,18 +143,21 @@ export class Run extends Frames {
 
   // Where frame k lies on its path, whatever the size of the increments
   place(k) {
-    const stage = this.stage(k)
+    const stage = this.leg(k)
     return { stage, at: this.curves[this.head.along[this.curves.stage[k]]][k] }
   }
 
   // The frame closest to a place; null while it may still come
   atPlace({ stage, at }) {
-    const far = (k) => Math.abs(this.place(k).at - at), frames = this.frames((k) => this.stage(k) === stage)
+    const far = (k) => Math.abs(this.place(k).at - at), frames = this.frames((k) => this.leg(k) === stage)
     const best = frames.reduce((a, b) => (a === null || far(b) < far(a) ? b : a), null)
     return this.whole ? best ?? this.length - 1 : best < this.length - 1 ? best : null
   }
 
-  stage(k) { return this.head.stages[this.curves.stage[k]] }
+  // The stage of frame k, without the number that it has among points
+  stage(k) { return this.leg(k).split(" ").at(-1) }
+
+  leg(k) { return this.head.stages[this.curves.stage[k]] }
 
   // The frames of another run up to k, as the beginning of this one that goes on from there
   takeOver(other, k) {
@@ -211,7 +214,7 @@ export class Run extends Frames {
   // still to come are NaN
   map(shown) {
     const stage = this.stageOfMap(shown)
-    const frames = this.frames((k) => this.curves.stage[k] === stage)
+    const frames = this.frames((k) => (stage === null ? k >= this.sheared : this.curves.stage[k] === stage))
     const blocks = [...new Set(frames.map((k) => this.headOf(k)))]
     const from = Math.min(...blocks.map((head) => head.first))
     const to = Math.max(...blocks.map((head) => head.first + head.nodes))
@@ -245,6 +248,7 @@ export class Run extends Frames {
   otherEdges(shown) {
     const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown))
     const lines = { U_x: [], x: [] }
+    if (stage === null) return lines
     for (const other of new Set(this.curves.stage.slice(from, to))) {
       if (other === stage || this.head.stages[other] === "press") continue
       const frames = this.frames((k) => k >= from && k < to && this.curves.stage[k] === other)
@@ -256,8 +260,10 @@ export class Run extends Frames {
     return lines
   }
 
+  // The stage that the map shows; null: all after the approach, as a path never turns back
   stageOfMap(shown) {
     if (this.approaching(shown)) return 0
+    if (this.head.abscissa === "path") return null
     const now = this.curves.stage[Math.max(shown, this.sheared)]
     return this.head.stages[now] === "press" ? this.head.stages.indexOf("shear") : now
   }
@@ -266,6 +272,7 @@ export class Run extends Frames {
   extent(approach) {
     const { span, step } = this.head
     if (approach) return this.head.approach.slice(0, 2)
+    if (this.head.abscissa === "path") return span
     const low = this.along.reduce((a, b) => Math.min(a, b), span[0])
     return [this.sheared >= 0 && low < span[0] - 0.5 * step ? low : span[0], span[1]]
   }

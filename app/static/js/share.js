@@ -152,7 +152,7 @@ export function csv(run) {
   const { changing } = run, tops = run.driven ? Object.entries(TOP) : []
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
     : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))),
-      ...tops.map(([, along]) => number(run.top(k, along))), run.stage(k),
+      ...tops.map(([, along]) => number(run.top(k, along))), run.leg(k),
       ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
   const comments = [parameters(me.status, changing), UNITS].map((text) => `# ${text}`)
   const heading = [...COLUMNS, ...tops.map(([name]) => name), "stage", ...changing]

@@ -28,6 +28,7 @@ export function heard(text) {
   }
   if (!waiting().length && !me.entered) { // not the echo of a position the slider has left
     for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
+    for (const id of ["delta_bar", "delta_bar-entry"]) by(id).disabled = values.path === "points" // they set the depth
     if (frames > 0 && !me.dragging) writeAddress()
     say("profile-error", errors.profile)
     namePreset()

@@ -35,9 +35,9 @@ function increments(run, title, headings, cells) {
   for (let k = Math.max(0, run.sheared); k < run.length; k++) {
     const v = run.values(k)
     const top = driven ? [fixed(run.top(k), 2)] : []
-    rows.push([run.stage(k), fixed(run.along[k], 2), ...top, ...cells(v, run, k), v.slip ? "slip" : ""])
+    rows.push([run.leg(k), fixed(run.along[k], 2), ...top, ...cells(v, run, k), v.slip ? "slip" : ""])
   }
-  const along = [run.normal ? "δ (nm)" : "Uₓ (nm)", ...(driven ? ["Uₓ of the top (nm)"] : [])]
+  const along = [{ delta: "δ (nm)", U_x: "Uₓ (nm)", path: "path (nm)" }[run.head.abscissa], ...(driven ? ["Uₓ of the top (nm)"] : [])]
   return { title, headings: ["stage", ...along, ...headings, "slip"], rows }
 }
 

@@ -71,5 +71,5 @@ export function described(run, k) {
   if (!me.status.values || !run?.length || k < 0) return ""
   const at = run.values(k)
   const scene = parameters({ ...me.status, values: run.headOf(k).scene }, run.changing)
-  return `${scene}; ${run.stage(k)} increment ${at.index}, Uₓ = ${fixed(at.U_x, 1)} nm, δ = ${fixed(at.delta, 1)} nm`
+  return `${scene}; ${run.leg(k)} increment ${at.index}, Uₓ = ${fixed(at.U_x, 1)} nm, δ = ${fixed(at.delta, 1)} nm`
 }
