@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .schema import Choice, Range, SceneError, number, parameters, path_points, word
+from .schema import Choice, Points, Range, SceneError, number, parameters, path_points, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
 ROUNDINGS = 2.0  # largest measured round-off of a residual over the estimate of `Scene.attainable`, on soft scenes
@@ -36,7 +36,12 @@ LAWS = {
 }
 DEPTHS = -1.0, 100.0, "δ₀"  # of delta_bar; the surfaces are apart at -1
 FAR = 1e4  # nm
-POINTS = "points U_x,delta_bar of path 'points', in nm and δ₀; semicolons separate them"
+POINTS = Points(
+    (Range(-FAR, FAR, "nm", "", LOADING), Range(*DEPTHS, "", LOADING)),
+    20,
+    "points U_x,delta_bar of path 'points', in nm and δ₀; semicolons separate them",
+    LOADING,
+)
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
 
 
@@ -75,13 +80,7 @@ class Scene:
 
     delta_bar: float = number(0.0, *DEPTHS, "indentation depth δ over δ₀ = 10 δₙ", LOADING)
     path: str = word("shear", PATHS, "stages of the load path", LOADING)
-    points: str = path_points(
-        "0,-1; 0,0.2; 8,0.2; 8,-1",
-        (Range(-FAR, FAR, "nm", "", LOADING), Range(*DEPTHS, "", LOADING)),
-        20,
-        POINTS,
-        LOADING,
-    )
+    points: str = path_points("0,-1; 0,0.2; 8,0.2; 8,-1", POINTS)
     hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
     u_x_max: float = number(40.0, 0.0, FAR, "nm", "largest tangential displacement of the stage", LOADING)
     drive_t: float = number(
@@ -215,7 +214,7 @@ class Scene:
         """The straight lines of path 'points'; empty on another path."""
         if self.path != "points":
             return ()
-        pairs = PARAMETERS["points"].read("points", self.points)
+        pairs = POINTS.read("points", self.points)
         corners = [(U_x, delta_bar * self.delta_0) for U_x, delta_bar in pairs]
         steps = self.du_x * self.delta_t, self.du_z * self.delta_n
         return tuple(Leg(begin, end, *steps) for begin, end in pairwise(corners))

@@ -129,9 +129,9 @@ def word(default: str, *declared: Any) -> Any:
     return field(default=default, metadata={"parameter": Choice(*declared)})
 
 
-def path_points(default: str, *declared: Any) -> Any:
-    """A dataclass field that holds the points of a path as text; the other arguments are those of Points."""
-    return field(default=default, metadata={"parameter": Points(*declared)})
+def path_points(default: str, declared: Points) -> Any:
+    """A dataclass field that holds the points of a path as text."""
+    return field(default=default, metadata={"parameter": declared})
 
 
 def parameters(cls: type) -> dict[str, Range | Choice | Points]:
