@@ -41,6 +41,20 @@ def test_unloading_is_drawn_along_the_indentation(visit):
     assert page.evaluate("punch.ghost") is None  # another experiment: nothing to compare
 
 
+def test_a_run_through_points_is_drawn_along_its_path(visit):
+    page = visit("?path=points&points=0,-1;0,0.2;4,0.2;6,-1&E=20")
+    finished(page)
+    assert page.evaluate(AXIS) == "length of the path (nm)"
+    assert page.evaluate("punch.run.head.stages") == ["approach", "2 shear", "3 move"]
+    along = page.evaluate("[...punch.run.along]")
+    assert along == sorted(along) and along[-1] == pytest.approx(4 + (2**2 + 12**2) ** 0.5, abs=1e-4)
+    assert page.evaluate("punch.run.extent()") == pytest.approx([0, along[-1]], abs=1e-4)
+    assert page.locator("#delta_bar").is_disabled()  # the points set the depth
+    page.select_option("#preset", "fig6")
+    finished(page, run=2)
+    assert page.locator("#delta_bar").is_enabled()
+
+
 def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
     page = visit()
     finished(page)

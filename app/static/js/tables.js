@@ -37,7 +37,8 @@ function increments(run, title, headings, cells) {
     const top = driven ? [fixed(run.top(k), 2)] : []
     rows.push([run.leg(k), fixed(run.along[k], 2), ...top, ...cells(v, run, k), v.slip ? "slip" : ""])
   }
-  const along = [{ delta: "δ (nm)", U_x: "Uₓ (nm)", path: "path (nm)" }[run.head.abscissa], ...(driven ? ["Uₓ of the top (nm)"] : [])]
+  const path = { delta: "δ (nm)", U_x: "Uₓ (nm)", path: "path (nm)" }[run.head.abscissa]
+  const along = [path, ...(driven ? ["Uₓ of the top (nm)"] : [])]
   return { title, headings: ["stage", ...along, ...headings, "slip"], rows }
 }
 
