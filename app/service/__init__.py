@@ -1,1 +1,1 @@
-"""What computes for visitors: worker processes, what runs in them, and what is kept for all."""
+"""Worker processes, the tasks that they run, and the caches that all visitors share."""

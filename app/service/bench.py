@@ -1,4 +1,4 @@
-"""A visitor's measurement of accuracy, in a process of its own that lives no longer than it: the workers stay free."""
+"""A visitor's measurement of accuracy. It runs in its own process, so the workers stay free."""
 
 import logging
 import threading
@@ -8,19 +8,19 @@ from app.service.measuring import work
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
-turn = threading.Lock()  # one measurement at a time: side by side they would measure each other
-LOOK = 0.1  # s between two looks whether a measurement that waits is still wanted
-LONGEST = 600.0  # s
+turn = threading.Lock()  # one measurement at a time: two at once would slow each other down
+LOOK = 0.1  # s between two checks whether a waiting measurement is still needed
+LONGEST = 600.0  # s, time limit of a measurement
 WHY = {
     "crash": "its process ended unexpectedly. Measure again",
-    "hang": f"it took longer than {LONGEST:g} s. Choose a scene that is sooner done",
+    "hang": f"it took longer than {LONGEST:g} s. Choose a less expensive scene",
     "error": "it could not be measured; the server's log says why",
 }
 FINAL = ("done", "failed")
 
 
 class Job(threading.Thread):
-    """One measurement: waits for its turn, then listens to its process; `tell(job, news)` is called in this thread."""
+    """One measurement: waits for its turn, then reads from its process. This thread calls `tell(job, news)`."""
 
     def __init__(self, scene, tell):
         super().__init__(name="measurement", daemon=True)
@@ -29,7 +29,7 @@ class Job(threading.Thread):
         self.caller = None
 
     def run(self):
-        """Until the process has said its last word, or nobody wants to hear it."""
+        """Wait for the turn, then pass on every report until the process ends or the job is stopped."""
         while not turn.acquire(timeout=LOOK):
             if self.stopped.is_set():
                 return
@@ -51,23 +51,23 @@ class Job(threading.Thread):
             turn.release()
 
     def stop(self):
-        """End it, whatever it does."""
+        """End the measurement at once."""
         self.stopped.set()
         if self.caller is not None:
-            self.caller.process.kill()  # its thread collects it
+            self.caller.process.kill()  # the job's thread reaps the process
 
 
 class Bench:
-    """What one visitor measures: `hear()`, if any, is called when `told` has changed.
+    """The measurement of one visitor. It calls `hear()`, if set, when `told` has changed.
 
-    All but `_heard` runs under the lock of the visitor's document.
+    Every method but `_heard` runs under the lock of the visitor's document.
     """
 
     def __init__(self, doc):
         self.doc, self.job, self.told, self.hear = doc, None, {}, None
 
     def begin(self, scene):
-        """Measure a scene instead of what is being measured."""
+        """Measure a scene. This ends the current measurement."""
         self.close()
         self.job = Job(scene, self._heard)
         self._tell({"state": "waiting", "progress": 0.0, "points": [], "scene": scene})
@@ -75,20 +75,20 @@ class Bench:
         self.job.start()
 
     def cancel(self, why=""):
-        """End a measurement, if one goes on; what it has found so far stays."""
+        """End the current measurement, if any, and keep its results so far."""
         if self.job is not None:
             self.close()
             self._tell(self.told | {"state": "cancelled", "why": why})
 
     def close(self):
-        """End a measurement without a word."""
+        """End the current measurement without a report."""
         if self.job is not None:
             self.job.stop()
             self.job = None
             log.info("a measurement ends early")
 
     def _heard(self, job, news):
-        """Called in the thread of the job: hand over to the thread of the document."""
+        """Pass a report from the job's thread to the document's thread."""
         if not job.stopped.is_set():
             self.doc.add_next_tick_callback(lambda: self._take(job, news))
 

@@ -1,8 +1,8 @@
-"""Workers of a dask cluster in the seats of the pool: `APP_SCHEDULER=tcp://host:8786 panel serve app`.
+"""Workers of a dask cluster for the pool: `APP_SCHEDULER=tcp://host:8786 panel serve app`.
 
-Needs the extra `cluster`, and workers with one thread each where this project is installed in the same version. Queue,
-turns and limits of time are the pool's; here a call goes to the worker of its seat and to no other, as that is warm. A
-call that takes too long is abandoned, and its worker restarted if a nanny is there to do it.
+This needs the extra `cluster`, and workers with one thread each that have the same version of this project. The pool
+has the queue and the time limits. A call goes to the worker of its seat only, because that worker is warm. A call that
+takes too long is abandoned; a nanny, if there is one, restarts the worker.
 """
 
 import logging
@@ -19,15 +19,15 @@ from distributed import Client
 from solver.isolated import Lost
 
 log = logging.getLogger("app")
-SEATS = 16  # unless APP_WORKERS says otherwise; those without a worker look for one every few seconds
-LOOK = 1.0  # s between two looks at who has left
+SEATS = 16  # default of APP_WORKERS; a seat without a worker looks for one every few seconds
+LOOK = 1.0  # s between two checks for workers that left
 PATIENCE = 5.0  # s for the scheduler to answer
 
 
 class Cluster:
-    """Calls to it give a Remote for a worker without a seat; the connection is made anew when it was lost."""
+    """Connection to a cluster. A call returns a Remote for a free worker; it reconnects if necessary."""
 
-    why = "the cluster cannot be reached, or has no worker; the server goes on as soon as it has"
+    why = "the cluster cannot be reached, or has no worker; the server continues as soon as a worker is there"
 
     def __init__(self, address):
         self.address, self.client, self.remotes, self.lock = address, None, {}, RLock()
@@ -36,7 +36,7 @@ class Cluster:
         with self.lock:
             try:
                 free = [worker for worker in self._workers() if worker not in self.remotes]
-            except Exception as error:  # of whatever kind, from sockets to handshakes
+            except Exception as error:  # of any kind, from sockets to handshakes
                 self._disconnect()
                 raise Lost("absent", f"the cluster cannot be reached: {error}") from None
             if not free:
@@ -46,13 +46,13 @@ class Cluster:
             return remote
 
     def left(self, remote):
-        """A seat has done with its worker."""
+        """Free the worker of a seat."""
         with self.lock:
             if self.remotes.get(remote.worker) is remote:
                 del self.remotes[remote.worker]
 
     def _workers(self):
-        """Addresses of the workers that the scheduler knows."""
+        """Return the addresses of all workers of the scheduler."""
         if self.client is None:
             self.client = Client(self.address, timeout=PATIENCE, set_as_default=False)
             Thread(target=self._watch, args=(self.client,), name="cluster", daemon=True).start()
@@ -61,7 +61,7 @@ class Cluster:
         return list(self.client.sync(self.client.scheduler.ncores, callback_timeout=PATIENCE))
 
     def _watch(self, client):
-        """Tell seats whose worker has left, until the connection is lost: then all."""
+        """Notify each seat when its worker leaves, and all seats when the connection is lost."""
         there = True
         while there and self.client is client:
             sleep(LOOK)
@@ -83,7 +83,7 @@ class Cluster:
         if client is not None:
             for remote in list(self.remotes.values()):
                 remote.lose()
-            Thread(target=_closed, args=(client,), daemon=True).start()  # it may take its time
+            Thread(target=_closed, args=(client,), daemon=True).start()  # closing may take long
 
 
 def _closed(client):
@@ -92,29 +92,29 @@ def _closed(client):
 
 
 class Remote:
-    """One worker, as the pool uses a process of its own: see solver.isolated.Caller."""
+    """One worker of the cluster, with the interface of solver.isolated.Caller."""
 
     def __init__(self, cluster, client, worker):
         self.cluster, self.client, self.worker = cluster, client, worker
         self._gone, self._news = False, SimpleQueue()
 
     def alive(self):
-        """Whether the scheduler still knew it when it was last asked."""
+        """Whether the scheduler listed the worker at the last check."""
         return not self._gone
 
     def lose(self):
-        """It has left the cluster, or the cluster is gone."""
+        """Mark the worker as lost: it or the cluster is gone."""
         self._gone = True
         self._news.put(None)
 
     def call(self, function, *arguments, limit=inf):
-        """function(*arguments), made by the worker; raises Lost."""
+        """Return function(*arguments), computed by the worker; raises Lost."""
         where = {"workers": [self.worker], "allow_other_workers": False, "key": f"contact-{uuid4().hex}"}
         try:
             future = self.client.submit(function, *arguments, pure=False, **where)
             future.add_done_callback(self._news.put)
             done = self._gone or self._news.get(timeout=None if limit == inf else limit)
-            while done is not future and not self._gone:  # of a call before
+            while done is not future and not self._gone:  # an earlier call
                 done = self._news.get(timeout=None if limit == inf else limit)
             if self._gone or future.status not in ("finished", "error"):
                 raise Lost("crash", "the worker has left the cluster")
@@ -131,17 +131,17 @@ class Remote:
 
     def _failed(self, future):
         error = future.exception(timeout=PATIENCE)
-        if type(error).__module__.startswith("distributed."):  # KilledWorker and its like
+        if type(error).__module__.startswith("distributed."):  # e.g. KilledWorker
             return Lost("crash", str(error))
         return Lost("error", "".join(format_exception(error, limit=-6)))
 
     def _restart(self):
         self.lose()
-        with suppress(Exception):  # without a nanny it ends with its task only
+        with suppress(Exception):  # without a nanny the worker first finishes its task
             self.client.restart_workers([self.worker], timeout=PATIENCE, raise_for_error=False)
 
     def end(self):
-        """The seat wants no more of it; what it does is abandoned."""
+        """Free the worker and abandon its call."""
         if not self._gone:
             self.lose()
         self.cluster.left(self)

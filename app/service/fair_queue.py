@@ -1,19 +1,19 @@
-"""Tasks for workers, and the queue in which they wait: owners take turns."""
+"""Tasks for workers, and a queue that serves the owners of tasks in turn."""
 
 from collections import OrderedDict, deque
 from concurrent.futures import Future
 
-PATIENCE = 20.0  # s beyond what a task asks for, after which its process is killed: a busy server is slow
-NOBODY = "the server"  # the owner of tasks for which no visitor waits
-# What a task is for: a screen; the exact run behind a picture; a screen, but it takes long; the rest
+PATIENCE = 20.0  # s beyond a task's own limit; then its process is killed. A busy server is slow
+NOBODY = "the server"  # owner of the tasks that no visitor waits for
+# Purpose of a task: the screen; the exact run of a picture; an expensive one for the screen; anything else
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 
 
 class Task(Future):
-    """A call to be made by a worker, for an owner.
+    """A call that a worker makes for an owner.
 
-    Its exception is a `solver.isolated.Lost` where the worker ended before the call did; unless the kind is "error", it
-    may be made again. `seat` is where it runs or ran, `abandoned` says that nobody waits for it.
+    Its exception is a `solver.isolated.Lost` if the worker ended before the call. The call may then be repeated, unless
+    the kind is "error". `seat` is the seat that runs or ran it; `abandoned` is true when nobody waits for it.
     """
 
     def __init__(self, call, owner=None, rank=SCREEN, limit=PATIENCE):
@@ -23,7 +23,7 @@ class Task(Future):
 
 
 class FairQueue:
-    """Waiting tasks: those of a lower rank come first, and in each rank owners take turns."""
+    """Waiting tasks: lower ranks come first, and the owners take turns in each rank."""
 
     def __init__(self):
         self._of = tuple(OrderedDict() for _ in range(RANKS))  # {owner: deque of tasks}, by rank
@@ -33,15 +33,15 @@ class FairQueue:
 
     @property
     def rank(self):
-        """Of the task whose turn it is; None if there is none."""
+        """Rank of the next task, or None."""
         return next((rank for rank, owners in enumerate(self._of) if owners), None)
 
     def add(self, task):
-        """At the end of its owner's tasks."""
+        """Append a task to the tasks of its owner."""
         self._of[task.rank].setdefault(task.owner, deque()).append(task)
 
     def take(self):
-        """The task whose turn it is."""
+        """Remove and return the next task."""
         owners = self._of[self.rank]
         owner, tasks = next(iter(owners.items()))
         owners.move_to_end(owner)
@@ -51,7 +51,7 @@ class FairQueue:
         return task
 
     def position(self, task):
-        """How many have their turn before this task; None if it does not wait here."""
+        """Number of tasks before this one; None if it does not wait here."""
         owners = self._of[task.rank]
         tasks = owners.get(task.owner, ())
         if task not in tasks:

@@ -1,4 +1,4 @@
-"""Finished runs, shared by all visitors of the server: a class that follows the same steps computes each only once."""
+"""Finished runs, shared by all visitors: a class that takes the same steps computes each run only once."""
 
 from concurrent.futures import CancelledError
 from contextlib import suppress
@@ -11,26 +11,26 @@ from app.service.pool import LATER, NOBODY
 from app.service.requests import shared
 from solver.isolated import Lost
 
-CAPACITY = 100e6  # bytes; some 70 runs
-BESIDE = 2000  # bytes that a run takes beside its frames: its Scene, and the record of it
+CAPACITY = 100e6  # bytes, about 70 runs
+BESIDE = 2000  # bytes of a run without its frames: its Scene and its record
 
 
 class Shelf(LRUCache):
-    """Frames of whole runs by Scene, or by any key that one visitor alone knows: those used last, `maxsize` bytes."""
+    """Cache of whole runs by Scene, or by a key of one visitor; keeps the latest used, up to `maxsize` bytes."""
 
     def __init__(self, capacity=CAPACITY):
         super().__init__(capacity, lambda run: BESIDE + sum(map(len, run.blocks)) + len(run.skeleton or b""))
 
     def put(self, key, run):
-        """Keep a run, unless it is larger than the shelf."""
+        """Keep a run, unless it is larger than the cache."""
         with suppress(ValueError):
             self[key] = run
 
 
 def fill(shelf, pool, scenes, later):
-    """Put the runs of scenes on the shelf, computed one after the other while workers have nothing else to do.
+    """Compute the runs of scenes one by one on idle workers, and put them into the cache.
 
-    later(function, *arguments): makes a call in the thread that uses the shelf.
+    later(function, *arguments): makes a call in the thread that uses the cache.
     """
     scenes = iter(scenes)
 
@@ -53,4 +53,4 @@ def fill(shelf, pool, scenes, later):
 
 
 shelf = Shelf()
-metrics.gauge("shelf_bytes", "of finished runs that are kept", lambda: shelf.currsize)
+metrics.gauge("shelf_bytes", "bytes of the finished runs in the cache", lambda: shelf.currsize)

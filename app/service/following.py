@@ -1,7 +1,7 @@
-"""Pictures that follow a held slider: a worker continues the run on screen to the new parameters, and packs it.
+"""Pictures of predicted runs while a visitor drags a slider.
 
-A picture has the curves and a map of the whole run, and two of its frames: where sliding begins, and the one on screen.
-It takes some 40 kB.
+A worker continues the run on screen to the new parameters (this is called *following*), and packs the result. A picture
+has the curves and a map of the whole run, and two frames: the first in shear, and the one on screen. It takes 40 kB.
 """
 
 import pickle
@@ -14,40 +14,40 @@ import numpy as np
 from app.service.packing import FREE, ORDER, columns, headed, middle, pack
 from solver import NotFollowed, follow
 
-CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, a number per load
-MOST = 500  # loads of a curve; beside these, those right before and after every slip
-CELLS = 30_000  # of a map, a byte each
-SHADES = 127  # of either sign in a map
-NOTHING = -128  # where nothing acts
+CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, per load
+MOST = 500  # loads of a curve, without the loads right before and after every slip
+CELLS = 30_000  # of a map, one byte each
+SHADES = 127  # levels of each sign in a map
+NOTHING = -128  # cells without traction
 SHOWN = ("delta_bar", "phi_ratio", "E")  # the parameters with a slider
-NO_FORCE = 1e-9  # of F_bar: where nothing touches, round-off
-AGREE_U, AGREE_F = 1e-4, 1e-3  # nm; of the largest: what was followed and the exact run are the same
+NO_FORCE = 1e-9  # F_bar that counts as zero: round-off without contact
+AGREE_U, AGREE_F = 1e-4, 1e-3  # tolerances of a predicted run: slips in nm; F over the largest |F|
 
 
 @dataclass(frozen=True)
 class Followed:
-    """A picture as of `picture`, and the pickled Skeleton from which the next one is followed."""
+    """The message of `picture`, and the pickled Skeleton from which the next prediction starts."""
 
     picture: bytes
     skeleton: bytes
 
 
 def followed(skeleton, scene, at, number=None):
-    """Followed of a scene, from a pickled Skeleton nearby, with the frame at U_x = `at` nm; or why there is none.
+    """Predict a scene from a pickled Skeleton of a similar scene; return its Followed, or a str: why it failed.
 
-    number: of the order that the picture answers.
+    at: U_x of the frame on screen, nm; number: the message that the picture answers.
     """
     try:
         there = follow(pickle.loads(skeleton), scene)
         return Followed(picture(there, at, number), pickle.dumps(there))
     except NotFollowed as why:
-        return re.sub(r"\d[\d.e+-]*", "n", str(why))  # a word for many
+        return re.sub(r"\d[\d.e+-]*", "n", str(why))  # metrics count reasons without their numbers
 
 
 def compared(skeleton, blocks):
-    """(largest error of the slips of a pickled Skeleton, nm; largest error of its F_bar over the largest |F_bar|).
+    """Errors of a pickled Skeleton: the largest of its slips, nm; the largest of F_bar over the largest |F_bar|.
 
-    blocks: of the exact run.
+    blocks: the packed blocks of the exact run.
     """
     there, parts = pickle.loads(skeleton), [columns(block)[1] for block in blocks]
     stage, U_x, F_bar, slip, at = (
@@ -59,20 +59,20 @@ def compared(skeleton, blocks):
     if len(loads) != len(slips):
         return float("inf"), float("inf")
     clear = np.ones(len(U_x), bool)
-    for load in slips:  # right at a slip, the load that is off a little is on the other side of it
+    for load in slips:  # a small error of the load moves a point to the other side of a slip
         clear &= np.abs(U_x - load) > AGREE_U
     off = np.abs(there.curve(U_x)[0] - F_bar)[clear].max(initial=0.0)
     return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
 
 
 def picture(skeleton, at, number=None):
-    """The message of a picture: a JSON header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
+    """Return the message of a picture: JSON header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
     scene = skeleton.scene
     loads = _loads(scene, [slip.load for slip in skeleton.slips])
     curves = np.zeros((len(CURVES), loads.size), "<f4")
     curves[0], curves[1:4] = loads, skeleton.curve(loads)
     curves[5:] = curves[[0, 1, 3]]
-    for slip in reversed(skeleton.slips):  # the first of several stays
+    for slip in reversed(skeleton.slips):  # in reverse: the first of several slips wins
         k = np.searchsorted(loads, slip.load)
         if k < loads.size:
             curves[4, k] += 1
@@ -98,7 +98,7 @@ def picture(skeleton, at, number=None):
 
 
 def _loads(scene, slips):
-    """U_x (k,) nm: those of the increments of the scene, of long runs every few and those on either side of slips."""
+    """U_x (k,), nm, of the increments of a scene. Long runs are thinned, except beside slips."""
     step = scene.du_x * scene.delta_t
     every = np.arange(scene.shear_increments + 1)
     few = every[:: ceil(every.size / MOST)]
@@ -107,7 +107,7 @@ def _loads(scene, slips):
 
 
 def _map(skeleton):
-    """(int8 (rows, columns) of T_z over nodes and evenly spaced loads, its place): as far as anything acts."""
+    """Map of T_z over nodes and loads, int8 (rows, columns), and its place; without nodes that nothing acts on."""
     scene, step = skeleton.scene, skeleton.scene.du_x * skeleton.scene.delta_t
     every = max(1, ceil(scene.shear_increments * _acting_width(skeleton) / CELLS))
     loads = scene.shear_at(np.arange(0, scene.shear_increments + 1, every))
@@ -125,6 +125,6 @@ def _map(skeleton):
 
 
 def _acting_width(skeleton):
-    """Nodes that act where sliding begins, and some more."""
+    """Number of nodes with traction when shear begins, plus a margin."""
     (frame,) = skeleton.frames([0.0], residuals=False)
     return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1

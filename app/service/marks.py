@@ -1,4 +1,4 @@
-"""Where on a slider something changes, as marks beside it: the run on screen is followed there, nothing is assumed."""
+"""Marks beside sliders: values where the behaviour changes. They are found by following the run on screen."""
 
 import pickle
 from dataclasses import replace
@@ -11,22 +11,22 @@ from solver.following.branch import Branch
 from solver.run.load_steps import lifts
 
 SLIDERS = ("delta_bar", "phi_ratio", "E")
-STRIDE = 0.2  # delta_bar from one state to the next on the way to L = 0, at most
-BEGINNING = 0.1  # delta_t of shear that go along: a Skeleton needs some
-INTERVALS = 6  # between the states of these
-NO_LOAD = 1e-3  # of the largest |L| met, which is none
-ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # of these sliders: the smoother end, and the other
-SAID = {"E": "slides smoothly", "phi_ratio": "slips above"}  # what happens above the mark
-FACTOR = 1.25  # from one value to the next, at most
-PART = 0.6  # of the way to where slips are expected to end, at most: beyond it a slip cannot be followed
-CLOSE = 0.1  # of a value: so near, and seen twice so or not to be followed, the place expected is told
-LEAST = 0.03  # of a value: with shorter steps there is no getting on
-MOST = 20  # values on the way to L = 0
-ENOUGH = 8000  # force evaluations on the way to where slips begin or end
+STRIDE = 0.2  # largest step of delta_bar on the way to L = 0
+BEGINNING = 0.1  # shear, in delta_t, that the Skeleton keeps: it needs some
+INTERVALS = 6  # between the states of this shear
+NO_LOAD = 1e-3  # of the largest |L| so far: counts as zero load
+ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # ends of a slider, the smoother first
+SAID = {"E": "slides smoothly", "phi_ratio": "slips above"}  # behaviour above the mark
+FACTOR = 1.25  # largest ratio of two successive values
+PART = 0.6  # largest step, as a part of the distance to the predicted end of slips: beyond it slips get lost
+CLOSE = 0.1  # relative distance: the prediction is accepted if it repeats this near, or following stops
+LEAST = 0.03  # smallest relative step: shorter ones take too long
+MOST = 20  # steps on the way to L = 0, at most
+ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 
 def calls(scene, skeleton):
-    """{slider: (function, *arguments) that tells its marks} of a Scene and its pickled Skeleton or None."""
+    """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its pickled Skeleton or None."""
     found = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
     if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
         found |= {name: (of_flat, scene, name) for name in ENDS}
@@ -34,15 +34,15 @@ def calls(scene, skeleton):
 
 
 def key(scene, name):
-    """The scene as far as it matters for the marks of a slider: they are the same all along it."""
+    """Cache key of the marks of a slider: the scene with a fixed value of that slider."""
     try:
         return scene.changed(**{name: 0.0 if name == "delta_bar" else ENDS[name][0]})
-    except SceneError:  # it does not go that far
+    except SceneError:  # the scene does not allow this value
         return scene
 
 
 def of_skeleton(skeleton, name):
-    """((value, what happens there), ...) along slider `name`, from a pickled Skeleton."""
+    """Return the marks ((value, label), ...) of slider `name`, from a pickled Skeleton."""
     there = pickle.loads(skeleton)
     if name == "delta_bar":
         found = (_no_load(there), "no load"), (there.jumps_in, "jumps in")
@@ -52,7 +52,7 @@ def of_skeleton(skeleton, name):
 
 
 def of_flat(scene, name):
-    """The same on the flat, where it is known exactly: stick-slip ends where the interface softens less than k."""
+    """Return the marks of a flat, exactly: stick-slip ends where the interface softens by less than k."""
     value = critical_modulus(scene)
     if name == "phi_ratio":
         value = scene.phi_ratio / (softening(scene) * scene.shear_compliance)
@@ -60,10 +60,10 @@ def of_flat(scene, name):
 
 
 def _no_load(skeleton):
-    """delta_bar at which, before it slides, the contact carries no load; None where the way there ends."""
+    """delta_bar at which the contact carries no load before shear; None if following ends before it."""
     here, known = _at_rest(skeleton.contact or skeleton), []
     for _ in range(MOST):
-        if here.contact:  # where it would be, the surfaces are apart
+        if here.contact:  # the surfaces are apart there
             return None
         known.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
         at, L = known[-1]
@@ -83,7 +83,7 @@ def _no_load(skeleton):
 
 
 def _at_rest(skeleton):
-    """The Skeleton of the same scene with hardly any shear: all that it takes to tell the load."""
+    """Return the Skeleton of the same scene with little shear: enough to compute the load."""
     reach, first = BEGINNING * skeleton.scene.delta_t, skeleton.first
     scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
     branch = Branch(0.0, reach, np.linspace(0.0, 1.0, INTERVALS + 1), np.zeros((INTERVALS + 1, 0)), None)
@@ -96,13 +96,13 @@ def _at_rest(skeleton):
 def _border(skeleton, name):
     """Value of a slider at which the slips of a Skeleton end; None where following ends before it.
 
-    From smooth sliding it is not told: its states, solved for at given loads, cross over to those beyond a slip.
+    Smooth sliding gives no value: its states are solved at given loads, and change to states beyond a slip.
     """
     if not _slips(skeleton):
         return None
     end, way = np.log(ENDS[name][0]), 1.0 if ENDS[name][0] > ENDS[name][1] else -1.0
     here, at, left = skeleton, np.log(getattr(skeleton.scene, name)), _slip_squared(skeleton)
-    ahead, stride, spent = np.inf, np.log(FACTOR), 0  # expected to be ahead; both of the logarithm
+    ahead, stride, spent = np.inf, np.log(FACTOR), 0  # predicted distance and step, of the logarithm
     while spent < ENOUGH and (step := min(stride, PART * ahead, way * (end - at))) > LEAST:
         try:
             there = follow(here, here.scene.changed(**{name: float(np.exp(at + way * step))}))
@@ -123,14 +123,14 @@ def _border(skeleton, name):
 
 
 def _slips(skeleton):
-    """Whether a Skeleton goes on from slip to slip, as far as it is known."""
+    """Whether the Skeleton has slips, and ends at the fold of one."""
     return not skeleton.contact and bool(skeleton.sites) and skeleton.branches[-1].fold is not None
 
 
 def _slip_squared(skeleton):
-    """The largest distance that a node moves in a slip, squared, nm^2.
+    """Square of the largest displacement of a node in a slip, nm^2.
 
-    Where slips end, fold and landing meet as those of load = p x - x^3 do: it vanishes in proportion to p.
+    Where slips end, fold and landing meet, as for load = p x - x^3: the square vanishes in proportion to p.
     """
     ends = np.array([branch.end for branch in skeleton.branches if branch.fold])
     return float(np.abs(skeleton.unknowns(np.nextafter(ends, np.inf)) - skeleton.unknowns(ends)).max() ** 2)

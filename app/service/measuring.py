@@ -1,6 +1,6 @@
-"""What runs inside the process that measures accuracy: `solver.validation.accuracy`, reported in plain data on the way.
+"""Code of the process that measures accuracy: runs `solver.validation.accuracy` and reports in plain data.
 
-The server imports this module for the name of `work` only: all that costs something is imported there.
+The server imports this module only to name `work`, so the functions import what is expensive.
 """
 
 import time
@@ -8,11 +8,11 @@ import time
 from app.service import worker
 from solver import Scene, SceneError, load_path
 
-PAUSE = 0.2  # s between two messages that bring nothing but progress
+PAUSE = 0.2  # s between two messages that have only progress
 
 
 def work(scene):
-    """Measure `scene`, and yield {'state', 'progress', 'points', ...} as it goes; the last is final."""
+    """Measure `scene` and yield reports {'state', 'progress', 'points', ...}; the last is final."""
     from solver.continuation.state import NotConverged
 
     worker.start()
@@ -24,7 +24,7 @@ def work(scene):
 
 
 def _warm_up():
-    """Every method once on a small scene: loading its kernels must not count as its time."""
+    """Run every method once on a small scene: the time to load its kernels must not count."""
     from solver.validation.methods import SERIES
 
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
@@ -34,7 +34,7 @@ def _warm_up():
 
 
 def reports(scene):
-    """What is measured of a Scene, as plain data, as it comes."""
+    """Yield the measurements of a Scene as plain data."""
     from solver.validation.accuracy import SWEEPS, measure
     from solver.validation.accuracy_report import choice, command, failures, sentence
 
@@ -53,7 +53,7 @@ def reports(scene):
 
 
 def points(report):
-    """The sweep of the tolerance as plain data, without runs that did not finish."""
+    """Return the sweep of the tolerance as plain data, without unfinished runs."""
     from solver.validation.accuracy import LEAST
 
     swept = report.of("tolerance") if report else []

@@ -1,25 +1,25 @@
-"""What the server counts and what it can tell of its state, as text for Prometheus; nothing here names a visitor."""
+"""Counters and gauges of the server, as text for Prometheus. They have no data of visitors."""
 
 import os
 from time import monotonic
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, disable_created_metrics, generate_latest
 
-KNOWN = {  # counted since the start
+KNOWN = {  # counters since the start
     "pages": "pages sent",
-    "visits": "visitors who came",
-    "turned_away": "visitors for whom there was no room",
+    "visits": "visits",
+    "turned_away": "visits rejected because the server was full",
     "slices": "slices of runs computed",
-    "evaluations": "force evaluations in them",
-    "shelf_hits": "runs that were known already",
-    "shelf_misses": "runs that had to be computed",
-    "followed": "pictures of runs that followed a hand on a slider",
-    "agreed": "runs that were as followed: slips to 1e-4 nm, F to 1e-3 of its largest",
-    "disagreed": "runs that were not",
-    "tasks": "tasks done by workers",
-    "tasks_lost": "tasks that took too long or whose worker ended",
+    "evaluations": "force evaluations in slices of runs",
+    "shelf_hits": "runs found in the cache",
+    "shelf_misses": "runs that were not in the cache",
+    "followed": "pictures of predicted runs during drags of sliders",
+    "agreed": "runs that agreed with their prediction: slips to 1e-4 nm, F to 1e-3 of its largest",
+    "disagreed": "runs that disagreed with their prediction",
+    "tasks": "tasks that workers finished",
+    "tasks_lost": "tasks that took too long or lost their worker",
     "worker_restarts": "workers replaced",
-    "refused_messages": "messages of browsers that were none of the page's",
+    "refused_messages": "rejected messages of browsers: the page sends no such message",
 }
 disable_created_metrics()
 _registry, _begun = CollectorRegistry(), monotonic()
@@ -30,27 +30,27 @@ not_followed = Counter(
 
 
 def count(name, more=1):
-    """Count something of KNOWN, in any thread."""
+    """Increase a counter of KNOWN; any thread may call this."""
     _counters[name].inc(more)
 
 
 def counted(name):
-    """How often it was counted."""
+    """Return the value of a counter."""
     return _registry.get_sample_value(f"contact_{name}_total")
 
 
 def gauge(name, said, value):
-    """Have `value()` told whenever somebody asks."""
+    """Register a gauge that calls `value()` for every request."""
     Gauge(f"contact_{name}", said, registry=_registry).set_function(value)
 
 
 def text():
-    """All of it, in Prometheus's text format, as bytes."""
+    """Return all metrics in the text format of Prometheus, as bytes."""
     return generate_latest(_registry)
 
 
 def memory():
-    """Bytes that this process holds (Linux), otherwise nan."""
+    """Return the resident memory of this process, bytes (Linux; nan elsewhere)."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -59,20 +59,20 @@ def memory():
 
 
 class Pulse:
-    """How late the server's loop comes to what is due: call `beat` every EVERY seconds."""
+    """Lag of the server's event loop: call `beat` every EVERY seconds."""
 
     EVERY = 0.05  # s
     BUCKETS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # s
 
     def __init__(self, registry=None):
-        said = "how late the server's loop came to what was due"
+        said = "lag of the server's event loop"
         self.last, self.lags = (
             None,
             Histogram("contact_loop_lag_seconds", said, registry=registry, buckets=self.BUCKETS),
         )
 
     def beat(self):
-        """Count the time since the last beat, less what it should be."""
+        """Record the time since the last beat minus EVERY."""
         now = monotonic()
         if self.last is not None:
             self.lags.observe(max(0.0, now - self.last - self.EVERY))
@@ -80,5 +80,5 @@ class Pulse:
 
 
 pulse = Pulse(_registry)
-gauge("uptime_seconds", "since the server was started", lambda: monotonic() - _begun)
-gauge("memory_bytes", "of the server's process", memory)
+gauge("uptime_seconds", "seconds since the start of the server", lambda: monotonic() - _begun)
+gauge("memory_bytes", "resident memory of the server's process", memory)

@@ -1,8 +1,8 @@
-"""The worker processes shared by all visitors: warmed when the server starts, each in a seat that fills itself again.
+"""The worker processes that all visitors share. They warm up when the server starts; each seat replaces a lost worker.
 
-The interface is all that a visitor's session and its pages know: `submit` of a pure function of picklable arguments,
-`abandon`, `place`, `status` and `why`. What sits in a seat is a process of this machine, or whatever else has the
-methods of `solver.isolated.Caller` that are used here: with APP_SCHEDULER a worker of a dask cluster (cluster.py).
+Sessions and pages use only `submit` (a pure function of picklable arguments), `abandon`, `position`, `status` and
+`why`. A worker is a process of this machine, or any object with the methods of `solver.isolated.Caller` that this
+module calls: with APP_SCHEDULER it is a worker of a dask cluster (cluster.py).
 """
 
 import atexit
@@ -20,48 +20,48 @@ from app.service.fair_queue import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
-set_forkserver_preload([worker.__name__])  # two thirds of a worker's start are imports
+set_forkserver_preload([worker.__name__])  # imports take two thirds of a worker's start
 __all__ = ["EXACT", "HEAVY", "LATER", "NOBODY", "SCREEN", "FairQueue", "Pool", "Task", "pool"]
-LOOK = 0.5  # s between two looks whether the process of an idle worker still is
-WARMING = 300.0  # s for kernels to be compiled, on a slow machine
-STARTS = 3  # times in a row that a seat may fail to start a worker before those who wait are told
-HOPE = 60.0  # s since a worker was last ready, before which they are not told
-SILENT = 60.0  # s without an answer of any worker, after which the pool counts as dead
-PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before a worker is started once more, by how often in a row that failed
+LOOK = 0.5  # s between two checks that the process of an idle worker lives
+WARMING = 300.0  # s to compile the kernels on a slow machine
+STARTS = 3  # failed starts of a seat in a row before waiting tasks fail
+HOPE = 60.0  # s since a worker was last ready before waiting tasks fail
+SILENT = 60.0  # s without an answer of any worker before the pool counts as dead
+PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 
 def default_size():
-    """One worker per core this process may use, at least two, so that a stale slice never blocks a fresh one."""
+    """Return one worker per available core, at least two, so that an outdated slice never blocks a new one."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 2
     return int(os.environ.get("APP_WORKERS", max(2, cores)))
 
 
 @dataclass(eq=False)
 class Seat:
-    """Room for one worker process, with a thread that fills it; `task` is what it does."""
+    """A slot for one worker process, with a thread that starts the worker; `task` is its current task."""
 
     caller: Any = None
     ready: bool = False
     task: Task | None = None
-    failures: int = 0  # starts in a row
+    failures: int = 0  # failed starts in a row
 
 
 class Pool:
     """Workers that may die and tasks that may hang; `status` is 'closed', 'warming', 'ready' or 'failing' (see `why`).
 
-    Owners take turns. What takes long, and what nobody looks at yet, never takes the last worker.
+    Owners take turns. Expensive and background tasks never take the last worker.
     """
 
     def __init__(self, size=None, patience=PATIENCE, make=Caller):
         self.size, self.patience, self.make = size or default_size(), patience, make
         self.replaced = 0  # workers lost
-        self.why = ""  # no worker can be started
-        self.compiled = 0  # kernels, of worker.KERNELS, by the first worker
+        self.why = ""  # why no worker can start
+        self.compiled = 0  # kernels that the first worker has compiled, of worker.KERNELS
         self._seats, self._queue = [], FairQueue()
-        self._lock = Condition()  # notified when seats have been given tasks, and of the end
+        self._lock = Condition()  # notifies seats of tasks and of the end
         self._closing, self._warm = Event(), Event()
-        self._answered = -inf  # when a worker last gave an answer, s, monotonic
-        self._fit = -inf  # when a worker was last known to be fit, s, monotonic
+        self._answered = -inf  # time of the last answer of a worker, s, monotonic
+        self._fit = -inf  # time when a worker was last ready, s, monotonic
 
     @property
     def status(self):
@@ -71,31 +71,31 @@ class Pool:
 
     @property
     def ready(self):
-        """How many workers are."""
+        """Number of workers that are ready."""
         return sum(seat.ready for seat in self._seats)
 
     @property
     def in_flight(self):
-        """How many tasks wait or run for somebody."""
+        """Number of tasks that wait or run for visitors."""
         with self._lock:
             tasks = [task for task in (*self._queue, *(seat.task for seat in self._seats)) if task is not None]
             return sum(task.owner != NOBODY and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
-        """Start the first worker, which compiles the kernels or finds them, then the others; harmless when done."""
+        """Start the first worker, which compiles or loads the kernels, then the others; may be called twice."""
         with self._lock:
             if self._seats or self._closing.is_set():
                 return
-            self._answered = monotonic() + WARMING - SILENT  # until then nobody expects one
+            self._answered = monotonic() + WARMING - SILENT  # no answer is due before the warm-up ends
             self._seats = [Seat() for _ in range(self.size)]
             for number, seat in enumerate(self._seats):
                 Thread(target=self._sit, args=(seat, number), name=f"seat {number}", daemon=True).start()
         atexit.register(self.close)
 
     def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0):
-        """A Task of that owner.
+        """Add a call to the queue and return its Task.
 
-        seconds: what it is expected to take at most. Cancel it while it waits, `abandon` it when not.
+        seconds: its expected duration, at most. Cancel a task while it waits; `abandon` it when it runs.
         """
         self.start()
         task = Task((call, *arguments), owner, rank, seconds + self.patience)
@@ -108,17 +108,17 @@ class Pool:
         return task
 
     def abandon(self, task):
-        """Nobody waits for this task any longer."""
+        """Cancel a task, or ignore its result if it runs."""
         if not task.cancel():
             task.abandoned = True
 
     def position(self, task):
-        """How many tasks have their turn before this one; None if it does not wait."""
+        """Number of tasks before this one; None if it does not wait."""
         with self._lock:
             return self._queue.position(task)
 
     def alive(self):
-        """(whether a worker has answered lately, or one is idle whose process lives, what is to be said of it)."""
+        """Return (healthy, reason). Healthy: a worker answered lately, or an idle worker's process lives."""
         if self.why:
             return False, self.why
         with self._lock:
@@ -129,12 +129,12 @@ class Pool:
         return False, f"no worker has answered for {min(silent, 1e6):.0f} s"
 
     def processes(self):
-        """The process ids of the workers on this machine."""
+        """Process ids of the workers on this machine."""
         with self._lock:
             return [seat.caller.process.pid for seat in self._seats if isinstance(seat.caller, Caller)]
 
     def close(self):
-        """End every worker at once, even in the middle of a slice."""
+        """End every worker at once, even during a slice."""
         self._closing.set()
         self._warm.set()
         atexit.unregister(self.close)
@@ -149,7 +149,7 @@ class Pool:
             caller.end()
 
     def _dispatch(self):
-        """Give idle workers the tasks whose turn it is."""
+        """Give the next tasks to idle workers."""
         while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
             rank = self._queue.rank
             free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
@@ -161,10 +161,10 @@ class Pool:
                 task.seat, idle[0].task = idle[0], task
                 self._lock.notify_all()
 
-    # a seat, in its thread
+    # The following methods run in the thread of a seat.
 
     def _sit(self, seat, number):
-        """Keep a worker in the seat until the pool is closed."""
+        """Run a worker in the seat, and replace it when lost, until the pool closes."""
         if number:
             self._warm.wait()
         while not self._closing.wait(PAUSES[min(seat.failures, len(PAUSES) - 1)]):
@@ -173,14 +173,14 @@ class Pool:
                 self._serve(seat)
             except Lost as lost:
                 self._emptied(seat, lost)
-            except Exception as error:  # no process could be started
+            except Exception as error:  # the process did not start
                 log.exception("a worker could not be started")
                 self._emptied(seat, Lost("crash", str(error)))
 
     def _fill(self, seat):
         """Start a worker and make it ready."""
         seat.caller = self.make()
-        if self._closing.is_set():  # it may have come too late to be ended by `close`
+        if self._closing.is_set():  # `close` may have run before the caller existed
             seat.caller.end()
         if isinstance(seat.caller, Caller):
             seat.caller.call(worker.start_up, limit=WARMING, hear=self._hear)
@@ -197,7 +197,7 @@ class Pool:
         self.compiled = max(self.compiled, compiled)
 
     def _serve(self, seat):
-        """Do tasks until the worker is lost."""
+        """Run tasks until the worker is lost."""
         while True:
             with self._lock:
                 self._dispatch()
@@ -230,7 +230,7 @@ class Pool:
             task.set_result(result)
 
     def _emptied(self, seat, lost):
-        """The worker has ended, or did not start: those who wait for it are told, or wait again."""
+        """Handle a worker that ended or did not start: its task fails; after STARTS failures all waiting tasks fail."""
         if seat.caller is not None:
             seat.caller.end()
         with self._lock:
@@ -240,7 +240,7 @@ class Pool:
                 lost = Lost("closed", "the server is being stopped")
             else:
                 seat.failures += not warm
-                if lost.kind != "absent":  # a seat for which there is nobody yet
+                if lost.kind != "absent":  # no worker of the cluster is free yet
                     self.replaced += 1
                     metrics.count("worker_restarts")
                     log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
@@ -260,7 +260,7 @@ class Pool:
 
 
 def made():
-    """The pool that the environment asks for."""
+    """Return the pool that the environment variables select."""
     if "APP_SCHEDULER" not in os.environ:
         return Pool()
     from app.service.cluster import SEATS, Cluster
@@ -269,5 +269,5 @@ def made():
 
 
 pool = made()
-metrics.gauge("queue", "tasks that wait or run for somebody", lambda: pool.in_flight)
+metrics.gauge("queue", "tasks that wait or run for visitors", lambda: pool.in_flight)
 metrics.gauge("workers", "workers that are ready", lambda: pool.ready)

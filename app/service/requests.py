@@ -1,4 +1,4 @@
-"""Calls of the workers for the pages: made once for all visitors who wait for them, and their results are kept."""
+"""Calls to the workers for the pages. Visitors share equal calls, and the server caches the results."""
 
 import logging
 import pickle
@@ -17,40 +17,40 @@ from solver.continuation.state import OutOfTime
 from solver.isolated import Lost
 
 log = logging.getLogger("app")
-CAPACITY = 50e6  # bytes of results kept
-LIVES = 3  # how often a slice may be lost with its worker, or take too long
+CAPACITY = 50e6  # bytes of cached results
+LIVES = 3  # attempts at a slice that loses its worker or takes too long
 ERROR = RuntimeError("the server could not compute it; its log says why")
 
 
 @dataclass
 class Request:
-    """A call on its way: who waits for it, how it is submitted (see `Pool.submit`), and how far it is."""
+    """A call in progress: its hearers, the options of `Pool.submit`, and its partial results."""
 
     hearers: list
     how: dict
     task: Any = None
-    lost: int = 0  # slices
+    lost: int = 0  # failed attempts
     kept: tuple = ()
-    made: list = field(default_factory=list)  # parts of the result
+    made: list = field(default_factory=list)  # partial results
 
 
 class Shared:
-    """Results by call, those used last; a call that several visitors want at the same time is made once."""
+    """Cache of results by call. When several visitors need the same call, one worker makes it once."""
 
     def __init__(self, capacity=CAPACITY):
         self._kept = LRUCache(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
         self._requests, self._lock = {}, RLock()
 
     def clear(self):
-        """As if nothing had been asked for."""
+        """Drop all results and requests."""
         with self._lock:
             self._kept.clear()
             self._requests.clear()
 
     def ask(self, pool, call, hear, **how):
-        """Have call = (function, *arguments) made; `hear(call, result)` is called once, in whatever thread.
+        """Request call = (function, *arguments). `hear(call, result)` is called once, in any thread.
 
-        Returns the result at once if it is known, and then hear is not called. A result may be an Exception.
+        If the result is cached, return it and do not call `hear`. A result may be an Exception.
         """
         with self._lock:
             made = self._kept.get(call)
@@ -64,7 +64,7 @@ class Shared:
         return None
 
     def leave(self, pool, call, hear):
-        """Do not wait any longer; when nobody does, the call is not made."""
+        """Remove a hearer. Without hearers the call is abandoned."""
         with self._lock:
             request = self._requests.get(call)
             if request is not None:
@@ -92,14 +92,14 @@ class Shared:
                 request.kept = (result.kept,)
                 request.made += [] if result.made is None else [result.made]
                 return self._submit(pool, call)
-            if isinstance(result, OutOfTime) or getattr(result, "kind", "") == "crash":  # the machine was busy
+            if isinstance(result, OutOfTime) or getattr(result, "kind", "") == "crash":  # the machine is busy
                 request.lost += 1
                 if request.lost < LIVES:
                     return self._submit(pool, call)
             if request.made and not isinstance(result, Exception):
                 result = sum([*request.made[1:], result], request.made[0])
-            if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # it may be another one next time
-                with suppress(ValueError):  # of what is larger than all that is kept
+            if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # these may differ next time
+                with suppress(ValueError):  # the result is larger than the cache
                     self._kept[call] = call, result
             del self._requests[call]
         for hear in request.hearers:
@@ -110,51 +110,51 @@ shared = Shared()
 
 
 class Requests:
-    """The calls that one part of a visitor's page waits for; every method runs under the lock of the document."""
+    """The calls that one part of a page waits for. Every method runs under the lock of the document."""
 
     def __init__(self, session, take=None, shared=shared):
-        """take(call, result) takes the results of `add`."""
+        """take(call, result) receives the results of `add`."""
         self.session, self._take_each, self.shared = session, take, shared
-        self.waiting, self.count = {}, 0  # {call: what takes its result}
+        self.waiting, self.count = {}, 0  # {call: the function that receives its result}
 
     @property
     def part(self):
-        """The part that is done, 0..1; None when nothing is left to do."""
+        """The fraction done, 0..1; None when no call is left."""
         return 1.0 - len(self.waiting) / self.count if self.waiting else None
 
     def add(self, calls):
-        """Ask for calls = [(function, *arguments)], in the background."""
+        """Request calls = [(function, *arguments)] in the background."""
         for call in calls:
             self.also(call, partial(self._take_each, call), rank=LATER)
 
     def also(self, call, take, **how):
-        """Ask for one call more, then take(result), an Exception where it failed; at once if it is known.
+        """Request one more call; take(result) receives its result or Exception, at once if cached.
 
-        A call that is waited for goes on. how: rank and seconds, as of `Pool.submit`.
+        Calls already requested continue. how: rank and seconds of `Pool.submit`.
         """
         known = self._ask(call, take, **how)
         if known is not None:
             self._answered(call, known)
 
     def ask(self, call, take, **how):
-        """Ask for one call in place of all before, then take(result), None where it failed."""
+        """Request one call instead of all earlier ones; take(result) receives its result, or None if it failed."""
         self.cancel()
         known = self._ask(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
         if known is not None:
             self._hear(call, known)
 
     def cancel(self):
-        """Wait for nothing any longer."""
+        """Cancel all calls."""
         self.drop(list(self.waiting))
 
     def drop(self, calls):
-        """Wait for some no longer."""
+        """Cancel some calls."""
         for call in self.waiting.keys() & set(calls):
             del self.waiting[call]
             self.shared.leave(self.session.pool, call, self._hear)
 
     def _ask(self, call, take, **how):
-        """The result, if it is known; else it is taken once it is there."""
+        """Return a cached result, or None and register `take` for later."""
         if call in self.waiting:
             return None
         self.count = self.count + 1 if self.waiting else 1

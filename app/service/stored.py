@@ -1,9 +1,9 @@
-"""Stored runs of the row's experiments, which a page shows until the computed run has come.
+"""Stored runs of the experiments at the top of the page. The page shows them until the computed run is there.
 
     python -m app.service.stored
 
-Computes them anew and writes them to static/runs/. A stored run is a block of packing.py with all of its curves, but
-with every few frames and nodes only: the browser draws straight lines between these (packed.js).
+computes them and writes them to static/runs/. A stored run is a block of packing.py with all curves, but with only
+some frames and nodes: the browser interpolates linearly between them (packed.js).
 """
 
 import sys
@@ -16,24 +16,24 @@ from solver.presets import presets
 
 FOLDER = Path(__file__).parents[1] / "static" / "runs"
 LARGEST = 60_000  # bytes of a file
-NODES = 3  # every third node: of the row's runs none then is larger than LARGEST
-APART = 0.02  # of a field's largest value: a straight line over frames passes nodes by no more than this
-STEP = 32  # a field is stored in steps of 32 of its int16 units, 0.1 % of its largest value
-MOST = 32767 // STEP  # steps
+NODES = 3  # every third node: each run is then smaller than LARGEST
+APART = 0.02  # largest error of the interpolation between frames, over the field's largest value
+STEP = 32  # resolution of a stored field in int16 units: 0.1 % of its largest value
+MOST = 32767 // STEP  # largest stored value
 
 
 def row():
-    """{name: Preset} of the experiments in the row at the top of the page."""
+    """Return {name: Preset} of the experiments at the top of the page."""
     return {name: preset for name, preset in presets().items() if preset.short}
 
 
 def path_of(name):
-    """The file of the stored run of a preset."""
+    """Return the path of a preset's stored run."""
     return FOLDER / f"{name}.bin"
 
 
 def thinned(block):
-    """A stored run, bytes, from the packed block of a whole run."""
+    """Return a stored run, bytes, from the packed block of a whole run."""
     head, columns, fields = packing.unpack(block)
     nodes = np.unique(np.append(np.arange(0, head["nodes"], NODES), head["nodes"] - 1))
     values = np.array(list(fields.values()))[:, :, nodes]
@@ -45,7 +45,7 @@ def thinned(block):
 
 
 def _kept(values):
-    """Frames, ascending, between which straight lines pass values (fields, frames, nodes) by APART at most."""
+    """Select frames, ascending: linear interpolation errs by APART at most. values: (fields, frames, nodes)."""
     last = values.shape[1] - 1
     kept, stretches = {0, last}, [(0, last)]
     while stretches:

@@ -1,4 +1,4 @@
-"""What the pages ask of a worker: each a pure function of picklable arguments that returns small arrays or numbers."""
+"""Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
 import pickle
 from dataclasses import dataclass, replace
@@ -30,17 +30,17 @@ from solver.run.film import through
 from solver.run.frame import Frame
 from solver.run.load_steps import load_steps_of
 
-SLICE = 0.12  # s of work, after which a call gives way to others and is made again with what it has
-POINTS, NOISE, APART = 400, 0.01, 1.2  # of a made-up measurement: how many, of the largest F, times a parameter
-DRAWN = 400  # points of a curve, about one per pixel
-DECAYED = 12.0  # q z from which on a mode is not felt: (1 + q z) exp(-q z) is 8e-5 of what it is at the surface
+SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
+POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
+DRAWN = 400  # points of a drawn curve, about one per pixel
+DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
 
 
 @dataclass(frozen=True)
 class Part:
-    """What a call has come to in its time: made again with `kept` behind its arguments, it continues from there.
+    """An unfinished call: a further call with `kept` after its arguments continues it.
 
-    made: a part of the result, which does not go to a worker again: all parts are added up.
+    made: a partial result. It is not sent to a worker again; the sum of all parts is the result.
     """
 
     kept: Any
@@ -48,7 +48,7 @@ class Part:
 
 
 def whole_run(scene, kept=None):
-    """The Frames of a scene, or Part of it, or the NotConverged that ended it."""
+    """Return the Frames of a scene, a Part, or the NotConverged that ended the run."""
     piece = worker.compute(scene, kept, SLICE)
     if piece.failure:
         return NotConverged(piece.failure)
@@ -57,9 +57,9 @@ def whole_run(scene, kept=None):
 
 
 def flat_curve(scene, kept=None):
-    """(U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin.
+    """Return (U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin.
 
-    Or Part of it, or the NotConverged that ended it.
+    It may also return a Part, or the NotConverged that ended the run.
     """
     rows, checkpoint = kept or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
@@ -73,7 +73,7 @@ def flat_curve(scene, kept=None):
 
 
 def flat_friction(scene, kept=None):
-    """Largest and least F_bar of a run during sliding, and the increments it took; or Part, or the error."""
+    """Return the largest and the smallest F_bar of a run during sliding, and its increments; or Part, or the error."""
     done, checkpoint = kept or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]  # all nodes of a flat are alike
@@ -83,13 +83,13 @@ def flat_friction(scene, kept=None):
         return NotConverged(checkpoint.failure)
     try:
         force = friction_force(scene, done)
-    except ValueError as error:  # it has not slid far enough
+    except ValueError as error:  # the run has not slid far enough
         return error
     return force.F_s, force.F_k, len(done)
 
 
 def onset_of(scene, kept=None):
-    """The Onset of a scene, its curves float32 with about DRAWN points; Part of it; or why there is none."""
+    """Return the Onset of a scene, its curves float32 with about DRAWN points; a Part; or a str: why there is none."""
     try:
         search = search_on(scene, kept or Search(), SLICE, worker.SLOW)
     except NotConverged as error:
@@ -105,12 +105,11 @@ def onset_of(scene, kept=None):
 
 
 def what_matters(scene):
-    """What moves the first slip of a scene, as the page "What matters" draws it; or a sentence why there is nothing.
+    """Return the sensitivities of the first slip for the page "What matters"; or a sentence: why there are none.
 
-    bars: {parameter: [U_s, F_s, A_s]}, change (of nm and N/m) in per cent for one per cent more of the parameter, for
-    0.01 of one that is zero; None of what is zero itself. Without the width of the cell: it scales radius, height and
-    lattice spacing together, and would lead the list. nodes: change of F_s by the strength of each node from
-    `first` on, over F_s.
+    bars: {parameter: [U_s, F_s, A_s]}, change in per cent per 1 % of the parameter, or per 0.01 of a parameter that is
+    zero. A value that is zero itself has None. The width of the cell is left out: it scales radius, height and
+    lattice spacing together. nodes: change of F_s by the strength of each node from `first` on, over F_s.
     """
     try:
         found = sensitivities(skeleton_of(scene), branches=False)
@@ -135,7 +134,7 @@ def what_matters(scene):
 
 
 def map_tile(tile, kept=()):
-    """[(Point, its Skeleton as of `skeletons.pickled`, or None)] of a Tile whose `known` are such; or Part of it."""
+    """Return [(Point, its Skeleton as of `skeletons.pickled`, or None)] of a Tile with such `known`; or a Part."""
     begun, kept = perf_counter(), list(kept)
     there = {(point.i, point.j) for point, _ in kept}
     asked = tuple(one for one in tile.asked if one[0] not in there)
@@ -148,10 +147,10 @@ def map_tile(tile, kept=()):
 
 
 def layer_table(scene, depth, rows, modes):
-    """(counts, scale, body): how modes of the tractions reach into the layer, at the middles of `rows` down to `depth`.
+    """Return (counts, scale, body): stresses in the layer per mode of the tractions, for `rows` down to `depth`, nm.
 
-    depth: nm. body: int16 (sum of counts, 6) in units of scale, row by row the modes that are felt there, `counts` of
-    them; of each sigma_xx, sigma_zz and sigma_xz of `interior.transfer`, even and odd of one after the other.
+    Each row is evaluated at its centre, with its first `counts` modes. body: int16 (sum of counts, 6) in units of
+    scale, row by row. Columns: sigma_xx, sigma_zz, sigma_xz of `interior.transfer`, each even then odd.
     """
     q, z = wavenumbers(scene, modes), (np.arange(rows) + 0.5) * (depth / rows)
     counts = 1 + np.searchsorted(q[1:], DECAYED / z, "right")
@@ -165,7 +164,7 @@ def layer_table(scene, depth, rows, modes):
 
 
 def slow_motion(scene, before, after):
-    """Packed blocks of the motion between two frames, each (packed block, row); or why there is none."""
+    """Return packed blocks of the transient between two frames, each (packed block, row); or a str: why none."""
     goal = _frame(scene, *after)
     load = next(step.loading.load_of(goal) for step in load_steps_of(scene) if step.stage == goal.stage)
     try:
@@ -178,7 +177,7 @@ def slow_motion(scene, before, after):
 
 
 def _frame(scene, block, row):
-    """The Frame of a row of a packed block, in the digits that it has there."""
+    """Return the Frame of a row of a packed block, with the precision of the block."""
     head, columns, fields = packing.unpack(block)
     u_x, gap, *T = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap", "T_x", "T_z"))
     profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
@@ -189,7 +188,7 @@ def _frame(scene, block, row):
 
 
 def measured(text):
-    """(the Profile that the text of a CSV describes, None), or (None, why it is of no use)."""
+    """Return (the Profile in the text of a CSV, None), or (None, why the text is not usable)."""
     try:
         return read_profile(text), None
     except ProfileError as error:
@@ -197,7 +196,7 @@ def measured(text):
 
 
 def measured_curve(text, scene):
-    """(the Measurement in the text of a CSV, None), or (None, why it is of no use)."""
+    """Return (the Measurement in the text of a CSV, None), or (None, why the text is not usable)."""
     try:
         return read_measurement(StringIO(text), scene), None
     except MeasurementError as error:
@@ -205,14 +204,14 @@ def measured_curve(text, scene):
 
 
 def made_up_scene(scene, seed):
-    """The Scene of a made-up measurement."""
+    """Return the Scene of example data."""
     change = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, 2)
     delta_bar = scene.delta_bar + 0.1 * change[1]
     return scene.changed(path="shear", delta_bar=delta_bar, phi_ratio=scene.phi_ratio * APART ** change[0])
 
 
 def made_up_curve(scene, seed):
-    """(a Measurement of slightly other friction and depth than the scene, with noise, None); or (None, why)."""
+    """Return (a noisy Measurement with slightly different friction and depth, None); or (None, why)."""
     other, rng = made_up_scene(scene, seed), np.random.default_rng(seed)
     try:
         skeleton = skeleton_of(other)
@@ -225,7 +224,7 @@ def made_up_curve(scene, seed):
 
 
 def fitted(scene, measured, free):
-    """The Fit of parameters to a Measurement, or a sentence why there is none."""
+    """Return the Fit of parameters to a Measurement, or a sentence: why there is none."""
     try:
         return fit(scene, measured, free)
     except (NotConverged, NotFollowed, ValueError) as error:
@@ -233,16 +232,16 @@ def fitted(scene, measured, free):
 
 
 def file_of_run(legs, kind):
-    """What `python -m solver run` writes of a run, kind npz or json, as bytes; up to where it did not converge.
+    """Return the file that `python -m solver run` writes, bytes; it ends where the run did not converge.
 
-    legs: as of `solver.carried_path`; one (Scene, None) where the run was not carried on.
+    kind: npz or json; legs: of `solver.carried_path`, one (Scene, None) for a run that starts from nothing.
     """
     scene, _ = legs[-1]
     frames, failure, begun = [], None, perf_counter()
     try:
         for frame in carried_path(legs):
             frames.append(frame)
-    except (NotConverged, ValueError) as error:  # ValueError: the state does not lead on into a scene
+    except (NotConverged, ValueError) as error:  # ValueError: the state does not continue into a scene
         failure = str(error)
     with TemporaryDirectory() as folder:
         file = Path(folder, "run")
@@ -254,5 +253,5 @@ def file_of_run(legs, kind):
 
 
 def qr_code(link):
-    """The QR code of a link, as the address of an SVG; drawing it takes some 60 ms."""
+    """Return the QR code of a link as the data URI of an SVG; this takes 60 ms."""
     return segno.make(link, error="l").svg_data_uri(scale=4, border=2)

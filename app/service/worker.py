@@ -1,4 +1,4 @@
-"""What runs inside a worker process: a slice of the load path, packed for the browser; NumPy and `solver` only."""
+"""Code of a worker process: computes a slice of the load path and packs it. It needs only NumPy and `solver`."""
 
 import os
 import pickle
@@ -24,43 +24,43 @@ from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import Run, deadline
 from solver.run.slices import in_time
 
-KERNELS = 39  # compiled by `warm_up` where none is in the cache; tests/cli/test_cold_start.py counts them
-NICENESS = 10  # the event loop must win against the physics
-QUICK, SLOW = 0.3, 10.0  # s of processor time for an increment: of a run that must not be in the way of others, of any
-APPROACH = 3  # a slice may take so many times its budget to reach the first frames of the shear
-REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as width that acts
+KERNELS = 39  # that `warm_up` compiles with an empty cache; tests/cli/test_cold_start.py counts them
+NICENESS = 10  # low priority: the event loop goes before the computations
+QUICK, SLOW = 0.3, 10.0  # s of processor time per increment: of a run that must not delay others; of any run
+APPROACH = 3  # a slice may take 3 times its budget to reach the first frames of the shear
+REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
 
 
 @dataclass(frozen=True)
 class Slice(Frames):
     """The outcome of one task.
 
-    ahead: frames still to come, as far as is known, None on the way to where a run carries on; kept: what the next
-    slice continues from, pickled, so that the server need not read it; None once the run is done.
+    ahead: number of frames left, None while earlier runs of the history are repeated. kept: pickled state from which
+    the next slice continues, None when the run is done; the server does not read it.
     """
 
     ahead: int | None = None
     kept: bytes | None = None
     done: bool = False
     failure: str | None = None
-    heavy: bool = False  # whether an increment takes, or took, longer than QUICK
+    heavy: bool = False  # whether an increment takes longer than QUICK
 
 
 def start():
-    """Prepare a new worker: low priority, kernels loaded."""
+    """Prepare a new worker: lower its priority and load the kernels."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     warm_up()
 
 
 class _Compiled(Listener):
-    """Counts the kernels that are compiled, into a queue."""
+    """Counts compiled kernels and puts the count into a queue."""
 
     def __init__(self, queue):
         self.queue, self.count = queue, 0
 
     def on_start(self, event):
-        """Nothing is there yet."""
+        """Do nothing: the kernel is not compiled yet."""
 
     def on_end(self, event):
         self.count += 1
@@ -68,7 +68,7 @@ class _Compiled(Listener):
 
 
 def start_up():
-    """As `start`; yields how many kernels have been compiled, where they are not in the cache."""
+    """Do the same as `start`, and yield the number of kernels compiled so far."""
     compiled = SimpleQueue()
     with install_listener("numba:compile", _Compiled(compiled)), ThreadPoolExecutor(1) as thread:
         done = thread.submit(start)
@@ -78,7 +78,7 @@ def start_up():
 
 
 def warm_up():
-    """Run a small scene through approach, shear and slips, and begin the default one: compiles kernels, makes plans."""
+    """Run a small scene with slips and the first increments of the default one: compile kernels, plan the FFTs."""
     checkpoint = None
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=16.0)
     while checkpoint is None or not checkpoint.done:
@@ -93,7 +93,7 @@ def ready():
 
 @dataclass(frozen=True)
 class Carrying:
-    """On the way to where a run goes on from another: the legs of the history done, frames of the next, Checkpoint."""
+    """State while earlier runs are repeated: number of finished legs, frames of the current leg, its Checkpoint."""
 
     legs: int = 0
     frames: int = 0
@@ -101,10 +101,10 @@ class Carrying:
 
 
 def compute(scene, kept, budget, history=(), limit=SLOW):
-    """Advance `scene` for about `budget` seconds, somewhat longer if that ends in the approach, and pack the frames.
+    """Advance `scene` for about `budget` seconds, or longer if that ends in the approach, and pack the frames.
 
-    kept: of the Slice before, or None; history: ((Scene, frames), ...) of the runs that this one carries on from;
-    limit: s of processor time for an increment. One that takes longer is left out, and may be tried again with more.
+    kept: of the previous Slice, or None; history: ((Scene, frames), ...) of the earlier runs that this one continues;
+    limit: s of processor time per increment. A longer one is left out; a further call may repeat it with more time.
     """
     begun = perf_counter()
     checkpoint, last = pickle.loads(kept) if kept else (None, None)
@@ -135,7 +135,7 @@ def compute(scene, kept, budget, history=(), limit=SLOW):
 
 
 def _skeleton(scene, checkpoint):
-    """The pickled Skeleton of a run that is done, or None."""
+    """Return the pickled Skeleton of a finished run, or None."""
     if checkpoint.done and not checkpoint.failure:
         with suppress(NotFollowed):
             return pickle.dumps(skeleton_from(scene, checkpoint))
@@ -143,10 +143,10 @@ def _skeleton(scene, checkpoint):
 
 
 def _on_the_way(scene, way, begun, budget, history, limit):
-    """The Checkpoint from which a run goes on from others; or a Slice without frames: not there yet, or no way."""
+    """Return the Checkpoint where the run continues others; or a Slice without frames: unfinished, or failed."""
     try:
         found = carried((*history, (scene, 0)), way or Carrying(), begun + budget, limit)
-    except (NotConverged, SceneError, NotInShear) as error:  # the state does not lead on into this scene
+    except (NotConverged, SceneError, NotInShear) as error:  # the state does not continue into this scene
         if isinstance(error, OutOfTime) and limit < SLOW:
             return Slice(kept=pickle.dumps((way, None)), heavy=True)
         return Slice(ahead=0, done=True, failure=str(error))
@@ -154,7 +154,7 @@ def _on_the_way(scene, way, begun, budget, history, limit):
 
 
 def _advanced(scene, checkpoint, begun, budget, limit):
-    """(frames, Checkpoint) after the budget, or after APPROACH times that where the shear has not begun."""
+    """Return (frames, Checkpoint) after the budget, or after APPROACH times the budget if shear has not begun."""
     frames, checkpoint = advance(scene, checkpoint, begun + budget - perf_counter(), limit=limit)
     while checkpoint.stage == "approach" and not checkpoint.done and perf_counter() < begun + APPROACH * budget:
         more, checkpoint = advance(scene, checkpoint, budget / APPROACH, limit=limit)
@@ -163,15 +163,15 @@ def _advanced(scene, checkpoint, begun, budget, limit):
 
 
 def _slow(begun, budget):
-    """Whether a slice took so much longer than its budget that its run would be in the way of others."""
+    """Whether a slice took so much longer than its budget that its run would delay others."""
     return perf_counter() > begun + budget + QUICK
 
 
 def carried(history, way=None, until=inf, limit=inf):
-    """The checkpoint from which a run goes on as the last scene of history [(scene, frames), ...]: see `carry_on`.
+    """Return the Checkpoint from which the last scene of history [(scene, frames), ...] continues: see `carry_on`.
 
-    Every run before is computed again up to the frame at which its successor took over: nothing has to be kept of it.
-    Or the Carrying that it has come to by `until`, of perf_counter.
+    This repeats every earlier run up to the frame where the next one continues it, so nothing needs to be stored.
+    At time `until` of perf_counter it returns the Carrying reached so far.
     """
     way = way or Carrying()
     checkpoint, frame = way.checkpoint, None
@@ -183,7 +183,7 @@ def carried(history, way=None, until=inf, limit=inf):
             if frame and perf_counter() > until:
                 return Carrying(k, frames, checkpoint)
             if checkpoint.done:
-                raise NotInShear("the run ended before the increment from which this one should go on")
+                raise NotInShear("the run ended before the increment from which this one should continue")
             frame, checkpoint = run.next_frame(checkpoint, deadline(limit))
         try:
             checkpoint = carry_on(frame, changed) if changed != scene else checkpoint
@@ -195,11 +195,11 @@ def carried(history, way=None, until=inf, limit=inf):
 
 
 class NotInShear(ValueError):
-    """A run goes on from shear only, and from an increment that it has reached."""
+    """A run can continue only from an increment in shear that it has reached."""
 
 
 def _works(scene, frames, last):
-    """The work of the top up to every frame, nJ/m, and (last frame, work up to it); a loop only has use for it."""
+    """Return the work of the top up to every frame, nJ/m, and (last frame, its work); zeros unless path=loop."""
     if scene.path != "loop" or not frames:
         return [0.0] * len(frames), None
     before, done = last or (None, 0.0)
@@ -209,7 +209,7 @@ def _works(scene, frames, last):
 
 
 def _ahead(scene, checkpoint):
-    """Frames still to come."""
+    """Return the number of frames left."""
     if checkpoint.done:
         return 0
     load_steps = checkpoint.load_steps or load_steps_of(scene)
@@ -218,7 +218,7 @@ def _ahead(scene, checkpoint):
 
 
 def _width(scene, frame):
-    """Part of w between the outermost nodes that repel or adhere."""
+    """Return the distance of the outermost nodes that repel or adhere, over w."""
     normal = frame.T[1]
     acting = np.flatnonzero((normal > 0) | (normal < -REACH * scene.phi_n / (e * scene.delta_n)))
     return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0
