@@ -1,7 +1,7 @@
 """Measure what the project claims, and write docs/evidence.md: `python docs/evidence.py NAME ...`, or `all`.
 
 Each entry of COMMANDS is one command of the repository. Its output is kept in docs/evidence.json with the commit, date
-and processor. The page shows the output as it is; no number is typed in.
+and processor. The page shows the output without its lines for single scenes; no number is typed in.
 """
 
 import argparse
@@ -157,7 +157,7 @@ def section(result: dict[str, str] | None, entry: Entry) -> list[str]:
     if result is None:
         return [f"Not measured yet: `python {' '.join(entry.command)}`."]
     where = f"`{result['command']}`, commit {result['commit']}, {result['date']}, {result['processor']}:"
-    lines = result["output"].splitlines()
+    lines = [line for line in result["output"].splitlines() if not line.startswith("{")]  # single scenes
     return [where, "\n".join(["```text", *lines, "```"])]
 
 

@@ -9,7 +9,6 @@ import toys
 
 from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
 from solver.continuation.fold import Fold
-from solver.continuation.interpolation import lagrange
 from solver.continuation.state import OutOfTime
 from solver.following.branch import TOLERANCE, Branch
 from solver.following.follow import refuse_apart
@@ -362,11 +361,6 @@ def test_a_state_on_another_branch_is_refused():
     beyond = replace(old, end=old.end + 1.0, fold=None)
     with pytest.raises(NotFollowed):
         moved_branch(Solver(toy), beyond, 0.0, old.end + 1.0, None, 1)
-
-
-def test_a_polynomial_through_rows_of_an_array_is_interpolated_exactly():
-    nodes = np.array([0.0, 0.3, 0.7, 1.1])
-    assert np.array(lagrange(nodes, 0.5)) @ nodes**3 == pytest.approx(0.125, rel=1e-12)
 
 
 def test_polynomials_are_interpolated_exactly_and_waves_to_the_sixth_order():
