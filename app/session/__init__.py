@@ -1,1 +1,1 @@
-"""One visitor: the run on screen, the controls, the messages to and from the browser."""
+"""The session of one visitor: the run on screen, the controls, and the messages between server and browser."""

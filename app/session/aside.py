@@ -1,6 +1,6 @@
-"""What is computed for a visitor beside the run on screen; every method runs under the lock of the document.
+"""Computations for a visitor beside the run on screen. Every method runs under the lock of the document.
 
-A film and the table of a layer belong to one visitor; all visitors share pinned runs and marks.
+A film and the table of a layer belong to one visitor. All visitors share pinned runs and marks.
 """
 
 from app.service import marks, tasks, worker
@@ -10,24 +10,24 @@ from app.service.requests import Requests
 from app.session.controls import scene_from_address
 
 MOST_PINNED = 4
-LONGEST_FILM = 20 * worker.SLOW  # s: an increment is made again, and every state on its way packed
-GEOMETRY = ("nu", "height", "width", "nodes")  # of a scene, all that the table of its layer depends on
-TABLES = 2  # that a visitor may wait for: those of the fringes and of the page Inside the solid
-ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # of it, that a browser may ask for; nm
+LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats an increment and packs every state of it
+GEOMETRY = ("nu", "height", "width", "nodes")  # the parameters that the table of a layer depends on
+TABLES = 2  # tables that a visitor may wait for: of the fringes and of the page Inside the solid
+ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser may request; DEPTH in nm
 
 
 class Film(Requests):
-    """The motion through a slip of the run on screen."""
+    """The transient during a slip of the run on screen."""
 
     def want(self, values):
-        """Send the motion that led to frame values["frame"] of run values["run"], or say why there is none."""
+        """Send the transient that led to frame values["frame"] of run values["run"], or the reason for a failure."""
         self.cancel()
         session, run, k = self.session, self.session.pursuit.run, values["frame"]
         if run is None or run.number != values["run"]:
             return
         places = [run.place(frame, session.shelf) for frame in (k - 1, k)]
         if None in places:
-            why = "the server does not have the increment before this slip any longer; compute the run again"
+            why = "the server has dropped the increment before this slip; compute the run again"
             return session.wire.send("film failed", why=why)
         call = (tasks.slow_motion, run.scene, *places)
         self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=LONGEST_FILM)
@@ -40,12 +40,12 @@ class Film(Requests):
 
 
 class Layer(Requests):
-    """How tractions make up the stress inside the layer: a table for each geometry, for what a browser draws of it."""
+    """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
     def want(self, values):
         """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
 
-        A browser asks again while it waits: that must not begin the work anew.
+        A browser repeats its request while it waits. That must not start the work again.
         """
         run = self.session.run
         if run is None:
@@ -60,20 +60,20 @@ class Layer(Requests):
         self.also(call, lambda made: self._made(made, head))
 
     def _made(self, made, head):
-        if not isinstance(made, Exception):  # otherwise nothing is drawn
+        if not isinstance(made, Exception):  # without a table the browser draws nothing
             counts, scale, body = made
             self.session.wire.send("layer", body, counts=counts, scale=scale, **head)
 
 
 class Pinned(Requests):
-    """The runs pinned in an address, each sent whole."""
+    """The pinned runs of an address. Each is sent when complete."""
 
     def __init__(self, session):
         super().__init__(session, self._made)
-        self.pins = {}  # {call: of which pins it is the run}
+        self.pins = {}  # {call: pins that show its run}
 
     def want(self, pin, entries):
-        """Send the run of an address {name: text}, that of a pin, or why it failed."""
+        """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
         if 0 < pin <= MOST_PINNED:
             call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in entries.items()})[0]
             self.pins.setdefault(call, []).append(pin)
@@ -96,14 +96,14 @@ class Pinned(Requests):
 
 
 class Marks(Requests):
-    """The marks beside the sliders; `told`: {slider: ((value, what happens there), ...)} as far as it is known."""
+    """The marks beside the sliders; `told`: {slider: ((value, label), ...)} of those found so far."""
 
     def __init__(self, session):
         super().__init__(session, self._made)
         self.calls, self.keys, self.told = {}, {}, {}
 
     def seek(self, scene, skeleton):
-        """Look for the marks of a scene, whose run left this pickled Skeleton or None, unless they are known."""
+        """Search the unknown marks of a scene; skeleton: the pickled Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
         self.told = {name: found for name, found in self.told.items() if found and keys[name] == self.keys[name]}

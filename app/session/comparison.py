@@ -1,4 +1,4 @@
-"""Whether the picture of a held slider was right: the exact run that takes its place is compared with it."""
+"""Compares the last predicted picture of a drag with the exact run that replaces it."""
 
 import logging
 from math import isfinite
@@ -13,14 +13,14 @@ OFF = "What was shown while the slider moved"  # a note begins with it
 
 
 class Comparison(Requests):
-    """Of one visitor; every method runs under the lock of the document."""
+    """The comparisons of one visitor. Every method runs under the lock of the document."""
 
     def compare(self, skeleton, scene, blocks):
         """Compare the pickled Skeleton of a picture with the packed exact run of the same scene."""
         self.ask((compared, skeleton, tuple(blocks)), lambda off: self._judge(off, scene), rank=LATER)
 
     def _judge(self, off, scene):
-        """Count the outcome, and show a note where the picture was off."""
+        """Count the outcome, and show a note if the picture was off."""
         if off is None:
             return
         off_U, off_F = off

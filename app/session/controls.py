@@ -1,4 +1,4 @@
-"""The parameters a visitor may change: three sliders and the drawer of all others; the reading of what was entered."""
+"""The parameters a visitor may change: three sliders, and a drawer with all others. Reads and checks entries."""
 
 import re
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from solver.text import number_from_text
 
 @dataclass(frozen=True)
 class Control:
-    """One slider with its numeric entry; `positions` are the values the slider stops at."""
+    """One slider with its numeric entry. `positions` are the values of the slider."""
 
     name: str
     label: str
@@ -42,7 +42,7 @@ def _even(low, high, step):
 
 
 def _logarithmic(low, high, count, default):
-    """Values evenly spaced in the logarithm, rounded to three digits; holds `default` exactly."""
+    """Return values evenly spaced in the logarithm, rounded to three digits, with `default` exactly."""
     values = {float(f"{value:.3g}") for value in np.geomspace(low, high, count)}
     closest = min(values, key=lambda value: abs(np.log(value / default)))
     return tuple(sorted(values - {closest} | {low, high, default}))
@@ -79,16 +79,16 @@ CONTROLS = (
 )
 NAMES = tuple(control.name for control in CONTROLS)
 LABELS = {control.name: control.label for control in CONTROLS}
-RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # of the numbers, in the app
-WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # unit: the length of Scene that it is
-READ = {"preset", "profile", *PARAMETERS}  # of an address, by the server; the browser reads what is beside it
-BESIDE = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force")  # in an address
+RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # in the app
+WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # {unit: name of that length in Scene}
+READ = {"preset", "profile", *PARAMETERS}  # in an address, for the server
+BESIDE = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force")  # in an address, for the browser
 STAYS = " The run on screen stays."
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def drawer():
-    """{group: names} of the parameters without a slider, as they are declared in Scene."""
+    """Return {group: names} of the parameters without a slider, in the order of Scene."""
     groups = {}
     for name, known in PARAMETERS.items():
         if name not in NAMES:
@@ -97,12 +97,12 @@ def drawer():
 
 
 def words(name):
-    """What a parameter of the drawer is called: its meaning up to the first comma or semicolon."""
+    """Return the label of a parameter in the drawer: its meaning up to the first comma or semicolon."""
     return re.split("[,;]", PARAMETERS[name].meaning)[0]
 
 
 def meaning(name):
-    """What is to be said beside a parameter of the drawer: the rest of its meaning, and its range."""
+    """Return the hint beside a parameter in the drawer: the rest of its meaning, and its range."""
     if name in CHOICES:
         return ""
     parameter = RANGES.get(name, PARAMETERS[name])
@@ -111,7 +111,7 @@ def meaning(name):
 
 
 def applies(name):
-    """{"surface" or "path": the choices with which a parameter does anything}; empty: with all of them."""
+    """Return {"surface" or "path": choices for which a parameter has an effect}; empty: for all."""
     kinds = [kind for kind, surface in SURFACES.items() if name in surface.parameters]
     if kinds:
         return {"surface": kinds}
@@ -121,9 +121,9 @@ def applies(name):
 
 
 def read(name, text, notes=None, scene=None):
-    """What was entered for parameter `name`, checked against its range in the app; raises SceneError.
+    """Return the value of an entry for parameter `name`, checked against its range in the app; raises SceneError.
 
-    scene: of whose lengths the number may be a part; then '4 nm' is as good as 0.4.
+    scene: if given, lengths may have a unit: '4 nm' then means 0.4 delta_0.
     """
     if name not in LIMITS:
         return PARAMETERS[name].checked(name, text)
@@ -133,14 +133,14 @@ def read(name, text, notes=None, scene=None):
 
 
 def told(error, text=None):
-    """What a SceneError says of what was entered, in the page's words: 'Press depth “-3”: allowed: ...'."""
+    """Return a SceneError as a message in the page's terms: 'Press depth “-3”: allowed: ...'."""
     value = shown(error.value) if isinstance(error.value, float) else error.value
     said = f"“{str(text or value)[:40]}”: {in_words(f'{error.allowed}; {error.remedy}')}"
     return f"{LABELS.get(error.name, error.name)} {said}"
 
 
 def in_words(text):
-    """A sentence with the page's words for the sliders, and numbers as one writes them: −1 to 10⁶."""
+    """Replace parameter names by the labels of sliders, and format numbers: −1 to 10⁶."""
     for name, label in LABELS.items():
         text = re.sub(rf"\b{name}\b", label, text)
     text = re.sub(r"\b1e\+?(-?)0*(\d+)", lambda found: "10" + "".join(found.groups()).translate(RAISED), text)
@@ -148,9 +148,9 @@ def in_words(text):
 
 
 def changed_scene(scene, entries, notes=None):
-    """`scene` with every usable value of `entries` {name: text}, and {name: message} of the others.
+    """Return `scene` with every valid value of `entries` {name: text}, and {name: message} of the others.
 
-    notes: a list that takes what is to be said of how a text was read.
+    notes: a list; messages on how a text was read are added to it.
     """
     values, errors, said = {}, {}, []
     for name in PARAMETERS:
@@ -173,14 +173,14 @@ def changed_scene(scene, entries, notes=None):
 
 
 def with_profile(scene, profile):
-    """`scene` with the surface of a Profile; raises SceneError."""
+    """Return `scene` with the surface of a Profile; raises SceneError."""
     changed = scene.changed(surface="measured", measured=profile, width=profile.length)
     _refuse_large(changed, ())
     return changed
 
 
 def _refuse_large(scene, values):
-    """Raise SceneError for a run that is more than a browser should have to hold."""
+    """Raise SceneError if the run is too large for a browser."""
     increments = increments_of(scene)
     nodes = 1 if scene.surface == "flat" else scene.nodes
     if increments > INCREMENTS or increments * nodes > NUMBERS:
@@ -195,7 +195,7 @@ def _refuse_large(scene, values):
 
 
 def scene_from_address(arguments):
-    """(scene, preset, notes) asked for in the page's address {name: [bytes]}; a note per value that is of no use."""
+    """Return (scene, preset, notes) of the page's address {name: [bytes]}, with a note per invalid value."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
     known, notes = presets(), [_unknown(name) for name in arguments if name not in READ and name not in BESIDE]
     name = entries.get("preset", DEFAULT)
@@ -213,7 +213,7 @@ def scene_from_address(arguments):
     if errors:
         scene, errors = base, {}
         said.clear()
-        for entry, text in entries.items():  # each is judged alone
+        for entry, text in entries.items():  # check each alone
             scene, found = changed_scene(scene, {entry: text}, said)
             errors |= found
     notes += said + [
@@ -224,24 +224,24 @@ def scene_from_address(arguments):
 
 
 def _unknown(name):
-    """What is said of a name in an address that means nothing."""
+    """Return the message about an unknown name in an address."""
     close = " or ".join(get_close_matches(name, PARAMETERS))
-    return f"“{name[:40]}” in the address means nothing here{f': is it {close}?' if close else '.'}"
+    return f"“{name[:40]}” in the address is unknown and has no effect{f'. Use {close}.' if close else '.'}"
 
 
 def shown(value):
-    """A value as it is written in an entry."""
+    """Return a value as the text of an entry."""
     return value if isinstance(value, str) else f"{value:.12g}"
 
 
 def values_of(scene):
-    """{name: value} of everything that can be entered, as JSON knows it: infinity is text."""
+    """Return {name: value} of all parameters for JSON: infinity becomes a text."""
     values = {name: getattr(scene, name) for name in PARAMETERS}
     return {name: "inf" if value == inf else value for name, value in values.items()}
 
 
 def address_of(scene, preset):
-    """{name: text} of the page's address that brings this scene back: the preset, and what differs from it."""
+    """Return the address {name: text} that restores this scene: the preset, and the differences from it."""
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     if scene.surface == "measured":

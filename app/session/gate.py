@@ -1,9 +1,9 @@
-"""The websocket of a visitor: of a browser's messages, changes of `wire.order` reach the Session, and nothing else.
+"""The websocket of a visitor. Of all messages of a browser, only changes of `wire.order` reach the Session.
 
-Bokeh reads the messages. It would also apply any patch of any model, add roots, and answer errors with a traceback: a
-stranger's messages never get there. The document, the same for all, is sent from here. Undocumented in Bokeh 3.9: that
-the handler of "/ws" has the `receiver`, `handler` and `connection` of a session, and that a document needs to know
-which models a browser has.
+Bokeh parses the messages. It would also apply patches of any model, add roots, and answer errors with a traceback; this
+module rejects such messages. It also sends the document, which is the same for all. Undocumented in Bokeh 3.9: the
+handler of "/ws" has the `receiver`, `handler` and `connection` of a session, and a document must know the models of a
+browser.
 """
 
 import asyncio
@@ -22,21 +22,21 @@ from app.session.session import VISITORS, visitors
 from app.session.wire import Wire
 
 log = logging.getLogger("app")
-LONGEST = 2 * orders.SMALL  # characters of a text in a message: an order within JSON
-AT_ONCE = 0.5  # s of the server's loop that a visitor's messages may take before they wait: to open a few pages
-LONGEST_WAIT = 5.0  # s, less than after which a page counts its connection as lost
-SHARE = 0.5  # of the loop's time for all visitors who send more than that
-PARTS = 5  # of a message: header, metadata, content; and of a file its header and bytes
+LONGEST = 2 * orders.SMALL  # characters of a text in a message: an order inside JSON
+AT_ONCE = 0.5  # s of the event loop that a visitor may use before messages wait: enough to open a few pages
+LONGEST_WAIT = 5.0  # s; a page counts its connection as lost after a longer time
+SHARE = 0.5  # fraction of the loop's time for all visitors beyond AT_ONCE
+PARTS = 5  # of a message: header, metadata, content; for a file also its header and bytes
 TRY_LATER = 1013  # of RFC 6455
-TOKEN = 8000  # characters of what a browser shows when it connects
-CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event that brings an order
+TOKEN = 8000  # characters of the token that a browser sends when it connects
+CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event with an order
 
 here = set()  # ids of the sessions whose browsers are connected
 metrics.gauge("visitors", "browsers that are connected", lambda: len(here))
 
 
 def is_full():
-    """Whether as many browsers are connected as may be; counts a refusal."""
+    """Whether the maximum number of browsers is connected; if so, count a rejection."""
     if len(here) < VISITORS:
         return False
     metrics.count("turned_away")
@@ -53,7 +53,7 @@ class Gate(NamedHost, WSHandler):
         self.spent, self.since = 0.0, monotonic()
 
     def open(self, *where, **named):
-        """Let a browser in that shows the token of its page, if there is room."""
+        """Accept a browser with the token of its page, unless the server is full."""
         try:
             if not self._token or len(self._token) > TOKEN:
                 raise ValueError("no token of this server")
@@ -65,11 +65,11 @@ class Gate(NamedHost, WSHandler):
                 here.add(name)
                 return super().open(*where, **named)
             self.close(TRY_LATER)
-        except Exception as error:  # whatever a stranger has forged
+        except Exception as error:  # a forged token may raise anything
             self._turn_away(error)
 
     def on_close(self):
-        """The browser has gone; Bokeh may have found that out before, by a ping, while its messages still waited."""
+        """Handle the end of the connection. Bokeh may have noticed it before, by a ping, while messages waited."""
         here.discard(self.name)
         if self._session is not None:
             super().on_close()
@@ -81,22 +81,22 @@ class Gate(NamedHost, WSHandler):
             self._turn_away(error)
 
     def _turn_away(self, error):
-        """Close the connection, with one line in the log: a stranger's traceback helps nobody."""
-        self.turned_away = True  # what is on its way is not read
+        """Close the connection and log one line, without a traceback."""
+        self.turned_away = True  # further messages are ignored
         metrics.count("refused_messages")
         log.info("a browser was turned away: %s", type(error).__name__)
         self.close(TRY_LATER)
 
     @property
     def _session(self):
-        """The session of the browser; None before there is one, and when the browser has gone."""
+        """The session of the browser; None before it exists and after the browser left."""
         try:
             return self.connection and self.connection.session
         except AssertionError:
             return None
 
     async def on_message(self, fragment):
-        """Let Bokeh read a part of a message, and obey the message once it is whole."""
+        """Let Bokeh parse a part of a message, and obey the message when complete."""
         if self.turned_away:
             return await asyncio.sleep(0)
         self.parts += 1
@@ -109,13 +109,13 @@ class Gate(NamedHost, WSHandler):
                 found = _orders(message)
         except Exception as error:
             return self._turn_away(error)
-        begun = thread_time()  # of the loop alone: other processes may be busy
+        begun = thread_time()  # time of the loop alone: other processes may be busy
         if message is not None and self._session is not None:
             await self._answer(message, found)
-        await asyncio.sleep(self._wait(thread_time() - begun))  # also of 0 s: then it is the turn of other visitors
+        await asyncio.sleep(self._wait(thread_time() - begun))  # 0 s, too, lets other visitors run
 
     def _wait(self, seconds):
-        """Seconds until the next message is read, after one that took so many: AT_ONCE is free, then a share."""
+        """Return the wait before the next message, s, after one that took `seconds`: AT_ONCE is free, then a share."""
         share, now = SHARE / max(1, len(here)), monotonic()
         self.spent = max(0.0, self.spent - share * (now - self.since)) + seconds
         self.since = now
@@ -129,11 +129,11 @@ class Gate(NamedHost, WSHandler):
                 await session.with_document_locked(visitor.obey, order)
         elif isinstance(session.document.get_model_by_id("wire"), Wire):
             await session.with_document_locked(self._give_document, message.header["msgid"])
-        else:  # the document says why there is no experiment
+        else:  # the document shows the error
             await self.send_message(await self.handler.handle(message, self.connection))
 
     async def _give_document(self, number):
-        """Answer a browser that asks for its document, with the text that is the same for all."""
+        """Answer the request for a document with the text that all visitors share."""
         head = {"msgid": f"{number}-document", "msgtype": "PULL-DOC-REPLY", "reqid": number}
         text = shared(self.application_context.url).document
         with await self.write_lock.acquire():
@@ -143,14 +143,14 @@ class Gate(NamedHost, WSHandler):
 
 
 def _bounded(fragment):
-    """A part of a message; in place of one that is too long, an empty one."""
+    """Return a part of a message, or an empty one if it is too long."""
     if isinstance(fragment, str):
         return fragment if len(fragment) <= LONGEST else "{}"
     return fragment if len(fragment) <= orders.SMALL + orders.LARGEST else b""
 
 
 def _orders(message):
-    """What a message gives as values of `wire.order`, texts or bytes; raises ValueError if no page sends such."""
+    """Return the new values of `wire.order` in a message, str or bytes; raises ValueError for other messages."""
     if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
         raise ValueError("a message that no page sends")
     events = message.content.get("events", ()) if message.msgtype == "PATCH-DOC" else ()

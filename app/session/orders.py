@@ -1,6 +1,6 @@
-"""Orders of a browser: each is declared once, with its fields, their types, and what a visitor's Session does.
+"""Orders of a browser. Each class declares the fields, their types, and the action on the visitor's Session.
 
-A message is JSON {"do": name, "n": number, "values": {field: value}}. One that brings a file is bytes: a uint32 length
+A message is JSON {"do": name, "n": number, "values": {field: value}}. A message with a file is bytes: a uint32 length
 of that JSON, the JSON, the file.
 """
 
@@ -13,12 +13,12 @@ from typing import Annotated, ClassVar, get_type_hints
 from app.session.controls import PARAMETERS
 
 SMALL = 8000  # characters of an order without its file
-LARGEST = 2_000_000  # bytes of a file, which a browser checks too
+LARGEST = 2_000_000  # bytes of a file; the browser checks this too
 FILES, FORMATS = ("profile", "measurement"), ("npz", "json")
 
 
 class Refused(ValueError):
-    """An order that is not obeyed; `n` is its number."""
+    """A rejected order; `n` is its number."""
 
     n = None
 
@@ -27,7 +27,7 @@ class Refused(ValueError):
 
 
 def _is_number(value):
-    return type(value) in (int, float) and abs(value) < 1e15  # false of nan
+    return type(value) in (int, float) and abs(value) < 1e15  # false for nan
 
 
 def _is_whole(value):
@@ -63,7 +63,7 @@ def _is_address(values):
     return values.keys() <= {"preset", "profile", *PARAMETERS} and all(isinstance(v, str) for v in values.values())
 
 
-# A field's type, and the test that its value has to pass
+# The type of a field, and the test of its values
 Text, Link, Content = Annotated[str, _is_text], Annotated[str, _is_link], Annotated[str, _is_any_text]
 Number, Whole, Flag = Annotated[float, _is_number], Annotated[int, _is_whole], Annotated[bool, _is_flag]
 Increment = Annotated[list[int], _is_increment]  # [number of a run, frame]
@@ -73,7 +73,7 @@ FileEntry, Format = Annotated[str, FILES.__contains__], Annotated[str, FORMATS._
 
 
 class Order(ABC):
-    """What a browser may ask for: the fields of a subclass; `obey` does it."""
+    """A request of a browser. Subclasses declare fields; `obey` runs it."""
 
     known: ClassVar = {}  # {name: subclass}
 
@@ -82,11 +82,11 @@ class Order(ABC):
 
     @abstractmethod
     def obey(self, session):
-        """Do it for a Session, under the lock of its document."""
+        """Run the order on a Session, under the lock of its document."""
 
 
 class Hello(Order):
-    """Begin: the page is drawn and listens."""
+    """Start the first run: the page is ready."""
 
     def obey(self, session):
         session.hello()
@@ -105,14 +105,14 @@ class Scene(Order):
 
 
 class Rest(Order):
-    """Compute the exact run: the slider no longer moves."""
+    """Compute the exact run: the visitor released the slider."""
 
     def obey(self, session):
         session.pursuit.rest()
 
 
 class Skip(Order):
-    """End a slow run with what was computed."""
+    """End a slow run and keep its frames."""
 
     def obey(self, session):
         session.pursuit.skip()
@@ -140,7 +140,7 @@ class One(Order):
 
 
 class Restore(Order):
-    """Show the scene of an address; an empty one is that of the default preset."""
+    """Show the scene of an address; an empty one means the default preset."""
 
     values: Address
 
@@ -149,7 +149,7 @@ class Restore(Order):
 
 
 class Beside(Order):
-    """Send the run of an address, that of a pin."""
+    """Send the run of a pin, given by its address."""
 
     beside: Whole
     values: Address
@@ -193,7 +193,7 @@ class Layer(Order):
 
 
 class Share(Order):
-    """Send what belongs to a link and the run on screen: QR code and Python lines."""
+    """Send the QR code of a link, and Python lines for the run on screen."""
 
     link: Link
 
@@ -211,7 +211,7 @@ class Take(Order):
 
 
 class Page(Order):
-    """Open a page beside the experiment; no name closes it."""
+    """Open a page beside the experiment; an empty name closes it."""
 
     page: Text
 
@@ -220,7 +220,7 @@ class Page(Order):
 
 
 class Ask(Order):
-    """Pass on what the controls of the open page say."""
+    """Pass the values of the open page's controls to that page."""
 
     what: Text = None
     of: Text = None
@@ -236,7 +236,7 @@ class Ask(Order):
 
 
 def read(message):
-    """(number, Order) of a message, text or bytes; raises Refused."""
+    """Return (number, Order) of a message, str or bytes; raises Refused."""
     given, file = _parts(message)
     number = given.get("n") if _is_number(given.get("n")) else None
     try:
@@ -247,7 +247,7 @@ def read(message):
 
 
 def _parts(message):
-    """({field: value} of the JSON in a message, the text of the file behind it or None); raises Refused."""
+    """Return ({field: value} of a message's JSON, text of its file or None); raises Refused."""
     try:
         file = None
         if isinstance(message, bytes):
@@ -266,7 +266,7 @@ def _order(given, file):
     hints = get_type_hints(kind, include_extras=True) if kind else {}
     if kind is None or not isinstance(values, dict):
         raise Refused
-    if "values" in hints:  # of a scene: other fields stand beside them
+    if "values" in hints:  # values of a scene: the other fields are outside of them
         values = {name: given[name] for name in hints if given.get(name) is not None} | {"values": values}
     if file is not None:
         values = values | {"text": file}

@@ -1,4 +1,4 @@
-"""Uploaded profiles, by the names that stand for them in an address."""
+"""Uploaded profiles, by the names that identify them in an address."""
 
 import hashlib
 
@@ -6,11 +6,11 @@ from cachetools import LRUCache
 
 from solver import ProfileError
 
-KEPT = 32  # profiles, those used last
+KEPT = 32  # profiles in the cache, the latest used
 
 
 class Profiles:
-    """The profiles that this server has, by name."""
+    """The profiles of this server, by name."""
 
     def __init__(self):
         self._kept = LRUCache(KEPT)
@@ -22,7 +22,7 @@ class Profiles:
         return name
 
     def profile_of(self, name):
-        """The Profile of a name; raises ProfileError."""
+        """Return the Profile of a name; raises ProfileError."""
         profile = self._kept.get(name)
         if profile is None:
             raise ProfileError("this server does not have the profile of this address. Choose the file again")

@@ -1,16 +1,16 @@
-"""What a visitor wants to see: idle, following a held slider, or computing the exact run. The newest wish wins.
+"""The computation for a visitor: idle, following a held slider, or computing the exact run. The newest Wish wins.
 
 A drag, from the slider to the screen:
 
-1. `steer.js` sends the newest position, once the server has answered the one before: an order "scene" with `held`.
+1. `steer.js` sends the newest position after the server has answered the previous one: an order "scene" with `held`.
 2. `Session.change` reads the order and hands the scene to `Pursuit.want`.
-3. `Pursuit` submits one call to the workers. A newer wish waits until it is done; those in between are dropped.
+3. `Pursuit` submits one call to the workers. A newer wish waits until the call ends; those in between are dropped.
 4. A worker continues the run on screen to the new parameters and packs the picture (service/following.py).
-5. `Pursuit` sends the picture, whose number acknowledges the order, and takes up the newest wish.
+5. `Pursuit` sends the picture and starts the newest wish. The number of the picture acknowledges the order.
 6. `player.js` unpacks the picture and draws it.
 
-Once the slider rests, the exact run takes the place of the last picture, and a worker compares the two. Where nothing
-can be followed the exact run starts at once.
+When the visitor releases the slider, the exact run replaces the last picture, and a worker compares the two. If
+following is impossible, the exact run starts at once.
 """
 
 import logging
@@ -29,19 +29,19 @@ from app.session.run import ERROR, Run
 from solver.cautions import cautions
 
 log = logging.getLogger("app")
-FIRST = 0.025  # s of work in the first slice: the approach and a little of the shear, so that something shows soon
-BUDGET = 0.12  # s of work in any other: most runs end in their second slice, and a slow one is seen to grow
-SOON = 2.0  # s that a run may still need to be finished while a slider is held: following continues from it
-PATIENCE = 0.5  # s that a newer wish waits for a slice: its budget, and the longest increment of most runs
-RUNS = 40  # of a visitor, from which another run may carry on
-WAITS = 1.0  # s in the queue, after which a visitor sees the position in it
+FIRST = 0.025  # s of work in the first slice: the approach and the first shear, so that the page shows it soon
+BUDGET = 0.12  # s of work in any other slice: most runs end in the second, and a slow run visibly grows
+SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
+PATIENCE = 0.5  # s that a newer wish waits for a slice: its budget plus the longest increment of most runs
+RUNS = 40  # runs of a visitor from which another run may continue
+WAITS = 1.0  # s in the queue before a visitor sees the position
 
 
 class Pursuit:
-    """Of one visitor; every method runs under the lock of the document.
+    """The computation for one visitor. Every method runs under the lock of the document.
 
-    `task` is the one call in flight: a picture, or a slice of the exact run. Frames live in the visitor's browser; here
-    they are kept while a run lasts, and then on the shelf for all.
+    `task` is the one call in flight: a picture, or a slice of the exact run. The browser has the frames; the server
+    keeps them during a run, and then in the cache for all visitors.
     """
 
     def __init__(self, session):
@@ -50,8 +50,8 @@ class Pursuit:
         self.wanted = None  # the newest Wish, while `task` is in flight
         self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
         self.held = False  # whether a slider is held
-        self.skeleton = self.shown = None  # pickled, to follow from; the Scene of the picture on screen, or None
-        self.cautions = []  # of the last finished run
+        self.skeleton = self.shown = None  # pickled start of predictions; the Scene of the picture on screen, or None
+        self.cautions = []  # warnings about the last finished run
         self.comparison = Comparison(session)
 
     @property
@@ -61,7 +61,7 @@ class Pursuit:
 
     @property
     def legs(self):
-        """((Scene, frames), ..., (Scene, None)) that lead to the run wanted last: see `solver.carried_path`."""
+        """((Scene, frames), ..., (Scene, None)) that lead to the last requested run: see `solver.carried_path`."""
         if self.wanted is not None:
             after = self.wanted.after
             return (*(self.runs[after[0]].up_to(after[1]) if after else ()), (self.wanted.scene, None))
@@ -69,20 +69,20 @@ class Pursuit:
 
     @property
     def position(self):
-        """How many tasks come before this visitor's in the queue; None: none, or it has not waited for long."""
+        """Number of tasks before this visitor's in the queue; None: none, or a wait shorter than WAITS."""
         waits = self.task is not None and time.monotonic() - self.since > WAITS
         return (self.session.pool.position(self.task) or None) if waits else None
 
     def close(self):
-        """Wait for nothing any longer."""
+        """Cancel every call."""
         self.abandon()
         self.comparison.cancel()
         self.run = self.wanted = None
 
-    # what the visitor asks for
+    # requests of the visitor
 
     def want(self, wish):
-        """Show what a Wish asks for, at once or after the call in flight."""
+        """Show the run of a Wish, at once or after the call in flight."""
         self.session.bench.cancel("the scene has changed")
         self.session.pages.scene_changed()
         self.wanted, self.held = wish, wish.held
@@ -93,10 +93,10 @@ class Pursuit:
             self._take_up()
         elif state == "exact":
             self.session.doc.add_timeout_callback(partial(self._lose_patience, self.task), round(1000 * PATIENCE))
-            self.session.publish()  # acknowledges the order: the browser sends where the slider is by then
+            self.session.publish()  # acknowledges the order: the browser then sends the newest position
 
     def rest(self):
-        """The slider rests: compute the exact run of what it shows."""
+        """Compute the exact run of the picture on screen: the visitor released the slider."""
         self.held = False
         if self.task is None and self.shown is not None:
             self._begin(self.shown, refines=True)
@@ -120,7 +120,7 @@ class Pursuit:
             self._slice(0.0)
 
     def skip(self):
-        """End the run with the frames it has."""
+        """End the run and keep its frames."""
         if self.run and self.run.state == "running":
             self.abandon()
             self.run.state = "skipped"
@@ -130,13 +130,13 @@ class Pursuit:
     # one call in flight
 
     def abandon(self):
-        """Wait no longer for the call in flight: another worker takes what comes next."""
+        """Abandon the call in flight: another worker takes the next one."""
         task, self.task = self.task, None
         if task is not None:
             self.session.pool.abandon(task)
 
     def _queued(self):
-        """Whether the call in flight still waits for a worker."""
+        """Whether the call in flight waits for a worker."""
         return not self.task.running() and not self.task.done()
 
     def _submit(self, call, take, **how):
@@ -144,7 +144,7 @@ class Pursuit:
         self.session.when_done(self.task, lambda task: self._done(task, take))
 
     def _done(self, task, take):
-        """The call in flight is done: take(its result, or the error that ended it)."""
+        """Pass the result of the call in flight, or its error, to `take`."""
         if self.session.closed or task is not self.task:
             return
         self.task = None
@@ -154,13 +154,13 @@ class Pursuit:
             self.fail_unexpectedly()
 
     def _lose_patience(self, task):
-        """A newer wish has waited long enough for this call."""
+        """Abandon this call if a newer wish waits for it."""
         if self.wanted is not None and task is self.task:
             self.abandon()
             self._take_up()
 
     def _take_up(self):
-        """Begin what is wanted now."""
+        """Start the newest wish."""
         wish, self.wanted = self.wanted, None
         skeleton = self._nearest(wish.scene) if wish.held and not wish.after else None
         if skeleton is None:
@@ -174,12 +174,12 @@ class Pursuit:
     # following
 
     def _nearest(self, scene):
-        """The pickled Skeleton from which to follow to a scene: of the open page if it has a nearer one; or None."""
+        """Return the pickled Skeleton nearest to a scene, from the open page or the last run; or None."""
         origin = (self.shown or self.run.scene) if self.skeleton else None
         return self.session.pages.nearer(scene, origin) or self.skeleton
 
     def _show_picture(self, made, wish):
-        """Send the picture and take up what is wanted next; without one, begin the exact run."""
+        """Send the picture and start the next wish; without a picture, start the exact run."""
         if not isinstance(made, Followed):
             metrics.not_followed.labels(made if isinstance(made, str) else "the worker was lost").inc()
             self.shown, wish = None, self.wanted or wish
@@ -195,7 +195,7 @@ class Pursuit:
     # the exact run
 
     def _begin(self, scene, after=None, refines=False):
-        """Compute the run of a scene, from its start or from the frame `after`; refines: in place of a picture."""
+        """Start the run of a scene, or continue from the frame `after`. refines: the run replaces a picture."""
         self.abandon()
         self.wanted = None
         if not self.held and not refines:
@@ -219,14 +219,14 @@ class Pursuit:
         self.session.publish()
 
     def _slice(self, budget):
-        """Submit the next slice of the run, with so many s of work."""
+        """Submit the next slice of the run; budget: s of work."""
         if self.task is None:
             self.budget = budget
             call, how = self.run.slice(budget)
             self._submit(call, self._show_slice, **how)
 
     def _show_slice(self, piece):
-        """Send a slice and submit the next one, unless a newer wish is taken up."""
+        """Send a slice, then submit the next one or start a newer wish."""
         if isinstance(piece, Exception):
             return self._lost(piece)
         run, before = self.run, self.run.frames
@@ -241,22 +241,22 @@ class Pursuit:
         if run.state == "running":
             self._slice(BUDGET)
         elif run.state == "paused" and self.budget == 0.0 and run.frames == before:
-            self._slice(0.0)  # the one increment asked for took too long: once more, with a longer limit
+            self._slice(0.0)  # the single increment took too long: repeat it with a longer limit
         self.session.publish()
 
     def _gives_way(self):
-        """Whether the run ends here for a newer wish; not if a slider is held and the run, at its pace, ends soon."""
+        """Whether a newer wish ends the run now; not during a drag if the run ends soon by itself."""
         ends = self.held and self.run.state == "running" and self.run.ends_within(SOON)
         return self.wanted is not None and not ends
 
     def _end(self):
-        """Keep the run with the frames that it has."""
+        """End the run and put it into the cache."""
         self.run.shelve(self.session.shelf)
         self._ended(self.run.made)
         self.run.leave()
 
     def _ended(self, whole):
-        """The run has ended: compare it with the last picture, follow from it, and seek the marks of the sliders."""
+        """After a run: compare it with the last picture, follow from it, and search the marks of the sliders."""
         run = self.run
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive)
         if run.state == "finished":
@@ -273,17 +273,17 @@ class Pursuit:
     # failures
 
     def _lost(self, lost):
-        """A slice was lost with its worker: submit it again, unless that would be of no use."""
+        """Submit a lost slice again, unless that is useless."""
         if why := self.run.lose(lost):
             return self._fail(why)
-        self.session.notes = ["A worker process ended unexpectedly. It was replaced, and its slice is computed again."]
+        self.session.notes = ["A worker process ended unexpectedly. Another worker repeats its slice."]
         if self._gives_way():
             return self._take_up()
         self._slice(self.budget)
         self.session.publish()
 
     def _fail(self, why):
-        """The run ends here, with what it has."""
+        """End the run as failed, with its frames so far."""
         if self.wanted is not None:
             return self._take_up()
         if self.run:
@@ -291,7 +291,7 @@ class Pursuit:
         self.session.publish()
 
     def fail_unexpectedly(self):
-        """An error of this program: the log has its traceback, the visitor a sentence."""
+        """Log the traceback of a programming error, and show the visitor a message."""
         log.exception("a visitor's run failed")
         self.wanted = None
         self._fail(ERROR)

@@ -1,4 +1,4 @@
-"""A visitor: obeys the orders of the browser, and publishes the status of the run."""
+"""The session of a visitor: runs the orders of the browser, and publishes the status of the run."""
 
 import json
 import logging
@@ -22,16 +22,16 @@ from solver import SceneError
 from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
-LEGS = 40  # runs that carry on one another
-VISITORS = int(os.environ.get("APP_VISITORS", 60))  # at most
-visitors = set()  # the sessions of this process; Panel's own count lags behind
+LEGS = 40  # runs in a row that continue one another, at most
+VISITORS = int(os.environ.get("APP_VISITORS", 60))  # connected at a time, at most
+visitors = set()  # sessions of this process; Panel's own count is late
 
 
 class Session:
-    """One visitor; every method runs under the lock of the visitor's document."""
+    """The session of one visitor. Every method runs under the lock of the visitor's document."""
 
     def __init__(self, doc, pages, arguments=None, pool=shared_pool, shelf=shared_shelf):
-        """pages: of a session, the pages beside the experiment."""
+        """pages(session) makes the pages beside the experiment."""
         self.doc, self.pool, self.shelf = doc, pool, shelf
         self.wire = Wire()
         self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
@@ -41,16 +41,16 @@ class Session:
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.pinned, self.marks = Pinned(self), Marks(self)
-        self.acknowledged = None  # number of the last order: the browser ignores echoes of what it has changed since
+        self.acknowledged = None  # number of the last order: the browser ignores older values
         self.told_position = self.told_order = None
-        self.reading = Requests(self)  # a profile
+        self.reading = Requests(self)  # reads an uploaded profile
         self.closed = False
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
 
     def close(self):
-        """Free everything: called when the visitor has left."""
+        """Cancel every call: the visitor left."""
         if not self.closed:
             self.closed = True
             for part in (self.pursuit, self.bench, self.pages):
@@ -68,9 +68,9 @@ class Session:
     # orders from the browser
 
     def obey(self, message):
-        """Do what a message of the browser orders; every order is acknowledged, whether it is obeyed or refused.
+        """Run the order in a message of the browser. Every order is acknowledged, even a rejected one.
 
-        A picture acknowledges the order that it answers: until then the browser sends no newer position of the slider.
+        A picture acknowledges its own order. Until then the browser sends no newer position of the slider.
         """
         try:
             number, order = orders.read(message)
@@ -92,14 +92,14 @@ class Session:
         self.publish()
 
     def hello(self):
-        """The page is drawn and listens."""
+        """Start the first run: the page is ready."""
         self.pursuit.want(Wish(self.scene))
 
     def change(self, entries, after=None, held=False, at=0.0):
-        """Change parameters {name: text}; unusable ones leave a message, and what is on screen stays.
+        """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
 
-        after: (number of a run, frame) from which the new run carries on; without, it starts from the beginning.
-        held: a slider is held: pictures follow it, with the frame at U_x = `at` nm.
+        after: (number of a run, frame) from which the new run continues; without it, the run starts from nothing.
+        held: a slider is held: predicted pictures with the frame at U_x = `at` nm follow it.
         """
         self.notes = []
         scene, self.errors = controls.changed_scene(self.scene, entries, self.notes)
@@ -111,30 +111,30 @@ class Session:
             self.pursuit.want(Wish(scene, after, held, at, self.acknowledged))
 
     def _usable(self, scene, after):
-        """(run, frame) to carry on from, or None, with a note, where the new scene must start from the beginning."""
+        """Return the (run, frame) to continue from, or None with a note if the scene must start from the beginning."""
         run = after and self.pursuit.runs.get(after[0])
         if not run or after[1] >= run.frames:
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
-            self.notes += ["A run carries on with the same surface and path only: this one starts from the beginning."]
+            self.notes += ["A run continues only with the same surface and path: this one starts from the beginning."]
             return None
         if after[1] >= INCREMENTS:
             self.notes += [
-                f"A run carries on from its first {INCREMENTS} increments only: this one starts from the beginning."
+                f"A run continues only from its first {INCREMENTS} increments: this one starts from the beginning."
             ]
             return None
         if len(run.history) >= LEGS:
-            self.notes += [f"{LEGS} runs carry on one another already: this one starts from the beginning."]
+            self.notes += [f"At most {LEGS} runs continue one another: this one starts from the beginning."]
             return None
         return after
 
     def read_profile(self, text):
-        """Show the surface that a CSV describes; one of no use leaves a message, and what is on screen stays."""
+        """Show the surface of a CSV. An invalid one leaves a message, and the run on screen stays."""
         self.reading.ask((tasks.measured, text), self._read, rank=LATER)
 
     def _read(self, made):
         profile, why = made or (None, "it could not be read; try again")
-        if profile is not None:  # sliders may have been moved since it was sent
+        if profile is not None:  # sliders may have moved since
             try:
                 scene = controls.with_profile(self.scene, profile)
             except SceneError as error:
@@ -151,7 +151,7 @@ class Session:
         self.show(scene, preset, notes)
 
     def show(self, scene, preset, notes=()):
-        """Show another scene, made from `preset`, with notes on how it was read."""
+        """Show another scene, based on `preset`, with notes on how it was read."""
         self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
         self.pursuit.want(Wish(scene))
@@ -162,7 +162,7 @@ class Session:
         return self.pursuit.run
 
     def look(self):
-        """From time to time: publish the position in the queue and the kernels compiled, in any thread."""
+        """Publish the position in the queue and the number of compiled kernels; a timer calls this, in any thread."""
         warming = self.run is not None and self.run.state == "warming"
         if not self.closed and (warming or self.told_position or self.pursuit.position):
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
@@ -176,7 +176,7 @@ class Session:
         waits = [f"{self.told_position} before you in the queue of the server."] if self.told_position else []
         own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
-        own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: whose run it is
+        own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: of the run
         self.told_order = self.acknowledged
         if run.state == "warming":
             own["compiled"] = min(self.pool.compiled, KERNELS), KERNELS

@@ -1,4 +1,4 @@
-"""What a visitor takes away: a link as a QR code, Python lines of a run, and files as the command line writes."""
+"""Exports of a run: a link as a QR code, Python lines, and the files that the command line writes."""
 
 from functools import partial
 from math import inf
@@ -8,29 +8,29 @@ from app.service.pool import LATER
 from app.service.requests import Requests
 from solver import Scene
 
-SCANNED = 1200  # characters of a link beyond which a QR code is too fine for a phone at the back of a room
-LONG = 60.0  # s that a file may take
+SCANNED = 1200  # characters of a link; with more, a QR code is too fine for a phone at the back of a classroom
+LONG = 60.0  # s, time limit for a file
 LARGEST = 20e6  # bytes of a file
 LARGE = "it would be larger than 20 MB: use python -m solver run"
 SLOW = "it takes too long here: use python -m solver run"
 
 
 class Share(Requests):
-    """What one visitor takes away; every method runs under the lock of the document."""
+    """The exports of one visitor. Every method runs under the lock of the document."""
 
     def __init__(self, session):
         super().__init__(session)
         self.code = Requests(session)
 
     def sheet(self, link):
-        """Send what belongs to a link and to the run on screen: Python lines, and a QR code that a worker draws."""
+        """Send the Python lines of the run on screen, then the QR code of a link, which a worker draws."""
         send = partial(self.session.wire.send, "sheet", link=link, python=python_lines(self.session.pursuit.legs))
         send(qr="")
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
 
     def take(self, kind):
-        """Have a worker make the file of the run: `kind` is npz or json."""
+        """Let a worker write the file of the run: `kind` is npz or json."""
         call = (tasks.file_of_run, self.session.pursuit.legs, kind)
         self.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
 
@@ -40,9 +40,9 @@ class Share(Requests):
 
 
 def python_lines(legs):
-    """The lines of Python that compute a run, given by its legs as `solver.carried_path` takes them.
+    """Return the lines of Python that compute a run, given by its legs as in `solver.carried_path`.
 
-    Those of a measured surface read its profile from the run's JSON.
+    For a measured surface they read the profile from the run's JSON.
     """
     first, path = legs[0][0], "load_path" if len(legs) == 1 else "carried_path"
     made = _arguments(first, Scene())
@@ -62,6 +62,6 @@ def python_lines(legs):
 
 
 def _arguments(scene, usual):
-    """["name=value", ...] of what differs between two scenes, but for the profile of a measured surface."""
+    """Return ["name=value", ...] of the differences between two scenes, without the profile of a measured surface."""
     values = scene.differences(usual)
     return [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in values.items()]

@@ -263,7 +263,7 @@ def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the
         os.kill(process, signal.SIGKILL)
     page.until("finished")
     assert pool.replaced > lost
-    assert "replaced" in page.status()["notes"][0]
+    assert "Another worker repeats" in page.status()["notes"][0]
     assert len(page.curve("F_bar")) == len(undisturbed)
     # slices are cut by the clock, so the same increments may end elsewhere within the tolerance
     np.testing.assert_allclose(page.curve("F_bar"), undisturbed, atol=1e-6 * np.abs(undisturbed).max() + 1e-10)

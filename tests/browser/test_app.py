@@ -199,9 +199,9 @@ def test_what_was_taken_stands_in_its_own_unit_and_what_was_refused_beside_no_ot
     page.wait_for_function("document.getElementById('delta_bar').title.startsWith('2.5 lies beyond')")
 
 
-def test_names_that_mean_nothing_are_told_though_they_are_all_there_is_in_the_address(look):
+def test_notes_name_unknown_parameters_of_an_address(look):
     said = look("?foo=1&delta=0.5").inner_text("#notes")
-    assert "“foo” in the address means nothing" in said and re.search("“delta” .* is it .*delta_bar", said)
+    assert "“foo” in the address is unknown" in said and re.search("“delta” .*Use .*delta_bar", said)
 
 
 def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
