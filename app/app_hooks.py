@@ -1,4 +1,4 @@
-"""Called by Bokeh once per server: workers start before the first visitor comes, and end with the server."""
+"""Hooks that Bokeh calls once per server: workers start before the first visit, and end with the server."""
 
 import gc
 import logging
@@ -21,14 +21,14 @@ from solver import Scene
 from solver.isolated import Lost
 from solver.mechanics import cohesive_law
 
-LOOK = 1000  # ms between two looks at who waits
+LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
 web.install()
 shared(f"/{Path(__file__).parent.name}")
 
 
 def on_server_loaded(server_context):
-    """Start the workers, and load and compute what a first page does not need: the port is open."""
+    """Start the workers, then load code and compute runs that the first page does not need: the port is open."""
     telling.begin()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
@@ -37,17 +37,17 @@ def on_server_loaded(server_context):
     Thread(target=_load, name="load", daemon=True).start()
     fill(shelf, pool, [preset.scene for preset in row().values()], IOLoop.current().add_callback)
     gc.collect()
-    gc.freeze()  # Panel collects all garbage whenever a visitor has left: only what came since is to be looked through
+    gc.freeze()  # Panel collects garbage after every visit: objects from before the first visit are skipped
 
 
 def _load():
-    """What the page Interface law uses: the kernel of the law, once a worker has compiled it."""
+    """Load the kernel of the interface law for its page, after a worker has compiled it."""
     with suppress(Lost, CancelledError):
         pool.submit(worker.ready, owner=NOBODY, rank=LATER).result()
         cohesive_law.traction(Scene(), np.zeros(1), 0.0)
 
 
 def on_server_unloaded(server_context):
-    """End the worker processes with the server."""
+    """End the worker processes."""
     log.info("the server is being stopped", extra={"visitors": len(visitors), "queue": pool.in_flight})
     pool.close()

@@ -1,7 +1,7 @@
-"""Addresses of scripts and styles: each carries the hash of its content, so that a browser asks for it once only.
+"""Addresses of scripts and styles. Each has a hash of its content, so a browser requests a version only once.
 
-A browser keeps a file whose address has a version for a year (app/web.py). Modules import each other by plain names,
-and the import map of the page has their addresses. All are relative to the page: a proxy may add any prefix.
+A browser caches such a file for a year (app/web.py). Modules import each other by plain names; the import map of the
+page has their addresses. All addresses are relative to the page, so a proxy may add any prefix.
 """
 
 import gzip
@@ -14,7 +14,7 @@ STATIC, PAGES = HERE / "static", HERE / "pages"
 
 
 def assets(page):
-    """{address: the same with its version} of every script, style and stored run, for the page at this address."""
+    """Return {address: address with version} of every script, style and stored run, for the page at this address."""
     folder = page.rstrip("/").rsplit("/", 1)[-1]
     kinds = (".js", ".css", ".bin")
     found = [path for path in STATIC.rglob("*") if path.suffix in kinds] + [*PAGES.glob("*/page.js")]
@@ -24,6 +24,6 @@ def assets(page):
 
 @lru_cache(200)
 def content(path, changed):
-    """(content, the same compressed, its hash) of a file as it was changed last at that time."""
+    """Return (content, compressed content, hash) of a file; changed: its time of modification, for the cache."""
     raw = path.read_bytes()
     return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]

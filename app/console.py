@@ -9,16 +9,16 @@ from solver.__main__ import run
 
 
 def main() -> int:
-    """Runs the command in `sys.argv` and returns the exit code."""
+    """Run the command in `sys.argv` and return the exit code."""
     if sys.argv[1:2] == ["serve"]:
         return serve(sys.argv[2:])
     return run("mixed-mode-contact", [add_serve])
 
 
 def serve(options: list[str]) -> int:
-    """Serves the page with options of `panel serve`, from wherever this package is installed."""
+    """Serve the page from the installed package with options of `panel serve`."""
     command = [sys.executable, "-m", "panel", "serve", str(Path(__file__).parent), *options]
-    if os.name == "posix":  # signals then reach the server itself
+    if os.name == "posix":  # signals then reach the server
         os.execv(command[0], command)
     try:
         return subprocess.run(command).returncode
@@ -27,5 +27,5 @@ def serve(options: list[str]) -> int:
 
 
 def add_serve(commands) -> None:
-    """Lists `serve` among the commands; `main` runs it."""
+    """Add `serve` to the list of commands; `main` runs it."""
     commands.add_parser("serve", help="serve the page; options are those of `panel serve`, such as --show and --port")

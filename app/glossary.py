@@ -1,4 +1,4 @@
-"""The terms of the field that are explained where they appear; static/glossary.html declares them."""
+"""The terms that the page explains where they appear; static/glossary.html declares them."""
 
 import re
 from functools import cache
@@ -10,7 +10,7 @@ TERM = re.compile(r'id="term-(\w+)" data-forms="([^"]+)"')
 
 @cache
 def forms():
-    """{form of a word, as it stands in the page: term}, the longest first."""
+    """Return {form of a word in the page: term}, the longest first."""
     found = {
         form.replace("~", " "): term
         for term, words in TERM.findall(FILE.read_text(encoding="utf-8"))

@@ -1,7 +1,7 @@
-"""Under which host names this server answers: those of --allow-websocket-origin, and names of the machine itself.
+"""The host names that this server accepts: those of --allow-websocket-origin, and the loopback names.
 
-Tornado 6.6 accepts a websocket of the page's own origin before Bokeh's check of origins: a page under any name that
-leads to this machine would do, chosen by a stranger too (DNS rebinding).
+Tornado 6.6 accepts a websocket of the page's own origin before Bokeh checks origins. Without this module, any name that
+resolves to this machine would be accepted (DNS rebinding).
 """
 
 import logging
@@ -12,11 +12,11 @@ from bokeh.server.util import check_allowlist
 from bokeh.settings import settings
 
 log = logging.getLogger("app")
-OWN = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")  # no other machine can be reached by these
+OWN = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")  # these names reach no other machine
 
 
 def refused_host(handler):
-    """The host name of a request for which this server was not started, or None."""
+    """Return the host name of a request if it is not allowed, else None."""
     allowed = settings.allowed_ws_origin() or handler.application.websocket_origins
     origin = handler.request.headers.get("Origin")
     for host in [handler.request.host, *([urlsplit(origin).netloc] if origin else [])]:
@@ -26,10 +26,10 @@ def refused_host(handler):
 
 
 class NamedHost:
-    """A handler of requests that answers only those for an allowed host."""
+    """A request handler that answers only requests for an allowed host."""
 
     async def prepare(self):
-        """Refuse a request for another host before anything else."""
+        """Reject a request for another host first."""
         host = refused_host(self)
         if host is None:
             return await super().prepare()
@@ -38,6 +38,6 @@ class NamedHost:
         self.refuse_host(host)
 
     def refuse_host(self, host):
-        """Answer that this host is not allowed."""
+        """Answer that the server does not allow this host."""
         self.set_status(403)
         self.finish(f"This server was not started for the host {host}.")

@@ -1,4 +1,4 @@
-"""What `panel serve app` runs, once per visitor."""
+"""The script that `panel serve app` runs once per visitor."""
 
 from app.page import open_page
 

@@ -1,7 +1,7 @@
-"""The page: composed once for all visitors. Each gets it with marks replaced, and only few models of its own.
+"""The page, composed once for all visitors. Each visitor gets it with marks replaced, and has only few own models.
 
-In a visitor's document on the server are the wire and the places for figures of pages, under the same ids for all; the
-live figures and all else exist in the browser only, which is given the document as text (session/gate.py).
+A visitor's document on the server has the wire and the slots for figures of pages, with the same ids for all visitors.
+All other models exist only in the browser, which receives the document as text (session/gate.py).
 """
 
 import json
@@ -31,22 +31,22 @@ from solver.scene import CHOICES, LIMITS
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
 TITLE = "Why does it stick, peel and slip?"
-SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top, when played
+SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top during playback
 PLAIN_SPEED = 4
 PRELOAD = '<link rel="preload" id="stored" as="fetch" crossorigin="anonymous" href="{}">'
-MARK = "@{}@"  # in the page, where each visitor has something of one's own
+MARK = "@{}@"  # a placeholder in the page for a value of the visitor
 
 
 @dataclass(frozen=True)
 class Shared:
-    """What all visitors get, as text: the page in HTML with MARKs, and the document in JSON."""
+    """The texts that all visitors share: the page in HTML with MARKs, and the document in JSON."""
 
     page: str
     document: str
     stored: dict  # {preset: address of its stored run}
 
     def page_for(self, arguments, **own):
-        """The page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
+        """Return the page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
         scene, preset, _ = scene_from_address(arguments)
         values, page = values_of(scene), self.page
         shown = preset in self.stored and scene == presets()[preset].scene
@@ -57,29 +57,29 @@ class Shared:
 
 
 def open_page():
-    """Bring a visitor's own models into the current document."""
+    """Add a visitor's own models to the current document."""
     doc = pn.state.curdoc
     try:
         session = Session(doc, pages.Pages, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
-        with doc.models.freeze():  # the models are counted once
+        with doc.models.freeze():  # Bokeh then collects the models once
             for model in _own(session.wire, session.pages.slots):
                 doc.add_root(model)
-    except Exception:  # otherwise the visitor would wait for ever
+    except Exception:  # otherwise the visitor would wait forever
         log.exception("the page could not be built")
         doc.clear()
-        doc.add_root(Div(text="The experiment could not be opened; the server's log says why. Reload the page."))
+        doc.add_root(Div(text="The experiment could not be opened. See the server's log, then reload the page."))
 
 
 def _own(wire, slots):
-    """The models that a visitor's document holds on the server too, under ids that are the same for all."""
+    """Yield the models that a visitor's document also has on the server, with the same ids for all visitors."""
     for name, model in {"wire": wire, **slots}.items():
         model.name, model._id = name, name
         yield model
 
 
 def shared(address):
-    """The Shared for a page at this address, with the scripts and styles as they are now."""
+    """Return the Shared for a page at this address, with the current scripts and styles."""
     return _composed(tuple(assets(address).items()))
 
 
@@ -88,8 +88,8 @@ def _composed(files):
     files = dict(files)
     doc, wire, figures, slots = Document(), Wire(), live_figures(), pages.places()
     (*_,) = _own(wire, slots)
-    figures["punch"].tags = [wire]  # a model is synchronised only if a root of the document refers to it
-    with doc.models.freeze():  # the models are counted once
+    figures["punch"].tags = [wire]  # Bokeh synchronises only models that a root refers to
+    with doc.models.freeze():  # Bokeh then collects the models once
         for name, model in (figures | slots).items():
             model.name = name
             doc.add_root(model)
@@ -103,7 +103,7 @@ def _composed(files):
 
 
 def _html(doc, files):
-    script = f'<script src="./static/{StaticHandler.append_version("js/bokeh.min.js")}"></script>'  # all that is used
+    script = f'<script src="./static/{StaticHandler.append_version("js/bokeh.min.js")}"></script>'  # the only bundle
     item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
     values = {
         "assets": files,
@@ -130,7 +130,7 @@ def _html(doc, files):
 
 
 def _grouped():
-    """{group: presets} for the menu."""
+    """Return {group: presets} for the menu."""
     groups = {}
     for preset in presets().values():
         groups.setdefault(preset.group, []).append(preset)
@@ -138,12 +138,12 @@ def _grouped():
 
 
 def _stored(files):
-    """{preset: address of its stored run}."""
+    """Return {preset: address of its stored run}."""
     return {Path(name).stem: address for name, address in files.items() if name.endswith(".bin")}
 
 
 def _told(files):
-    """What the browser is told of presets, nodes, terms and sliders, declared in Python alone."""
+    """Return the declarations of presets, nodes, terms and sliders that the browser needs."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
         "stored": _stored(files),
@@ -156,7 +156,7 @@ def _told(files):
 
 
 def _player(wire, figures, slots, files):
-    """The browser's half of the app, with the models it changes."""
+    """Return the callback that starts the browser's part of the app, with the models it changes."""
     return CustomJS(
         args={
             "wire": wire,

@@ -1,7 +1,7 @@
-"""What Python draws, templates explain and scripts change, declared once: names, marks and colours.
+"""Names, marks and colours of curves and nodes. Python, templates and scripts share these declarations.
 
-Colours are variables of style.css, marks are classes of it; dashes and markers are Bokeh's. Columns and fields of
-packed frames are declared in service/packing.py and travel by name.
+Colours are variables of style.css, marks are its classes; dashes and markers are Bokeh's. service/packing.py declares
+the columns and fields of packed frames.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ WEAK = f"attraction below {100 * FREE:g} % of its peak"
 
 @dataclass(frozen=True)
 class Node:
-    """How nodes in some state are drawn and called; the shape says the same as the colour."""
+    """Style and label of the nodes in one state; both the shape and the colour show the state."""
 
     said: str
     mark: str
@@ -25,7 +25,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Curve:
-    """How a curve is drawn and called."""
+    """Style and label of a curve."""
 
     said: str
     colour: str
@@ -35,9 +35,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Stress:
-    """A quantity inside the solid: its choice, its name (HTML), (mark, ramp, word) of its values below and above zero.
+    """A quantity inside the solid: its choice, its name (HTML), (mark, ramp, word) of negative and positive values.
 
-    Without `below` it has no sign.
+    A quantity without `below` is never negative.
     """
 
     choice: str
@@ -46,13 +46,13 @@ class Stress:
     above: tuple = ("", "", "")
 
 
-NODES = {  # in the punch, as run.js tells them apart
+NODES = {  # of the punch; run.js assigns the states
     "repulsive": Node("touching", "dot repulsive", "circle", 5, "--repulsive"),
     "adhering": Node("attracted", "wedge", "inverted_triangle", 5, "--adhering"),
     "free": Node("free", "dot free", "circle", 3, "--free", WEAK),
     "contact": Node("in contact, Tₙ = 0", "dot contact", "square", 5, "--shear", "Tₙ = 0"),  # of flats only
 }
-RIDERS = {  # on the interface law, as pages/law.js tells them apart; another colour than the maps have
+RIDERS = {  # nodes on the interface law; pages/law/page.js assigns the states. The maps use other colours
     "stick": Node("nodes stick (before the peak of Tₜ)", "dot stick", "circle", 6, "--stick"),
     "slip": Node("past the peak", "slip", "diamond", 9, "--slip"),
     "open": Node(f"free ({WEAK})", "dot free", "circle", 4, "--free"),
@@ -65,14 +65,14 @@ CURVES = {
     "A": Curve("A, width touching", "--area", symbol="A"),
     "ghost": Curve("before", "--ghost"),
 }
-FLATS = {  # presets on the page "Stick-slip", a line each, E in GPa and phi_t in N/m
+FLATS = {  # presets on the page "Stick-slip", one curve each; E in GPa, phi_t in N/m
     "fig4a-blue": Curve("E 70, φₜ 0.2", "--repulsive"),
     "fig4a-red": Curve("140, 0.2", "--adhering", "dotted"),
     "fig4a-green": Curve("70, 0.1", "--shear", "dashed"),
     "fig4b-weak": Curve("70, 0.004", "--slip", "dotdash"),
     "fig4b-stiff": Curve("3000, 0.2", "--soft", "dashdot"),
 }
-# blue is compression, as in the contact map, and the shear stress is at the surface what the traction view shows
+# Blue is compression, as in the contact map. The shear stress at the surface equals that of the traction view.
 SQUEEZED, STRETCHED = ("squeezes", "push", "compression"), ("stretches", "pull", "tension")
 STRESSES = {
     "largest": Stress("largest shear stress", "Largest shear stress (σ₁ − σ₂)/2", above=("cividis", "", "")),

@@ -1,4 +1,4 @@
-"""The server's log: one line of key=value for each event, and the addresses under which visitors reach it."""
+"""The server's log: one line of key=value pairs per event, and the addresses of the page for visitors."""
 
 import json
 import logging
@@ -12,17 +12,17 @@ from itertools import pairwise
 log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
 BARE = re.compile(r"[\w.:/+-]+")
-ALWAYS = "--session-token-expiration 3600 --websocket-max-message-size 5000000"  # of a server for others, see README
-ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation: nothing is sent, but the system chooses its address for it
+ALWAYS = "--session-token-expiration 3600 --websocket-max-message-size 5000000"  # for a class, see README
+ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation; used to find the own address, nothing is sent
 
 
 class Lines(logging.Formatter):
-    """time=... level=... event="..." and what else was given as `extra`; an exception in the same line."""
+    """Formats records as time=... level=... event="..." with all `extra` fields; an exception is on the same line."""
 
     default_time_format, default_msec_format = "%Y-%m-%dT%H:%M:%S", "%s.%03d"
 
     def format(self, record):
-        """One line of text."""
+        """Return one line of text."""
         told = {"time": self.formatTime(record), "level": record.levelname.lower()}
         if record.name != "app":
             told["from"] = record.name
@@ -39,7 +39,7 @@ def _quoted(value):
 
 
 def begin():
-    """Let all loggers of this process write such lines to standard error."""
+    """Make all loggers of this process write such lines to standard error."""
     root = logging.getLogger()
     if not root.handlers:
         root.addHandler(logging.StreamHandler())
@@ -49,7 +49,7 @@ def begin():
 
 
 def addresses():
-    """This machine's IPv4 addresses without the loopback, the most likely first."""
+    """Return this machine's IPv4 addresses without the loopback, the most likely first."""
     found = []
     with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.connect(ANYWHERE)
@@ -60,12 +60,12 @@ def addresses():
 
 
 def say_where(arguments=None):
-    """Log the address under which a class reaches this server, or the command that makes it reachable."""
+    """Log the address of the page for a class, or the command that makes the page reachable."""
     given = sys.argv[1:] if arguments is None else arguments
     port = (_option(given, "--port") or ["5006"])[-1]
     known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]
     hosts = [host for host in known if host.strip("*")]
-    scheme = "https" if "--use-xheaders" in given else "http"  # then a proxy is in front, with TLS as a rule
+    scheme = "https" if "--use-xheaders" in given else "http"  # set behind a proxy, usually with TLS
     page = "/".join(["", *filter(None, _option(given, "--prefix")[-1:]), "app"]).replace("//", "/")
     for host in hosts:
         log.info("visitors open %s://%s%s", scheme, host, page)
@@ -76,6 +76,6 @@ def say_where(arguments=None):
 
 
 def _option(given, name):
-    """The values of an option, written with a space or with =."""
+    """Return the values of an option, written with a space or with =."""
     words = [word for text in given for word in text.split("=", 1)]
     return [value for before, value in pairwise(words) if before == name]

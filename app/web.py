@@ -1,7 +1,7 @@
-"""Answers to plain requests: the page, scripts and styles, counts, and whether workers answer; each with headers.
+"""Handlers of HTTP requests: the page, scripts and styles, metrics, and liveness, with their headers.
 
-Undocumented in Bokeh 3.9: that `bokeh.server.urls` lists patterns and handlers from which every server is made, that
-those of an application get their `application_context`, and how a session's token is made (Panel uses all of these).
+Undocumented in Bokeh 3.9: the patterns and handlers of `bokeh.server.urls` from which every server is made, the
+`application_context` of an application's handlers, and the functions that make a session's token (Panel uses all).
 """
 
 import gzip
@@ -16,7 +16,7 @@ from pathlib import Path
 from bokeh.server import urls
 from bokeh.settings import settings
 from bokeh.util.token import generate_jwt_token, generate_session_id
-from panel.io.server import DocHandler  # puts Panel's handlers into the patterns when it is imported
+from panel.io.server import DocHandler  # this import adds Panel's handlers to the patterns
 from tornado.web import RequestHandler, authenticated
 
 from app.assets import PAGES, STATIC, content
@@ -29,10 +29,10 @@ from app.session.gate import TOKEN, Gate, is_full
 from app.session.session import VISITORS
 
 log = logging.getLogger("app")
-STRANGE = 3  # unknown names of an address that the page mentions, at most
-AGAIN = 10  # s after which a browser asks again for a page of a full class
+STRANGE = 3  # unknown names of an address that the page reports, at most
+AGAIN = 10  # s before a browser repeats the request for a page of a full class
 YEAR = 31_536_000  # s
-FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # who may show ?embed=1 in a frame, as CSP names them
+FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # sites that may embed ?embed=1 in a frame, in CSP syntax
 HTML = "text/html; charset=utf-8"
 NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors "
 HOST = re.compile(r"[\w.:\[\]-]+")
@@ -43,8 +43,8 @@ body {{ font: 18px/1.5 system-ui; margin: 2em auto; padding: 0 1em; max-width: 3
 
 
 def policy(host, nonce, frames):
-    """Content-Security-Policy of the page: Bokeh compiles what a document brings, and writes styles into it."""
-    sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""  # some browsers do not count them to 'self'
+    """Return the Content-Security-Policy of the page: Bokeh compiles code of a document, and writes inline styles."""
+    sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""  # not 'self' in some browsers
     return (
         f"default-src 'none'; script-src 'self' 'nonce-{nonce}' 'unsafe-eval'; style-src 'self' 'unsafe-inline';"
         f" img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'{sockets}; base-uri 'none';"
@@ -53,7 +53,7 @@ def policy(host, nonce, frames):
 
 
 class Plain(RequestHandler):
-    """Headers that everything has."""
+    """A handler with the headers that every answer has."""
 
     def set_default_headers(self):
         self.set_header("X-Content-Type-Options", "nosniff")
@@ -62,7 +62,7 @@ class Plain(RequestHandler):
         self.clear_header("Server")
 
     def body(self, text, kind):
-        """Answer with a text or bytes, compressed if that is understood."""
+        """Answer with a text or bytes, compressed if the browser accepts this."""
         body = text.encode() if isinstance(text, str) else text
         self.set_header("Content-Type", kind)
         self.set_header("Vary", "Accept-Encoding")
@@ -73,19 +73,19 @@ class Plain(RequestHandler):
 
 
 class Page(NamedHost, Plain, DocHandler):
-    """The page, with a token for a session that begins when the browser connects; or why there is none."""
+    """The page with a token of a session, which starts when the browser connects; or a page with an error."""
 
     initialize = DocHandler.initialize
 
     @authenticated
     async def get(self, *_):
-        self.set_header("Cache-Control", "no-store")  # it holds the token
+        self.set_header("Cache-Control", "no-store")  # the page has the token
         if self.request.path.endswith("/"):
-            page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have taken a prefix away
+            page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have removed a prefix
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
         if is_full():
             self.set_header("Retry-After", str(AGAIN))
-            said = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one has left."
+            said = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
             return self.refuse(503, "The class is full", said, AGAIN)
         arguments = self.known_arguments()
         token = self.token_for(arguments)
@@ -97,19 +97,19 @@ class Page(NamedHost, Plain, DocHandler):
             page = shared(self.application_context.url).page_for(arguments, token=token, nonce=nonce)
         except Exception:
             log.exception("the page could not be built")
-            return self.refuse(500, "The experiment could not be opened", f"The server's log says why. {self.without}")
+            return self.refuse(500, "The experiment could not be opened", f"See the server's log. {self.without}")
         self.set_header("Content-Security-Policy", policy(self.request.host, nonce, self.frames))
         metrics.count("pages")
         self.body(page, HTML)
 
     def known_arguments(self):
-        """{name: [bytes]} of the address: what the server reads, and names alone of a few others, to be mentioned."""
+        """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
         others = [name for name in given if name not in READ | {*BESIDE}][:STRANGE]
         return {name: given[name] for name in given if name in READ} | {name[:40]: [] for name in others}
 
     def token_for(self, arguments):
-        """What the browser shows when it connects: the id of a session, and the arguments of the address."""
+        """Return the token for the connection: it has the id of a session, and the arguments of the address."""
         keys = {"secret_key": self.application.secret_key, "signed": self.application.sign_sessions}
         payload = {"headers": {}, "cookies": {}, "arguments": arguments}
         payload |= self.application_context.application.process_request(self.request)
@@ -118,17 +118,17 @@ class Page(NamedHost, Plain, DocHandler):
 
     @property
     def frames(self):
-        """Who may show this in a frame."""
+        """Sites that may embed this page in a frame."""
         return FRAMES if self.get_argument("embed", "") == "1" else "'self'"
 
     @property
     def without(self):
-        """The way out of an address that is of no use."""
+        """Link to the page without parameters, for an invalid address."""
         page = html.escape(self.application_context.url.rsplit("/", 1)[1])
         return f'<a href="./{page}">Open the experiment without parameters</a>.'
 
     def refuse(self, status, title, text, again=0):
-        """Answer with a page that says why there is no experiment; again: s until a browser tries once more."""
+        """Answer with a page that reports an error; again: s before the browser repeats the request."""
         self.set_status(status)
         self.set_header("Content-Security-Policy", NOTHING + self.frames)
         more = f'<meta http-equiv="refresh" content="{again}">' if again else ""
@@ -141,7 +141,7 @@ class Page(NamedHost, Plain, DocHandler):
 
 
 class Files(Plain):
-    """Scripts and styles from memory, compressed once; asked for with their version they stay in a browser for good."""
+    """Scripts and styles from memory, compressed once. A browser caches an address with a version for a year."""
 
     def initialize(self, folder=STATIC, **_):
         self.folder = folder.resolve()
@@ -168,14 +168,14 @@ class Files(Plain):
 
 
 class Scripts(Files):
-    """Scripts of pages, each beside what it belongs to."""
+    """Scripts of pages, from the folder of each page."""
 
     def initialize(self, **_):
         super().initialize(PAGES)
 
 
 class Metrics(Plain):
-    """Counts and states, as Prometheus reads them."""
+    """Metrics in the text format of Prometheus."""
 
     def get(self):
         self.body(metrics.text(), "text/plain; version=0.0.4; charset=utf-8")
@@ -194,7 +194,7 @@ class Liveness(Plain):
 
 
 def install():
-    """Have all servers of this process answer in this way: before one is made, and once, however often it is called."""
+    """Install these handlers for all servers of this process. Call it before a server is made; it may be repeated."""
     if any(issubclass(each[1], Files) for each in urls.per_app_patterns):
         return
     ours = {"/ws": Gate, "/?": Page}

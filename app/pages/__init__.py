@@ -1,14 +1,14 @@
-"""The pages beside the experiment: one is made when a visitor opens it and unmade when it is closed; no other costs.
+"""The pages beside the experiment. A page exists only while it is open, so closed pages cost nothing.
 
 A page is a folder here with a page.py:
 
     TITLE, ORDER, FIGURES    its name, its place in the menu, the slots of its figures
     compose()                the Bokeh figures, each named page_slot
-    Page                     a Sheet: the page as one visitor has it
+    Page                     a Sheet: the page of one visitor
     figure(scene)            the figures for a notebook
     TEMPLATE                 values for its page.html, if it needs any
 
-page.html is its section of the document; without it, the section is a title above the figures. page.js is its script.
+page.html is its section of the document. Without it, the section has a title and the figures. page.js is its script.
 A page publishes one dictionary. The browser shows these entries of it, and page.js receives all:
 
     texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)},
@@ -32,7 +32,7 @@ HERE = Path(__file__).parent
 
 @cache
 def listed():
-    """{name: module} of all pages, in the order of the menu."""
+    """Return {name: module} of all pages, in the order of the menu."""
     modules = {
         path.parent.name: import_module(f"{__name__}.{path.parent.name}.page") for path in HERE.glob("*/page.py")
     }
@@ -40,7 +40,7 @@ def listed():
 
 
 def section(name):
-    """The section of a page in the document, as a template."""
+    """Return the section of a page in the document, as a template."""
     own = HERE / name / "page.html"
     if own.exists():
         return own.read_text(encoding="utf-8")
@@ -49,21 +49,21 @@ def section(name):
 
 
 def variables():
-    """What the templates of the pages need, by name."""
+    """Return the variables of the pages' templates, by name."""
     return {key: value for page in listed().values() for key, value in getattr(page, "TEMPLATE", {}).items()}
 
 
 def places():
-    """{page_slot: an empty Column for the figure}."""
+    """Return {page_slot: empty Column for the figure}."""
     names = [f"{name}_{slot}" for name, page in listed().items() for slot in page.FIGURES]
     return {name: Column(sizing_mode="stretch_both") for name in names}
 
 
 class Sheet:
-    """A page as one visitor has it: its views {slot: View}, and what happens to them; nothing, unless it says so.
+    """The page of one visitor, with its views {slot: View}. Subclasses override the handlers; the defaults do nothing.
 
-    Workers are asked for many calls in its `sweep`, and for one at a time by `wanted`. A page that `stays` keeps its
-    figures, its words and its work while it is closed.
+    `sweep` requests many calls from the workers, `wanted` one at a time. A page that `stays` keeps its figures, texts
+    and calls while it is closed.
     """
 
     stays = False
@@ -74,34 +74,34 @@ class Sheet:
         self.sweep, self.wanted = Requests(session, self.take), Requests(session)
 
     def start(self):
-        """The page has been opened."""
+        """Called when the page opens."""
         self.scene_changed()
 
     def scene_changed(self):
         """The experiment shows another scene from now on."""
 
     def order(self, values):
-        """The page's own controls have been used."""
+        """Called with the values of the page's own controls."""
 
     def nearer(self, scene, origin):
-        """A pickled Skeleton nearer to a scene than that of the Scene `origin` (None: there is none), if it has one."""
+        """Return a pickled Skeleton nearer to a scene than the Scene `origin` (or None), if the page has one."""
 
     def take(self, call, result):
-        """A call of its sweep has been made."""
+        """Called with the result of a call of `sweep`."""
 
     def close(self):
-        """Ask for nothing any longer."""
+        """Cancel all calls."""
         self.sweep.cancel()
         self.wanted.cancel()
 
     def draw(self, slot, label, **columns):
-        """Give a part of a figure other data."""
+        """Replace data columns of a part of a figure."""
         source = self.views[slot].parts[label].data_source
         source.data = dict(source.data) | columns
 
 
 class Pages:
-    """The page that one visitor has open, if any; every method runs under the lock of the visitor's document."""
+    """The open page of one visitor, if any. Every method runs under the lock of the visitor's document."""
 
     def __init__(self, session):
         self.session = session
@@ -109,13 +109,13 @@ class Pages:
         self.name, self.page, self.kept = "", None, {}  # kept: {name: page} of those that stay
 
     def open(self, name):
-        """Show page `name` instead of the one that is open; '' for none."""
+        """Show page `name` instead of the open one; '' shows none."""
         self._leave()
         if name not in listed():
             return
         page = self.kept.pop(name, None) or self._made(name)
         self.name, self.page = name, page
-        with self.session.doc.models.freeze():  # the models are counted once
+        with self.session.doc.models.freeze():  # Bokeh then collects the models once
             for slot, view in page.views.items():
                 self.slots[f"{name}_{slot}"].children = [view.figure]
         page.start()
@@ -130,7 +130,7 @@ class Pages:
         return page
 
     def _leave(self):
-        """Leave nothing behind of the page that is open, neither models nor work, unless it stays."""
+        """Remove the models and cancel the calls of the open page, unless it stays."""
         if self.page is not None:
             page, self.page = self.page, None
             if page.stays:
@@ -143,7 +143,7 @@ class Pages:
             self.session.wire.page = "{}"
 
     def close(self):
-        """The visitor leaves: end all work."""
+        """Cancel all calls: the visitor left."""
         self._leave()
         for page in self.kept.values():
             page.close()
@@ -155,7 +155,7 @@ class Pages:
             self.page.scene_changed()
 
     def order(self, values):
-        """An order from the browser to the page that is open."""
+        """Pass an order from the browser to the open page."""
         if self.page is not None:
             self.page.order(values)
 
@@ -164,7 +164,7 @@ class Pages:
         return self.page and self.page.nearer(scene, origin)
 
     def _publish(self, page, news):
-        """Send what is new of a page, unless it is closed."""
+        """Send the news of a page, unless it is closed."""
         page.published = page.published | news
         if page is self.page:
             self.session.wire.page = json.dumps(page.published)

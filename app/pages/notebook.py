@@ -1,4 +1,4 @@
-"""The figures of a page without the app: computed where they are asked for, in the colours of the light page."""
+"""The figures of a page for a notebook: computed in the calling process, in the colours of the light theme."""
 
 import re
 from concurrent.futures import Future
@@ -13,22 +13,22 @@ from app.service.tasks import Part
 from app.views.plots import view_of
 
 STYLE = Path(__file__).parents[1] / "static" / "style.css"
-SIZE = {"sizing_mode": "fixed", "width": 520, "height": 340}  # px, of a figure
+SIZE = {"sizing_mode": "fixed", "width": 520, "height": 340}  # of a figure, px
 
 
 class Session:
-    """What a Sheet needs of a session: the scene, and workers; here a call is made at once."""
+    """The parts of a session that a Sheet needs. `submit` runs a call at once."""
 
     def __init__(self, scene):
         self.scene, self.bench = scene, SimpleNamespace(told={}, hear=None)
         self.doc = self.pool = self
 
     def add_next_tick_callback(self, call):
-        """As of a document."""
+        """Call at once; see the document."""
         call()
 
     def submit(self, call, *arguments, **how):
-        """As of the pool: the Future of a call, done."""
+        """Run a call and return its finished Future; see the pool."""
         done, made = Future(), call(*arguments)
         while isinstance(made, Part):
             made = call(*arguments, made.kept)
@@ -36,25 +36,25 @@ class Session:
         return done
 
     def abandon(self, task):
-        """As of the pool."""
+        """Do nothing; see the pool."""
 
 
 def page_of(module, scene):
-    """A Sheet of a page for a Scene; what it publishes is in `published`."""
+    """Return the Sheet of a page for a Scene; `published` has its output."""
     views = {figure.name.split("_", 1)[1]: view_of(figure) for figure in module.compose()}
     page = module.Page(Session(scene), lambda **news: page.published.update(news), views)
     return page
 
 
 def shown(module, scene):
-    """The figures of a page for a Scene, side by side, as the page draws them when it is opened."""
+    """Return the figures of a page for a Scene side by side, as on the opened page."""
     page = page_of(module, scene)
     page.start()
     return laid_out(page)
 
 
 def laid_out(page):
-    """The figures of a Sheet side by side, in colours."""
+    """Return the coloured figures of a Sheet side by side."""
     for view in page.views.values():
         view.figure.update(**SIZE)
         for part in view.parts.values():
@@ -69,13 +69,13 @@ def laid_out(page):
 
 
 def tint(model, colour):
-    """Give a line, a mark, a word or a band its colour."""
+    """Colour a line, a marker, a text or a band."""
     names = ("line_color", "fill_color", "text_color")
     model.update(**{name: colour for name in names if name in model.properties()})
 
 
 @cache
 def colours():
-    """{variable of style.css: colour} of the light page."""
+    """Return {variable of style.css: colour} of the light theme."""
     root = STYLE.read_text(encoding="utf-8").split(":root {", 1)[1].split("}", 1)[0]
     return dict(re.findall(r"(--[\w-]+): (#\w+)", root))

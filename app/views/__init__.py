@@ -1,1 +1,1 @@
-"""Figures: the live ones, and the pages beside the experiment."""
+"""Bokeh figures: the live views of the experiment, and the figures of pages."""

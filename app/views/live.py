@@ -1,6 +1,6 @@
-"""The five views of the experiment, as Bokeh models; from then on only their sources change, in the browser.
+"""The five live views of the experiment, as Bokeh models. The browser changes their data.
 
-Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the browser names others when it uses them.
+Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the browser relabels axes in other units.
 """
 
 import numpy as np
@@ -17,15 +17,15 @@ FRAME = {
     **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 40},
 }
 ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
-SLIP = {"marker": "diamond", "size": 8, "fill_alpha": 0, "line_width": 1.5}  # hollow: it hides no peak
+SLIP = {"marker": "diamond", "size": 8, "fill_alpha": 0, "line_width": 1.5}  # hollow, so that peaks stay visible
 AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
-POSITION = "x on the substrate, from the middle (nm)"  # where a node is
-UNDEFORMED = "x, undeformed (nm)"  # where it was
+POSITION = "x on the substrate, from the middle (nm)"  # current position of a node
+UNDEFORMED = "x, undeformed (nm)"  # initial position of a node
 TOP = "displacement Uₓ (nm)"
 
 
 def live_figures():
-    """{name: figure} for one visitor, with their shared axes linked."""
+    """Return {name: figure} with linked axes."""
     place, path = Range1d(-250, 250), Range1d(0, 40)
     return {
         "punch": punch(place),
@@ -44,7 +44,7 @@ def punch(x, name="punch"):
     draw(made, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
     draw(made, "line", "surface", "--body", "x", "gap")
     draw(made, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
-    for state, node in reversed(NODES.items()):  # the first on top
+    for state, node in reversed(NODES.items()):  # the first is on top
         look = {"marker": node.marker, "size": node.size, "hover": {"tooltips": [(state, node.meaning), *said]}}
         draw(made, "scatter", state, node.colour, "x", "gap", more=["at", "T_n", "T_t"], **look)
     _pins(made)
@@ -60,7 +60,7 @@ def traction(x):
 
 
 def forces(x):
-    """Friction and load along the path, those of the run before pale behind."""
+    """Friction and load along the path, with the previous run as pale curves."""
     made = blank("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)")
     _zero(made)
     _along(made, "N/m", "F", "L")
@@ -75,7 +75,7 @@ def area(x):
 
 
 def contact_map(x):
-    """Normal traction over path and place: where the contact repels, adheres or is open, at every moment."""
+    """Normal traction over path and position: shows where the contact repels, adheres or is open."""
     made = blank("map", x, Range1d(-250, 250), TOP, UNDEFORMED)
     empty = {"image": [np.zeros((2, 2), np.float32)], "x": [0], "y": [-1], "dw": [1], "dh": [2]}
     colours = LinearColorMapper(palette=["#888888"], low=0, high=1, nan_color="#00000000")
@@ -83,7 +83,7 @@ def contact_map(x):
     draw(made, "image", "map", "", *empty, hover={"tooltips": said}, data=empty, color_mapper=colours, level="glyph")
     stripes = {"hatch_pattern": "right_diagonal_line", "hatch_color": "#808080", "hatch_weight": 2, "hatch_scale": 8}
     draw(made, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
-    draw(made, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # edges, on the way that is not shown
+    draw(made, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # contact edges, off screen
     _pins(made)
     draw(made, "scatter", "slips_map", "--slip", "U_x", "x", **SLIP)
     _cursor(made)
@@ -91,7 +91,7 @@ def contact_map(x):
 
 
 def _along(made, unit, *names):
-    """Curves along the path, over those of the run before and of pinned ones, with the slips of the first."""
+    """Curves along the path, above those of the previous run and of pinned runs, with the slips of the first curve."""
     _pins(made)
     for name in names:
         ghost = {"line_width": 3, "line_dash": CURVES[name].dash}
@@ -104,7 +104,7 @@ def _along(made, unit, *names):
 
 
 def _curves(made, x, y, along, unit, *names):
-    """Curves told beside the mouse: of two on either side of it, so that none hides the other."""
+    """Curves with tooltips. Two curves have theirs on opposite sides of the mouse, so that both stay visible."""
     for name, side in zip(names, ("right", "left") if len(names) == 2 else ("horizontal",), strict=True):
         curve = CURVES[name]
         said = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
@@ -113,7 +113,7 @@ def _curves(made, x, y, along, unit, *names):
 
 
 def _pins(made):
-    """Lines of pinned runs, each with colour, dash and width of its own."""
+    """Lines of pinned runs, each with its own colour, dash and width."""
     looks = {"line_color": field("colour"), "line_dash": field("dash"), "line_width": field("width")}
     draw(made, "multi_line", "pins", "", "xs", "ys", more=["colour", "dash", "width"], **looks)
 
@@ -123,12 +123,12 @@ def _zero(made):
 
 
 def _cursor(made):
-    """The increment on screen; on a canvas of its own: moving it paints nothing else."""
+    """The line at the increment on screen; it has its own canvas, so that moving it redraws nothing else."""
     add(made, "cursor", Span(location=0, dimension="height", line_width=1.5, level="overlay"), "--cursor")
 
 
 def draw(made, kind, label, colour, *columns, more=(), data=None, hover=None, **look):
-    """What a figure's method `kind` draws of columns, empty at first; hover: of what is said beside the mouse."""
+    """Add the glyph of a figure's method `kind` over columns, empty at first; hover: options of its tooltip."""
     source = ColumnDataSource(data or {column: [] for column in (*columns, *more)})
     part = getattr(made, kind)(*columns, source=source, **look)
     part.update(**_named(made, label, colour), **ONE_LOOK)
@@ -137,18 +137,18 @@ def draw(made, kind, label, colour, *columns, more=(), data=None, hover=None, **
 
 
 def add(made, label, model, colour):
-    """A line or a band of a figure."""
+    """Add a line or a band to a figure."""
     model.update(**_named(made, label, colour))
     made.renderers.append(model)
 
 
 def _named(made, label, colour):
-    """The name by which the browser finds a part of a figure, and its colour in style.css."""
+    """Return the name of a part of a figure, for the browser, and its colour in style.css."""
     return {"name": f"{made.name}.{label}", "tags": [colour]}
 
 
 def blank(name, x, y, x_label, y_label, **axes):
-    """Axes and a grid; no tools that catch the wheel or a finger."""
+    """Return a figure with axes and a grid, without tools that capture the wheel or touch."""
     axes |= {"x_axis_label": x_label, "y_axis_label": y_label}
     made = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
     for axis in made.axis:

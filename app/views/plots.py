@@ -1,4 +1,4 @@
-"""The figures of the pages, made when a page is opened; from then on only their sources change."""
+"""The figures of pages. They are made when a page opens; afterwards only their data change."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from app.views.live import add, blank, draw
 
 
 class Quantity(NamedTuple):
-    """What an axis shows: the column of the data, its label and its unit."""
+    """The quantity of an axis: its column in the data, its label and its unit."""
 
     column: str
     label: str
@@ -18,12 +18,12 @@ class Quantity(NamedTuple):
 
     @property
     def title(self):
-        """Of an axis."""
+        """Title of the axis."""
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
 
 class Part(NamedTuple):
-    """What a figure draws of quantities: `kind` is a method of a Bokeh figure, or the model of a line or a band."""
+    """A part of a figure that draws quantities; `kind`: a method of a Bokeh figure, or a model (line, band)."""
 
     kind: str | type
     label: str
@@ -35,9 +35,9 @@ class Part(NamedTuple):
 
 @dataclass
 class View:
-    """One Bokeh figure with what changes in it: {label: renderer, band or line}.
+    """One Bokeh figure with its parts {label: renderer, band or line}.
 
-    A part is called "figure.label", and has the colour of style.css that its tag names.
+    The name of a part is "figure.label"; its tag names its colour in style.css.
     """
 
     figure: object
@@ -45,17 +45,17 @@ class View:
 
 
 def curve(label, *quantities, said=None, mode="mouse", **look):
-    """A line over the first two quantities; its tooltip `said` may name the others."""
+    """A curve of the first two quantities; its tooltip `said` may name the others."""
     return Part("line", label, quantities, said, mode, look)
 
 
 def dots(label, *quantities, said=None, **look):
-    """Marks, as `curve`."""
+    """Markers; the arguments are those of `curve`."""
     return Part("scatter", label, quantities, said, look=look)
 
 
 def texts(label, *quantities, **look):
-    """Words, the third quantity, at places."""
+    """Texts of the third quantity at positions of the first two."""
     return Part("text", label, quantities, look=look)
 
 
@@ -70,12 +70,12 @@ def level(label):
 
 
 def band(label):
-    """A part of the axis across."""
+    """A band over a range of the horizontal axis."""
     return Part(BoxAnnotation, label, look={"left": 1.0, "right": 2.0, "fill_alpha": 0.18, "line_alpha": 0})
 
 
 def rendered(name, parts, colours, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
-    """A Bokeh figure of parts in the colours {label: variable of style.css}; axes: x_axis_type, y_axis_type."""
+    """Return a Bokeh figure of parts; colours: {label: variable of style.css}; axes: x_axis_type, y_axis_type."""
     across, up = next(part.quantities[:2] for part in parts if part.quantities)
     made = blank(name, Range1d(*x), Range1d(*y), across.title, up.title, **axes)
     for part in parts:
@@ -100,6 +100,6 @@ def _draw_image(made, part, hover):
 
 
 def view_of(figure):
-    """The View of a figure."""
+    """Return the View of a figure."""
     named = [part for part in (*figure.renderers, *figure.center) if part.name]
     return View(figure, {part.name.removeprefix(f"{figure.name}."): part for part in named})

@@ -77,7 +77,7 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
 
 def test_the_interface_law_shows_both_laws_and_what_overlap_does_to_that_of_the_scene(session):
     order(session, "page", page="law")
-    for name, words in (("np1", "grows where the surfaces overlap"), ("xu-needleman", "turns round below")):
+    for name, words in (("np1", "grows where the surfaces overlap"), ("xu-needleman", "changes sign below")):
         order(session, "scene", law=name)
         parts = session.pages.page.views["opening"].parts
         shares = {part: np.asarray(parts[part].data_source.data["value"]) for part in ("np1", "xu-needleman", "law")}

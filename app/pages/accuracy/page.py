@@ -1,6 +1,6 @@
-"""The page "Accuracy": error against run time and force evaluations, by each method, for the scene on screen.
+"""The page "Accuracy": error over run time and force evaluations of each method, for the scene on screen.
 
-A process of its own measures (service/bench.py), also while the page is closed, until another scene is on screen.
+A separate process measures (service/bench.py). It continues while the page is closed, until the scene changes.
 """
 
 import sys
@@ -14,7 +14,7 @@ from app.service import measuring
 from app.views.plots import Quantity, curve, dots, rendered, texts
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
-SERIES = {  # method: marker, colour; px by which a tolerance stands beside its point, and how it is aligned there
+SERIES = {  # method: marker, colour; offset (px, right and down) and alignment of the tolerance beside its point
     "fast": ("circle", "--repulsive", 9, -6, "left"),
     "gfmd": ("square", "--adhering", 9, -6, "left"),
     "gfmd mass-weighted": ("triangle", "--shear", 7, 16, "left"),
@@ -26,7 +26,7 @@ ERROR = Quantity("error", "relative error")
 
 
 def compose():
-    """Both figures, on logarithmic axes."""
+    """Return both figures, on logarithmic axes."""
     return [_figure(name, Quantity(name, label, unit)) for name, (label, unit) in WORK.items()]
 
 
@@ -50,7 +50,7 @@ def _figure(name, work):
 
 
 def figure(scene):
-    """Error against run time and force evaluations of a Scene, measured here: what a notebook shows."""
+    """Measure error over run time and force evaluations of a Scene, for a notebook."""
     page = page_of(sys.modules[__name__], scene)
     for news in measuring.reports(scene):
         page.session.bench.told |= news
@@ -59,26 +59,26 @@ def figure(scene):
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """The page of one visitor; see app/pages."""
 
     def start(self):
-        """What was measured is there again."""
+        """Show the last measurement."""
         self.session.bench.hear = self._hear
         self._hear()
 
     def scene_changed(self):
-        """Another scene would be measured now; what was measured stays."""
+        """Update the text: the measurement of the previous scene stays."""
         self._tell()
 
     def order(self, values):
-        """Measure, or cancel."""
+        """Start or cancel a measurement."""
         if values.get("what") == "measure":
             self.session.bench.begin(self.session.scene)
         elif values.get("what") == "cancel":
             self.session.bench.cancel()
 
     def close(self):
-        """It goes on being measured."""
+        """Close the page; the measurement continues."""
         self.session.bench.hear = None
         super().close()
 
@@ -117,7 +117,7 @@ class Page(Sheet):
 
 
 def _decades(values, least):
-    """Powers of ten that hold the values, at least `least` apart."""
+    """Return powers of ten around the values, at least `least` decades apart."""
     low, high = log10(min(values, default=1.0)) - 0.2, log10(max(values, default=1.0)) + 0.2
     return 10.0 ** min(floor(low), ceil(high) - least), 10.0 ** ceil(high)
 
@@ -132,5 +132,5 @@ def _point(p):
 
 
 def _power(value):
-    """A value in one digit, as 1e−5."""
+    """Format a value with one digit, as 1e−5."""
     return f"{value:.0e}".replace("e-0", "e-").replace("-", "−")

@@ -1,7 +1,7 @@
 """The page "Area laws" (paper Fig. 8, Eqs. 8, 9): runs up to the onset of sliding over a range of indentations.
 
-A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8 and those on screen since. Results are
-kept for all visitors (requests.py).
+A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8, and those that a visitor adds. All
+visitors share the results (requests.py).
 """
 
 import sys
@@ -20,9 +20,9 @@ from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
 from solver.presets import presets
 
 TITLE, ORDER, FIGURES = "Area laws", 3, ("runs", "threshold")
-BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line has begun to bend
+BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line bends
 DEPTHS = (*INDENTATIONS, BEYOND)
-MARKS = (  # of a series: marker, the same as text, colour, dash; as many series at a time
+MARKS = (  # of the series: marker, its character, colour, dash; their number is the maximum of series
     ("circle", "●", "--text", "solid"),
     ("square", "■", "--adhering", "dashed"),
     ("triangle", "▲", "--repulsive", "dotted"),
@@ -33,11 +33,11 @@ FORCE = Quantity("F", "F̄", "10⁻³")
 AREA = Quantity("A", "Ā", "10⁻³")
 DEPTH = Quantity("delta_bar", "δ̄")
 THOUSAND = 1000.0
-NONE = "–"  # in a table
+NONE = "–"  # an empty cell of a table
 
 
 def compose():
-    """The views of the page."""
+    """Return the figures of the page."""
     said = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
     runs = rendered(
         "arealaws_runs",
@@ -59,16 +59,16 @@ def compose():
 
 
 def series_of(scene):
-    """The scene that stands for its series: whatever the indentation, the path and its length."""
+    """Return the scene that identifies a series: with a fixed indentation, path and length."""
     return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max, path="shear", damping=1.0)
 
 
-PAPER = [series_of(presets()[name].scene) for name in INTERFACES]  # whose marks are the first
+PAPER = [series_of(presets()[name].scene) for name in INTERFACES]  # they have the first marks
 
 
 @dataclass
 class Series:
-    """The scene that stands for a series, its place in MARKS, and what is known of its runs, {delta_bar: result}."""
+    """A series: the scene that identifies it, its index in MARKS, and the results of its runs {delta_bar: result}."""
 
     scene: Scene
     mark: int
@@ -76,17 +76,17 @@ class Series:
 
     @property
     def found(self):
-        """[(delta_bar, result)] of the runs that came to an end."""
+        """[(delta_bar, result)] of the runs that succeeded."""
         return sorted((depth, result) for depth, result in self.results.items() if isinstance(result, dict))
 
     @property
     def onsets(self):
-        """[(F_s, A_s, delta_bar)] of those that slipped, times 1000."""
+        """[(F_s, A_s, delta_bar)] of the runs that slipped, forces and areas times 1000."""
         return [(THOUSAND * r["F_s"], THOUSAND * r["A_s"], depth) for depth, r in self.found if r["F_s"]]
 
     @property
     def name(self):
-        """What it is called: its interface, and its layer if that is not the paper's."""
+        """Label: its interface, and its layer if that is not the paper's."""
         scene = self.scene
         text = f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}"
         text += f", E = {scene.E:g}" if scene.E != Scene().E else ""
@@ -94,7 +94,7 @@ class Series:
         return f"{text} and other parameters" if other else text
 
     def quadratic(self, result):
-        """The law fitted to a run, or None where the area does not fall by as much as a node spacing."""
+        """Fit the quadratic law to a run; None if the area shrinks by less than a node spacing."""
         try:
             law = quadratic_law(result["F"], result["A"])
         except ValueError:
@@ -102,7 +102,7 @@ class Series:
         return law if law.zeta > 0.0 and result["A"][0] - result["A"].min() > 1.0 / self.scene.nodes else None
 
     def threshold(self, beyond=False):
-        """The law fitted to the onsets, or None."""
+        """Fit the threshold law to the onsets; None if impossible."""
         points = [(A / THOUSAND, F / THOUSAND) for F, A, depth in self.onsets if beyond or depth < BEYOND]
         try:
             return threshold_law(*zip(*points, strict=True)) if points else None
@@ -110,7 +110,7 @@ class Series:
             return None
 
     def row(self):
-        """Its law, in the table of series: slope and offset, R^2, and how far it bends beyond."""
+        """Return the row of this series: slope and offset of its law, R^2, and the bend beyond."""
         law, bent, deepest = self.threshold(), self.threshold(beyond=True), dict(self.found).get(BEYOND)
         done = "" if len(self.results) == len(DEPTHS) else f"{len(self.results)} of {len(DEPTHS)} runs"
         if not law:
@@ -124,7 +124,7 @@ class Series:
         return [*both, f"{law.r2:.4f}", done or bend]
 
     def rows(self):
-        """Of the table of its runs."""
+        """Yield the rows of the table of its runs."""
         for depth, result in self.found:
             law = self.quadratic(result)
             fit = [f"{law.zeta:.4g}", f"{law.r2:.4f}", f"{law.worst:.3f}", f"{law.rise:.2f}"] if law else [NONE] * 4
@@ -132,32 +132,32 @@ class Series:
 
 
 def figure(scene):
-    """The figures of the series of a Scene, computed here: what a notebook shows."""
+    """Return the figures of the series of a Scene, for a notebook."""
     page = page_of(sys.modules[__name__], scene)
     page.add_series(series_of(scene))
     return laid_out(page)
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """The page of one visitor; see app/pages."""
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.series, self.shown = {}, None  # {scene that stands for it: Series}, in the order in which they came
+        self.series, self.shown = {}, None  # {scene that identifies it: Series}, in order of addition
 
     def start(self):
-        """The series on screen first, then those of Fig. 8."""
+        """Add the series on screen first, then those of Fig. 8."""
         for scene in (self._own()[0], *PAPER):
             if scene:
                 self.add_series(scene)
         self._publish()
 
     def scene_changed(self):
-        """Whether the scene on screen could be a series of its own is said; it is added by a button."""
+        """Update the button that adds the series of the scene on screen."""
         self._publish()
 
     def order(self, values):
-        """Add the series on screen, show another one's curves, or cancel."""
+        """Add the series on screen, show the curves of another series, or cancel."""
         what, place = values.get("what"), int(values.get("series", 0))
         own, _ = self._own()
         if what == "add" and own:
@@ -170,26 +170,26 @@ class Page(Sheet):
         self._publish()
 
     def _own(self):
-        """(scene that stands for the series on screen, "") or (None, why there is none)."""
+        """Return (scene that identifies the series on screen, "") or (None, why there is none)."""
         try:
             scene = series_of(self.session.scene)
             _calls(scene)
         except SceneError as error:
             return None, f"No series: {error}"
         if scene.surface == "flat":
-            return None, "The surface on screen is flat, without an edge that could peel: it has no series here."
+            return None, "The surface on screen is flat and has no edge that can peel. Choose another surface."
         if increments_of(scene) > INCREMENTS:
             why = f"A run would take more than {INCREMENTS} increments: enlarge du_x or du_z for a series here."
             return None, why
         return scene, ""
 
     def add_series(self, scene):
-        """A series, in place of the oldest if there are too many."""
+        """Add a series; if there are too many, it replaces the oldest."""
         if scene not in self.series:
             own = [one for one in self.series.values() if one.mark >= len(PAPER)]
             if scene not in PAPER and len(own) == len(MARKS) - len(PAPER):
                 oldest = next(one for one in own if one is not self.shown)
-                self.sweep.drop(_calls(oldest.scene))  # what is known of it is kept
+                self.sweep.drop(_calls(oldest.scene))  # the results stay in the cache
                 own.remove(oldest)
                 del self.series[oldest.scene]
             free = set(range(len(PAPER), len(MARKS))) - {one.mark for one in own}
@@ -198,7 +198,7 @@ class Page(Sheet):
         self.sweep.add(_calls(scene))
 
     def take(self, call, result):
-        """A run is back from the workers."""
+        """Take the result of a run."""
         one = self.series.get(series_of(call[1]))
         if one:
             one.results[call[1].delta_bar] = result
@@ -210,7 +210,7 @@ class Page(Sheet):
     # drawing
 
     def _draw_runs(self):
-        """Area against force of one series, curves with gaps between them, and the quadratic law fitted to each."""
+        """Draw area over force of one series, with gaps between curves, and the quadratic law fitted to each."""
         curves, fits = [([], [], [])], [([], [])]
         for depth, result in self.shown.found:
             F, A = (np.append(THOUSAND * result[name], np.nan) for name in "FA")
@@ -226,7 +226,7 @@ class Page(Sheet):
         self._fit("runs", F, A)
 
     def _draw_threshold(self):
-        """The onsets of all series with the extended threshold law."""
+        """Draw the onsets of all series with the extended threshold law."""
         drawn, every = {one.mark: one for one in self.series.values()}, []
         for k in range(len(MARKS)):
             one = drawn.get(k)
@@ -268,5 +268,5 @@ def _calls(scene):
 
 
 def _columns(points):
-    """Columns of [(F, A, delta_bar)]."""
+    """Return the columns of [(F, A, delta_bar)]."""
     return {name: [point[k] for point in points] for k, name in enumerate(("F", "A", "delta_bar"))}

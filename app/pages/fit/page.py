@@ -1,7 +1,7 @@
-"""The page "Fit": a measured friction curve over that of the sliders, and the parameters that make it.
+"""The page "Fit": a measured friction curve, the curve of the sliders, and the fitted parameters.
 
-A file is read and fitted by a worker (`solver.analysis.measurement`, `fit`); the curve of the sliders is filled in by
-the browser (page.js), so that a hand can try before the machine does.
+A worker reads and fits a file (`solver.analysis.measurement`, `fit`). The browser draws the curve of the sliders
+(page.js), so that a visitor can first fit by hand.
 """
 
 import re
@@ -21,8 +21,8 @@ from solver import load_path
 from solver.text import counted
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
-FREE = {  # what can be free: what the page calls it, its unit, whether it is free at first
-    "phi_n": ("adhesion φₙ", "N/m", False),  # which F and L hardly tell from the next
+FREE = {  # parameters that can be free: label, unit, whether it is free at first
+    "phi_n": ("adhesion φₙ", "N/m", False),  # F and L hardly distinguish it from the next
     "phi_ratio": ("friction / adhesion φₜ/φₙ", "", True),
     "delta_bar": ("press depth δ/δ₀", "", True),
     "E": ("stiffness E", "GPa", False),
@@ -34,18 +34,18 @@ FREE = {  # what can be free: what the page calls it, its unit, whether it is fr
 TEMPLATE = {"fit_free": FREE}
 COLOURS = {"run": "--shear", "run_load": "--text"}
 COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitted", "fitted_load"), "--cut")
-PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # of the figure, for each quantity
-LONG = 120.0  # s that a fit may take
-SEEDS = 2**32  # of made-up measurements, each another one
-LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin the data out"
-NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # of what a made-up measurement does not change
-ROOM = 0.08  # of a curve, above and below it
+PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # parts of the figure, per quantity
+LONG = 120.0  # s, time limit of a fit
+SEEDS = 2**32  # number of seeds of example data
+LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin out the data"
+NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # true values that example data do not change
+ROOM = 0.08  # margin above and below a curve, over its height
 PLACE, FORCE = Quantity("U_x", "displacement Uₓ", "nm"), Quantity("F", "F", "N/m")
 OFF = Quantity("off", "difference", "noise")
 
 
 def compose():
-    """Measured and computed forces, and by how much they differ after a fit."""
+    """Return the figures: measured and computed forces, and their differences after a fit."""
     curves = [
         dots("measured", PLACE, FORCE, size=4),
         dots("load", PLACE, FORCE, size=4),
@@ -62,7 +62,7 @@ def compose():
 
 
 def figure(scene, measured=None):
-    """Friction and load of a Scene, over a Measurement if there is one: what a notebook shows."""
+    """Return friction and load of a Scene, and of a Measurement if given, for a notebook."""
     page = page_of(sys.modules[__name__], scene)
     if measured is not None:
         page.take_measurement((measured, None))
@@ -77,24 +77,24 @@ def figure(scene, measured=None):
 
 
 class Page(Sheet):
-    """See app/pages. It stays: a fit continues while the page is closed."""
+    """The page of one visitor; see app/pages. It stays: a fit continues while the page is closed."""
 
     stays = True
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.measured, self.found = None, None  # Measurement, Fit of it
-        self.truth = {}  # {parameter: value} of a made-up measurement
-        self.answers = 0  # to files and requests for one
+        self.measured, self.found = None, None  # Measurement, its Fit
+        self.truth = {}  # {parameter: value} of example data
+        self.answers = 0  # number of files and examples answered
 
     def scene_changed(self):
-        """Forces given as F_bar are drawn in N/m of the stiffness and width on screen."""
+        """Draw forces again: F_bar in N/m depends on the stiffness and width on screen."""
         if self.measured is not None:
             self._draw_measured()
             self._draw_fitted()
 
     def order(self, values):
-        """A file, a made-up measurement, a fit, or cancel."""
+        """Read a file, generate example data, start a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if what == "file":
             self.wanted.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
@@ -121,11 +121,11 @@ class Page(Sheet):
             self.publish(busy=None, texts={"fit-said": "Cancelled."})
 
     def take_measurement(self, result, truth=None):
-        """(Measurement, None) or (None, why there is none); truth: {parameter: value} of a made-up one."""
+        """Take (Measurement, None) or (None, why there is none); truth: {parameter: value} of example data."""
         measured, why = result or (None, LOST)
         self.answers += 1
         if measured is None:
-            there = "The measurement before stays." if self.measured else "Choose another file."
+            there = "The previous measurement stays." if self.measured else "Choose another file."
             said = f"Not read: {why}. {there}"
             return self.publish(answers=self.answers, refused=True, texts={"fit-said": said})
         self.measured, self.found, self.truth = measured, None, truth or {}
@@ -143,7 +143,7 @@ class Page(Sheet):
 
     @property
     def _unit(self):
-        """N/m that F_bar of the measurement is times."""
+        """The unit of F_bar of the measurement, N/m."""
         scene = self.session.scene
         return self.measured.unit or scene.width * scene.E
 
@@ -184,7 +184,7 @@ class Page(Sheet):
 
 
 def in_words(sentence):
-    """A warning in the page's words."""
+    """Return a warning in the page's terms."""
     for name, (what, *_) in FREE.items():
         sentence = re.sub(rf"\b{name}\b", what, sentence)
     sentence = sentence.replace("+-", "±").replace(" -", " −")

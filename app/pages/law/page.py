@@ -1,7 +1,7 @@
-"""The page "Interface law" (paper Fig. 3, Eq. 4): the traction a node feels, summed over the lattice, and where it is.
+"""The page "Interface law" (paper Fig. 3, Eq. 4): the traction on a node, summed over the lattice, and all nodes on it.
 
-The law is drawn here, once per scene; the dots that ride on it are set in the browser, which has the frames (page.js).
-Slip distance s: how far the node is ahead of the nearest lattice site; all repeats with the node spacing a. It factors:
+The server draws the law once per scene; the browser has the frames and draws the nodes (page.js). The slip distance s
+is that of a node from the nearest lattice site; the law is periodic in s with the node spacing a. It factors:
 T_t = phi_t/delta_t S1(s) g(gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
 NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x).
 """
@@ -31,8 +31,8 @@ TITLE, ORDER, FIGURES = (
 OFFSET = Quantity("s", "slip distance from the nearest site", "nm")
 GAP = Quantity("gap", "gap", "nm")
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
-LOWEST, HIGHEST = -1.0, 6.0  # gaps shown, in delta_n
-OVERLAP = -1.6  # delta_n; beyond -1 the resistance to shear of Xu & Needleman's law turns round
+LOWEST, HIGHEST = -1.0, 6.0  # range of gaps, in delta_n
+OVERLAP = -1.6  # delta_n; below -1 the resistance to shear of Xu & Needleman's law changes sign
 
 
 def _riders(x, y):
@@ -44,13 +44,13 @@ def _colours(**more):
 
 
 def _map(name, symbol):
-    """A traction over slip distance and gap, nodes riding on it."""
+    """Return the map of a traction over slip distance and gap, with the nodes."""
     hover = [("s", "$x{0.00} nm"), ("gap", "$y{0.00} nm"), (symbol, "@image{0.000} GPa")]
     return rendered(name, [picture("map", OFFSET, GAP, hover), *_riders(OFFSET, GAP)], _colours())
 
 
 def _law(name, x, value, span):
-    """A factor of the law, the same for one spring, nodes riding on it."""
+    """Return the curve of a factor of the law, that of a single spring, and the nodes."""
     elements = [
         level("zero"),
         curve("spring", x, value, line_width=2, line_dash="dotted"),
@@ -73,7 +73,7 @@ def compose():
 
 
 def _opening(name):
-    """What is left of the tangential traction over the gap, by both laws; that of the scene is the solid line."""
+    """Return the relative tangential traction over the gap for both laws; a wide line marks the law of the scene."""
     left = Quantity("value", "Tₜ / Tₜ(0)")
     elements = [level("zero"), curve("law", GAP, left, line_width=8)]
     elements += [curve(law, GAP, left, line_width=2) for law in CHOICES["law"]]
@@ -82,21 +82,21 @@ def _opening(name):
 
 
 def figure(scene):
-    """The figures for a Scene, computed here: what a notebook shows."""
+    """Return the figures for a Scene, for a notebook."""
     return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """The page of one visitor; see app/pages."""
 
     def scene_changed(self):
-        """Draw the law if it is another one than before."""
+        """Draw the law of the scene."""
         scene = self.session.scene
         a, d_n, d_t = scene.spacing, scene.delta_n, scene.delta_t
         s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE + 1), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE + 1)
-        middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (s, gap)]  # of the pixels: T_t is 0 at the borders
+        middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (s, gap)]  # centres of pixels: T_t is 0 at the borders
         shear, normal = cohesive_law.traction(scene, *np.meshgrid(*middles))
-        shear = -shear  # as in the traction plot: what holds the punch back is positive
+        shear = -shear  # as in the traction plot, traction against the motion is positive
         limits = {}
         for slot, field in (("shear_map", shear), ("normal_map", normal)):
             place = {"x": [s[0]], "y": [gap[0]], "dw": [s[-1] - s[0]], "dh": [gap[-1] - gap[0]]}
@@ -135,7 +135,7 @@ class Page(Sheet):
 
 
 def _share(scene, gap):
-    """The tangential traction at a gap over that at zero gap."""
+    """Return the tangential traction at a gap over that at zero gap."""
     ahead = np.full(gap.shape, 0.5 * min(scene.delta_t, scene.spacing))
     return cohesive_law.traction(scene, ahead, gap)[0] / cohesive_law.traction(scene, ahead, 0.0 * gap)[0]
 
@@ -143,8 +143,8 @@ def _share(scene, gap):
 SAID = {
     "np1": "With NP1 the resistance to shear grows where the surfaces overlap (gap < 0).",
     "xu-needleman": (
-        "With this law the resistance to shear falls where the surfaces overlap (gap < 0), and turns round below −δₙ:"
-        " a deeper contact would slide more easily. The paper takes NP1 for that reason."
+        "With this law the resistance to shear falls where the surfaces overlap (gap < 0), and changes sign below −δₙ:"
+        " a deeper contact would slide more easily. Therefore the paper uses NP1."
     ),
 }
 
@@ -154,6 +154,6 @@ def _said(scene):
     tau = scene.phi_t / scene.delta_t * np.sqrt(2.0 / np.e)
     return (
         f"One spring (Eq. 5): σₘₐₓ = φₙ/(e δₙ) = {sigma:.3g} GPa, τₘₐₓ = √(2/e) φₜ/δₜ = {tau:.3g} GPa at zero gap."
-        f" A node feels all sites within reach, a = {scene.spacing / scene.delta_t:.3g} δₜ apart."
+        f" All sites within range act on a node; their spacing is a = {scene.spacing / scene.delta_t:.3g} δₜ."
         f" {SAID[scene.law]}"
     )

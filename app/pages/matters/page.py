@@ -1,7 +1,7 @@
-"""The page "What matters": by how much each parameter moves the first slip, and which nodes hold the contact.
+"""The page "What matters": sensitivities of the first slip to each parameter and to the strength of each node.
 
-A worker computes the run of the scene on screen and its derivatives (`solver.analysis.sensitivities`); the browser
-draws both (page.js), the nodes in the picture of the punch.
+A worker computes the run of the scene on screen and its derivatives (`solver.analysis.sensitivities`). The browser
+draws both (page.js); it colours the nodes in the view of the punch.
 """
 
 from bokeh import plotting
@@ -12,16 +12,16 @@ from app.service.pool import HEAVY
 
 TITLE, ORDER, FIGURES = "What matters", 5, ()
 LOST = "it could not be computed. Change a parameter to try again"
-LONG = 120.0  # s that the run of a scene and its derivatives may take
+LONG = 120.0  # s, time limit of a run with its derivatives
 
 
 def compose():
-    """No figures of its own."""
+    """Return no figures: the page has none."""
     return []
 
 
 def figure(scene):
-    """Change of the force of the first slip by each parameter, as bars: what a notebook shows."""
+    """Return the change of the force of the first slip per parameter as bars, for a notebook."""
     found = tasks.what_matters(scene)
     if isinstance(found, str):
         raise ValueError(found)
@@ -34,10 +34,10 @@ def figure(scene):
 
 
 class Page(Sheet):
-    """See app/pages."""
+    """The page of one visitor; see app/pages."""
 
     def scene_changed(self):
-        """Another scene is on screen."""
+        """Request the derivatives of the scene on screen."""
         self.publish(matters=None, texts={"matters-said": "Computing the derivatives …"})
         self.wanted.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)
 

@@ -1,7 +1,7 @@
-"""The page "Map": the first slip over two parameters, regimes outlined and named; a click or a drag goes there.
+"""The page "Map": the first slip over two parameters, with named regimes. A click or a drag selects a scene.
 
-The map is made of tiles (solver/analysis/maps), each a call for the workers, from coarse to fine: a tile is asked for
-as soon as the points around it are known, and what one visitor has asked for is there for all (requests.py).
+The map has tiles (solver/analysis/maps), from coarse to fine; a worker computes each in one call. The page requests a
+tile as soon as the points around it are known. All visitors share the results (requests.py).
 """
 
 import sys
@@ -25,14 +25,14 @@ from solver.scene import PARAMETERS
 
 TITLE, ORDER, FIGURES = "Map", 6, ("map",)
 COLUMNS, ROWS = 33, 25
-AXES = {  # of what may be chosen: what it is called, low, high, whether even in the logarithm, ticks
+AXES = {  # axes to choose from: label, low, high, whether logarithmic, ticks
     "delta_bar": ("press depth δ/δ₀", -0.8, 1.0, False, (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
     "phi_ratio": ("friction / adhesion φₜ/φₙ", 0.01, 2.0, True, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)),
     "E": ("stiffness E (GPa)", 15.0, 1000.0, True, (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)),
     "phi_n": ("adhesion φₙ (N/m)", 0.5, 5.0, True, (0.5, 1.0, 2.0, 5.0)),
     "nu": ("Poisson's ratio ν", 0.1, 0.45, False, (0.1, 0.2, 0.3, 0.4)),
 }
-QUANTITIES = {  # of a Point: what the page calls it, its unit, and the parameters that it is over
+QUANTITIES = {  # of a Point: label, unit, and the parameters that normalise it
     "F_s": ("friction Fₛ", "N/m", ("width", "E")),
     "U_s": ("displacement Uₛ", "nm", ()),
     "A_s": ("contact area Aₛ", "nm", ("width",)),
@@ -42,15 +42,15 @@ QUANTITIES = {  # of a Point: what the page calls it, its unit, and the paramete
     "L_min": ("load L at pull-off", "N/m", ("width", "E")),
 }
 TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
-ASIDE = 2.0  # columns and rows that the name of a regime keeps from the edges
-MOST = (2.0, 98.0)  # per cent of the values lie within the limits of the colours
-LETTER, LINE = 0.55, 2.5  # columns that a letter of a name takes, and rows that a line does, on the narrowest map
+ASIDE = 2.0  # least distance of a regime's name from the edges, columns or rows
+MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
+LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
 COLUMN, ROW = Quantity("i", "x"), Quantity("j", "y")
 NAME = Quantity("name", "regime")
 
 
 def compose():
-    """The map over numbers of columns and rows, for its axes may be logarithmic."""
+    """Return the map over numbers of columns and rows, as its axes may be logarithmic."""
     bounds = (-0.5, -0.5, COLUMNS - 0.5, ROWS - 0.5)
     figure = rendered(
         "regimes_map",
@@ -70,22 +70,22 @@ def compose():
 
 
 def figure(scene):
-    """The figures for a Scene, computed here: what a notebook shows."""
+    """Return the figures for a Scene, for a notebook."""
     return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """The page of one visitor; see app/pages."""
 
     def __init__(self, *given):
         super().__init__(*given)
         self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
-        self.grid, self.known = None, {}  # {(i, j): (Point, Scene whose Skeleton was kept, or None)}
-        self.left = []  # (level, cell, its corners) not asked for yet
+        self.grid, self.known = None, {}  # {(i, j): (Point, Scene of its cached Skeleton or None)}
+        self.left = []  # (level, cell, its corners) not requested yet
         self.asking = False
 
     def scene_changed(self):
-        """Another map only where something else than its axes has changed."""
+        """Start another map only if a parameter that is not on its axes changed."""
         try:
             grid = self._around(self.session.scene)
         except SceneError as error:
@@ -96,7 +96,7 @@ class Page(Sheet):
         self._draw()
 
     def order(self, values):
-        """Other axes, another quantity, or cancel."""
+        """Change the axes or the quantity, cancel, or resume."""
         what, names = values.get("what"), (values.get("x"), values.get("y"))
         if what in ("cancel", "resume") and self.grid is not None:
             self.sweep.cancel()
@@ -110,7 +110,7 @@ class Page(Sheet):
         self.scene_changed()
 
     def nearer(self, scene, origin):
-        """See Sheet: a hand on the map goes on from what the map is made of, also after a leap."""
+        """See Sheet: a drag on the map continues from the nearest point of the map, even after a jump."""
         if not self._holds(scene):
             return None
         here = self._place_of(scene)
@@ -120,19 +120,19 @@ class Page(Sheet):
         return skeletons[nearest] if off < (dist(self._place_of(origin), here) if held else inf) else None
 
     def _around(self, scene):
-        """The Map that a scene is on: the parameters of its axes are anything; raises SceneError."""
-        path = "unload" if self.of == "L_min" else "shear"  # a map of its own, whose points are all runs
+        """Return the Map of a scene, for any values of the parameters on its axes; raises SceneError."""
+        path = "unload" if self.of == "L_min" else "shear"  # a separate map; all its points are runs
         base = scene.changed(path=path, **{name: AXES[name][1] for name in self.names})
         counts = zip(self.names, (COLUMNS, ROWS), strict=True)
         return Map(base, *(Axis(name, *AXES[name][1:3], count, AXES[name][3]) for name, count in counts))
 
     def _holds(self, scene):
-        """Whether a scene is one of the map's."""
+        """Whether a scene is on the map."""
         others = self.grid and PARAMETERS.keys() - set(self.names)
         return bool(others) and all(getattr(scene, name) == getattr(self.grid.scene, name) for name in others)
 
     def _place_of(self, scene):
-        """(i, j) of a scene."""
+        """Return (i, j) of a scene."""
         return [_place(axis, getattr(scene, axis.name)) for axis in (self.grid.x, self.grid.y)]
 
     def _begin(self, grid):
@@ -142,7 +142,7 @@ class Page(Sheet):
         self._ask_anew()
 
     def _ask_anew(self):
-        """Ask for all tiles with points that are not known."""
+        """Request all tiles with unknown points."""
         grid = self.grid
         tiles = [(level, cell, corners(cell)) for level in range(grid.levels) for cell in grid.cells(level)]
         self.left = [one for one in tiles if not self._is_known(*one[:2])]
@@ -152,7 +152,7 @@ class Page(Sheet):
         return all(place in self.known for place, _ in self.grid.tile(level, cell, self.known).asked)
 
     def _ask(self):
-        """Ask for the tiles around which all is known, until none is left; some are known at once."""
+        """Request tiles with known surroundings, repeatedly, as cached ones arrive at once."""
         self.asking = True
         while ready := [one for one in self.left if one[2] <= self.known.keys()]:
             self.left = [one for one in self.left if one not in ready]
@@ -160,12 +160,12 @@ class Page(Sheet):
         self.asking = False
 
     def _tile(self, level, cell):
-        """The Tile of a Cell, with the pickled Skeletons around it that are kept."""
+        """Return the Tile of a Cell, with the cached Skeletons around it."""
         tile = self.grid.tile(level, cell, self.known)
         return replace(tile, known=tuple((point, skeletons.get(key)) for point, key in tile.known))
 
     def take(self, call, result):
-        """A tile is back from the workers."""
+        """Take the result of a tile."""
         tile, known = call[1], result
         if isinstance(result, Exception):
             known = self.grid.lost(tile, str(result))
@@ -195,7 +195,7 @@ class Page(Sheet):
         image = self.grid.array(points, self.of)
         for name in QUANTITIES[self.of][2]:
             image = image * self._everywhere(name)
-        if points:  # what is not known yet is as the nearest point that is
+        if points:  # unknown points take the value of the nearest known one
             nearest = tuple(distance_transform_edt(codes < 0, return_distances=False, return_indices=True))
             image, codes = image[nearest].astype(np.float32), codes[nearest]
         self.draw("map", "map", image=[image])
@@ -211,7 +211,7 @@ class Page(Sheet):
         self._describe(points, image, regimes)
 
     def _everywhere(self, name):
-        """A parameter of the scenes, to be multiplied with (rows, columns)."""
+        """Return the values of a parameter, to multiply with (rows, columns)."""
         values = {self.grid.x.name: self.grid.x.values, self.grid.y.name: self.grid.y.values[:, None]}
         return values.get(name, getattr(self.grid.scene, name))
 
@@ -237,26 +237,26 @@ class Page(Sheet):
 
 
 def _place(axis, value):
-    """Where a value of an Axis lies, in its columns; beyond its ends, at them."""
+    """Return the position of a value on an Axis, in columns; values beyond an end are at the end."""
     along = np.log if axis.log else np.asarray
     return float(np.interp(along(value), along(axis.values), np.arange(axis.count)))
 
 
 def _inside(region):
-    """(i, j) of the place of a region (rows, columns) that is farthest from its edge, not too near the map's own."""
+    """Return (i, j) of the point of a region (rows, columns) farthest from its edge, not too near the map's edge."""
     deep = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
     j, i = np.unravel_index(deep.argmax(), deep.shape)
     return float(np.clip(i, ASIDE, COLUMNS - 1 - ASIDE)), float(np.clip(j, ASIDE / 2, ROWS - 1 - ASIDE / 2))
 
 
 def limits(image):
-    """(lowest, highest) of what most of an image holds, so that single places do not take all of the colours."""
+    """Return the limits (low, high) of most values of an image, so that outliers do not use up the colours."""
     values = image[np.isfinite(image)]
     return tuple(map(float, np.percentile(values, MOST))) if values.size else (0.0, 0.0)
 
 
 def labels(codes):
-    """[(i, j, name)] of regions of codes (rows, columns), the largest first; none over another."""
+    """Return [(i, j, name)] of regions of codes (rows, columns), the largest first, without overlap."""
     found = []
     regions, counts = np.unique(codes[codes >= 0], return_counts=True)
     for code in regions[np.argsort(-counts)]:
@@ -269,7 +269,7 @@ def labels(codes):
 
 
 def outlines(codes):
-    """(i, j): lines between cells of codes (rows, columns) that differ and are known, with nan after each."""
+    """Return (i, j) of lines between known, different cells of codes (rows, columns), with nan after each line."""
     i, j = [], []
     for axis, corner in ((1, ((0.5, -0.5), (0.5, 0.5))), (0, ((-0.5, 0.5), (0.5, 0.5)))):
         one, other = (np.take(codes, range(k, codes.shape[axis] - 1 + k), axis) for k in (0, 1))

@@ -1,4 +1,4 @@
-"""The page "Inside the solid": the stress in the layer, drawn by the browser (page.js)."""
+"""The page "Inside the solid": the stress in the layer. The browser draws it (page.js)."""
 
 import sys
 
@@ -13,19 +13,19 @@ from solver import load_path
 from solver.analysis.interior import transfer, wavenumbers
 
 TITLE, ORDER, FIGURES = "Inside the solid", 4, ("field",)
-COLUMNS, ROWS, MODES, WIDE = 400, 100, 1024, 250.0  # of the picture, as in page.js; nm on either side of the middle
-NODE = Quantity("x", "x in the punch, undeformed", "nm")  # where it was in the undeformed layer
+COLUMNS, ROWS, MODES, WIDE = 400, 100, 1024, 250.0  # of the picture, as in page.js; WIDE: half width, nm
+NODE = Quantity("x", "x in the punch, undeformed", "nm")  # initial position
 
 
 def compose():
-    """The picture."""
+    """Return the figure of the stress."""
     z = Quantity("z", "height z in the layer", "nm")
     image = picture("field", NODE, z, [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000} GPa")])
     return [rendered("solid_field", [image], {}, x=(-250, 250), y=(0, 250))]
 
 
 def figure(scene):
-    """The largest shear stress in the layer at the end of the run of a Scene: what a notebook shows."""
+    """Return the largest shear stress in the layer at the end of the run of a Scene, for a notebook."""
     page = page_of(sys.modules[__name__], scene)
     (*_, frame) = load_path(scene)
     half = min(WIDE, 0.5 * scene.width)
@@ -42,7 +42,7 @@ def figure(scene):
 
 
 def stress_in(frame, x, depth):
-    """sigma_xx, sigma_zz, sigma_xz (3, ROWS, x.size), GPa, at x (nm from the middle), down to a depth (nm)."""
+    """Return sigma_xx, sigma_zz, sigma_xz (3, ROWS, x.size), GPa, at x (nm from the middle), down to a depth (nm)."""
     scene = frame.scene
     T = np.zeros((2, scene.nodes))
     T[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
@@ -55,8 +55,8 @@ def stress_in(frame, x, depth):
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """The page of one visitor; see app/pages."""
 
     def start(self):
-        """The browser draws from the frames and the table of the layer that it has."""
+        """Send colours and labels; the browser draws from its frames and its table of the layer."""
         self.publish(palette=list(cividis(256)), stresses={name: vars(stress) for name, stress in STRESSES.items()})

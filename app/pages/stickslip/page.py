@@ -1,6 +1,6 @@
-"""The page "Stick-slip" (paper Figs. 4, 5, Eq. 7): flat on flat, from runs by the workers and the exact branch.
+"""The page "Stick-slip" (paper Figs. 4, 5, Eq. 7): flat on flat, from runs and from the exact branch.
 
-Forces are over w times E = 70 GPa throughout, as in the paper's Fig. 4.
+Forces are divided by w times E = 70 GPa, as in the paper's Fig. 4.
 """
 
 import sys
@@ -22,10 +22,10 @@ from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
 from solver.presets import presets
 
 TITLE, ORDER, FIGURES = "Stick-slip", 2, ("forces", "mean", "map")
-NORMAL = 70.0  # GPa, over which forces are shown
+NORMAL = 70.0  # GPa, normalises the forces
 ROWS = 120  # of the map
-RATIOS = 200  # points of the curve of mean friction
-MEASURED = 9  # runs beside it
+RATIOS = 200  # points on the curve of mean friction
+MEASURED = 9  # runs to compare with that curve
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
 U_X = Quantity("U_x", "displacement of the top Uₓ", "nm")
 FORCE = Quantity("F", "F/(w·70 GPa)", "10⁻³")
@@ -65,7 +65,7 @@ def compose():
 
 
 def _map():
-    """Mean friction over stiffness and strength, on axes of logarithms: a Bokeh image knows no others."""
+    """Return mean friction over the logarithms of stiffness and strength: a Bokeh image needs linear axes."""
     bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
     said = [("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")]
     figure = rendered(
@@ -87,12 +87,12 @@ def _map():
 
 
 def figure(scene):
-    """The figures for a Scene, computed here: what a notebook shows."""
+    """Return the figures for a Scene, for a notebook."""
     return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):
-    """See pages.py."""
+    """The page of one visitor; see app/pages."""
 
     def __init__(self, *given):
         super().__init__(*given)
@@ -100,7 +100,7 @@ class Page(Sheet):
         self.chosen = {name: flat(presets()[name].scene) for name in FLATS}
 
     def scene_changed(self):
-        """Another scene is on screen: its own curve, and if the layer is another one, all of it."""
+        """Draw the curve of the scene on screen, and if the layer changed, the exact curve and the map."""
         self.sweep.cancel()
         before, self.own = self.own, None
         try:
@@ -120,7 +120,7 @@ class Page(Sheet):
         self._describe()
 
     def order(self, values):
-        """A click on the map: that scene on screen."""
+        """Show the scene of a click on the map, or cancel."""
         if values.keys() >= {"E", "phi_t"}:
             scene = flat(self.session.scene)
             E = float(np.clip(float(values["E"]), *MODULI))
@@ -133,7 +133,7 @@ class Page(Sheet):
     # drawing
 
     def _draw_layer(self, own):
-        """Mean friction depends on E/tau_max alone: one curve makes the map."""
+        """Draw the exact curve and the map: mean friction depends only on E/tau_max."""
         own = own.changed(phi_n=2.0, phi_ratio=0.1)
         critical = critical_modulus(own) / tau_max(own)
         ratios = critical * np.geomspace(1e-4, 10.0, RATIOS)
@@ -171,7 +171,7 @@ class Page(Sheet):
         self.draw("mean", "runs", ratio=[], mean=[])
 
     def take(self, call, result):
-        """A run is back from the workers."""
+        """Take the result of a run."""
         kind, scene = call
         if isinstance(result, Exception):
             return self._describe(f"One run failed: {result}. ")
@@ -204,23 +204,23 @@ class Page(Sheet):
         )
         text = (
             f"{before}Flat on flat and with a rigid drive, this interface (E = {own.E:g} GPa,"
-            f" φₜ = {own.phi_t:g} N/m) would {regime}. There, sliding is continuous from"
-            f" E = {critical_modulus(own):,.0f} GPa on, where the layer (G/h) is as stiff as the interface softens"
-            f" (max dT/dx); the mean of Eq. 7 is zero already from {ZERO_MEAN:g} of that on,"
-            " where every slip swings back to the opposite force."
+            f" φₜ = {own.phi_t:g} N/m) would {regime}. Sliding is continuous above"
+            f" E = {critical_modulus(own):,.0f} GPa. There the stiffness of the layer (G/h) equals the softening of"
+            f" the interface (max dT/dx). The mean of Eq. 7 is zero above {ZERO_MEAN:g} times this modulus,"
+            " as every slip swings back to the opposite force."
         )
         most = f"{self.curve[1].max():.2g}"  # of the map's colours; it depends on the node spacing
         self.publish(texts={"stickslip-said": text, "stickslip-most": most}, busy=self.sweep.part)
 
 
 def _mean(scene, ratio):
-    """Exact mean friction over tau_max at E/tau_max = ratio."""
+    """Return the exact mean friction over tau_max at E/tau_max = ratio."""
     E = ratio * tau_max(scene)
     return friction(scene.changed(E=E)).mean * E / tau_max(scene)
 
 
 def _measured(own):
-    """Scenes with the strength of `own`, over the range of E/tau_max, as far as the solver's goes."""
+    """Yield scenes with the strength of `own` over the range of E/tau_max that the solver allows."""
     critical = critical_modulus(own)
     for E in np.geomspace(critical / 30.0, 3.0 * critical, MEASURED) if own.phi_t > 0 else ():
         with suppress(SceneError):
@@ -230,6 +230,6 @@ def _measured(own):
 
 
 def _place(*scenes):
-    """Columns of those on the map."""
+    """Return the coordinates of scenes on the map."""
     inside = [scene for scene in scenes if scene.phi_t >= STRENGTHS[0]]
     return {name: np.log10([getattr(scene, name) for scene in inside]) for name in ("E", "phi_t")}
