@@ -57,6 +57,13 @@ RIDERS = {  # nodes on the interface law; pages/law/page.js assigns the states. 
     "slip": Node("past the peak", "slip", "diamond", 9, "--slip"),
     "open": Node(f"free ({WEAK})", "dot free", "circle", 4, "--free"),
 }
+CHANGES = {  # what changed before a run, on the page "Friction over load"
+    "delta_bar": Node("press depth", "dot repulsive", "circle", 9, "--repulsive"),
+    "phi_ratio": Node("friction to adhesion", "slip", "diamond", 12, "--slip"),
+    "E": Node("stiffness", "wedge", "inverted_triangle", 10, "--adhering"),
+    "another": Node("another parameter", "dot contact", "square", 8, "--shear"),
+    "several": Node("another experiment", "dot free", "circle", 9, "--free"),
+}
 CURVES = {
     "T_n": Curve("normal Tₙ, repulsion > 0", "--normal", symbol="Tₙ"),
     "T_t": Curve("tangential Tₜ, against +x", "--shear", "dashed", "Tₜ"),

@@ -14,7 +14,7 @@ import numpy as np
 from app.service.packing import FREE, ORDER, columns, headed, middle, pack
 from solver import NotFollowed, follow
 
-CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A")  # of a picture, per load
+CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_L", "slip_A")  # of a picture, per load
 MOST = 500  # loads of a curve, without the loads right before and after every slip
 CELLS = 30_000  # of a map, one byte each
 SHADES = 127  # levels of each sign in a map
@@ -71,12 +71,12 @@ def picture(skeleton, at, number=None):
     loads = _loads(scene, [slip.load for slip in skeleton.slips])
     curves = np.zeros((len(CURVES), loads.size), "<f4")
     curves[0], curves[1:4] = loads, skeleton.curve(loads)
-    curves[5:] = curves[[0, 1, 3]]
+    curves[5:] = curves[:4]
     for slip in reversed(skeleton.slips):  # in reverse: the first of several slips wins
         k = np.searchsorted(loads, slip.load)
         if k < loads.size:
             curves[4, k] += 1
-            curves[5:, k] = slip.load, slip.F_bar, slip.A_bar
+            curves[5:, k] = slip.load, slip.F_bar, slip.L_bar, slip.A_bar
     shown = int(np.abs(loads - at).argmin())
     frames = skeleton.frames(loads[[0, shown]])
     if scene.surface == "flat":

@@ -19,7 +19,7 @@ from solver.scene import PARAMETERS
 
 OF_FRAME = ("index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations")
 # Of a packed block: a number each per frame; slips in it, and of the first
-COLUMNS = ("stage", *OF_FRAME, "slip", "slip_at", "slip_F", "slip_A", "work")
+COLUMNS = ("stage", *OF_FRAME, "slip", "slip_at", "slip_F", "slip_L", "slip_A", "work")
 ORDER = tuple(STAGES)  # what the column "stage" counts, but of path "points": see `stages_of`
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
 FLAT = 160  # nodes sent of a flat surface, where all are alike
@@ -188,7 +188,8 @@ def stages_of(scene):
 
 def _numbers(scene, frame, work):
     first = frame.slips[0] if frame.slips else None
-    slip = (first.load, first.F_bar, first.A_bar) if first else (frame.U_x, frame.F_bar, frame.A_bar)
+    event = first or frame
+    slip = (first.load if first else frame.U_x, event.F_bar, event.L_bar, event.A_bar)
     numbers = (getattr(frame, name) for name in OF_FRAME)
     if not scene.legs:
         return ORDER.index(frame.stage), *numbers, len(frame.slips), *slip, work

@@ -14,6 +14,7 @@ import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
 import { opened } from "./opening.js"
 import * as player from "./player.js"
+import { connectSlips } from "./slips.js"
 import { declared, embedded, me } from "./state.js"
 import * as status from "./status.js"
 import * as glossary from "./terms.js"
@@ -36,6 +37,7 @@ export function start({ wire, figures, slots, told, index }) {
   connectLens(player.show)
   connectFringes(player.show)
   connectInside(player.show)
+  connectSlips()
   address.connect(player, pages)
   channel.take("run", player.receive, unpackLater)
   channel.take("picture", player.follow)

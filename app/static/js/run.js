@@ -6,7 +6,7 @@ export const WEAK = 0.1 // of the peak attraction: the views reach as far as any
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
 export const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
-  A: ["A_bar", (head) => 2 * head.middle],
+  L_slip: ["slip_L", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle],
 }
 
 const SPAN = { // of the frames of a run, from the first of shear on unless said otherwise

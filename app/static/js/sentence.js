@@ -171,13 +171,13 @@ function smooth(run, k) {
 
 const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
 
-// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F (N/m), A (nm)}; of a run that
-// is followed only the frame before is known; null where there is no slip
+// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F and L (N/m), A (nm)}; of a run
+// that is followed only the frame before is known; null where there is no slip
 export function eventOf(run, at) {
   if (at < 0) return null
-  const { F, A, U_x, slip_at: load, F_slip, slip_A } = run.curves
-  if (!load?.[at]) return { at, U: U_x[at], F: F[at - 1], A: A[at - 1] }
-  return { at, U: load[at], F: F_slip[at], A: slip_A[at] * 2 * run.head.middle }
+  const { F, L, A, U_x, slip_at: load, F_slip, L_slip, slip_A } = run.curves
+  if (!load?.[at]) return { at, U: U_x[at], F: F[at - 1], L: L[at - 1], A: A[at - 1] }
+  return { at, U: load[at], F: F_slip[at], L: L_slip[at], A: slip_A[at] * 2 * run.head.middle }
 }
 export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
 

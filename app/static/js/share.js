@@ -105,7 +105,7 @@ function framed(name, over = () => "") {
   return { text: `<svg ${spaces} ${size} ${font}>${parts.join("")}</svg>`, holder, width, height, top, whole }
 }
 
-function download(blob, ending) {
+export function download(blob, ending) {
   const name = `${NAME}${ending}`, link = make("a", { href: URL.createObjectURL(blob), download: name })
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000)

@@ -65,7 +65,9 @@ const UNSAID = /^(zero$|way |mark )/ // lines that only guide the eye, and dots 
 const SAID = { // what is drawn on a page, where its label is not what it is called
   own: "on screen", low: "ultra low friction", stick: "nodes that stick", slip: "nodes past the peak",
   open: "free nodes",
-  law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8", onsets: "onset", exact: "exact",
+  delta_bar: "press depth", phi_ratio: "friction to adhesion", E: "stiffness", another: "another parameter",
+  several: "another experiment", law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8",
+  onsets: "onset", exact: "exact",
 }
 const MARKS = "●■▲◆★" // of the series on the page Area laws (app/views/arealaws.py)
 const called = (label) => SAID[label]

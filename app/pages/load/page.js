@@ -1,0 +1,62 @@
+// The page "Friction over load": the points of slips.js, coloured by the one parameter that changed before each.
+
+import { set } from "../../static/js/bokeh.js"
+import { by, on } from "../../static/js/dom.js"
+import { extent, figures, fill } from "../../static/js/figures.js"
+import { download } from "../../static/js/share.js"
+import { clear, collect, points } from "../../static/js/slips.js"
+import { me } from "../../static/js/state.js"
+import { value } from "../../static/js/words.js"
+
+const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
+const ROOM = 0.08 // of an axis, beyond the points
+
+const groupOf = ({ changed }) => (changed === null ? "several" : NAMED.includes(changed) ? changed : "another")
+
+export function connect() {
+  on("load-csv", "click", () => download(new Blob([csv()], { type: "text/csv" }), "-friction-over-load.csv"))
+  on("load-clear", "click", () => { clear(); draw() })
+}
+
+export const opened = draw
+
+export function frame(run) {
+  collect(run)
+  draw()
+}
+
+let drawn = "" // what the figure shows
+function draw() {
+  if (!figures.load_slips) return
+  const key = JSON.stringify(me.run?.head.scene), now = points.find((point) => point.key === key)
+  const state = `${figures.load_slips.id} ${points.map((point) => point.key)} ${key}`
+  if (state === drawn) return
+  drawn = state
+  const groups = Object.groupBy(points, groupOf)
+  for (const name of [...NAMED, "another", "several"]) show(name, groups[name] ?? [])
+  show("mark now", now ? [now] : [])
+  axis("x_range", "L")
+  axis("y_range", "F")
+  by("load-count").textContent = `${points.length} point${points.length === 1 ? "" : "s"}`
+}
+
+const show = (label, list) => fill("load_slips", label,
+  { L: list.map(({ L }) => L), F: list.map(({ F }) => F), said: list.map(said) })
+
+function axis(range, name) {
+  const [low, high] = extent(points.map((point) => point[name])), room = ROOM * Math.max(high - low, 1e-9)
+  set(figures.load_slips[range], { start: low - room, end: high + room })
+}
+
+// The parameter that changed, and those with a slider
+const said = ({ changed, scene }) => [...new Set([changed ?? [], NAMED].flat())]
+  .map((name) => value(name, scene[name])).join(", ")
+
+const cell = (given) => (typeof given === "number" ? given : `"${`${given ?? ""}`.replaceAll('"', '""')}"`)
+
+function csv() {
+  const names = Object.keys(points[0]?.scene ?? {})
+  const rows = points.map(({ L, F, U, changed, scene }) => (
+    [L, F, U, changed ?? "", ...names.map((name) => scene[name])].map(cell).join(",")))
+  return [["L (N/m)", "F_s (N/m)", "U_s (nm)", "changed", ...names].join(","), ...rows, ""].join("\n")
+}

@@ -1,0 +1,103 @@
+"""The page "Friction over load": the first slips of the runs that a visitor has seen."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from served import PATIENCE, finished
+
+from solver import Scene, load_path
+
+COARSE = {"nodes": 256, "width": 625.0, "du_x": 0.2, "du_z": 0.5, "u_x_max": 20.0}
+ADDRESS = "&".join(f"{name}={value:g}" for name, value in COARSE.items())
+POINTS = "document.getElementById('load-count').textContent === '{} point{}'"
+COLUMN = """(() => {{
+    const models = [...Bokeh.documents[0]._all_models.values()]
+    return [...models.findLast((model) => model.name === 'load_slips.{}').data_source.data.{}]
+}})()"""
+
+
+def first_slip(**changed):
+    scene = Scene(**COARSE | changed)
+    slip = next(frame.slips[0] for frame in load_path(scene) if frame.stage == "shear" and frame.slips)
+    return slip.L_bar * scene.width * scene.E, slip.F_bar * scene.width * scene.E
+
+
+def has_points(page, count):
+    page.wait_for_function(POINTS.format(count, "" if count == 1 else "s"), timeout=PATIENCE)
+
+
+def enter(page, name, text):
+    page.fill(f"#{name}-entry", text)
+    page.keyboard.press("Enter")
+
+
+@pytest.fixture
+def opened(visit):
+    page = visit(f"?page=load&{ADDRESS}")
+    finished(page)
+    has_points(page, 1)
+    return page
+
+
+def test_each_run_leaves_the_load_and_the_force_of_its_first_slip_in_the_colour_of_what_changed(opened):
+    page = opened
+    page.locator("#E").focus()
+    page.keyboard.press("ArrowRight")
+    has_points(page, 2)
+    E = page.evaluate("punch.status.values.E")
+    enter(page, "delta_bar", "-0.3")
+    has_points(page, 3)
+    expected = {"several": {}, "E": {"E": E}, "delta_bar": {"E": E, "delta_bar": -0.3}}
+    for name, changed in expected.items():
+        points = [page.evaluate(COLUMN.format(name, column)) for column in ("L", "F")]
+        assert np.ravel(points) == pytest.approx(first_slip(**changed), rel=1e-4)  # single precision, and round-off
+    assert page.evaluate(COLUMN.format("E", "said"))[0].startswith(f"E = {E:g} GPa")
+    L, F = first_slip(**expected["delta_bar"])
+    assert L < 0 < F  # adhesion alone holds
+
+
+def test_scene_seen_again_and_runs_without_a_slip_leave_no_point(opened):
+    page = opened
+    for value, count in (("80", 2), ("70", 2)):
+        enter(page, "E", value)
+        page.wait_for_function(f"punch.status.values.E === {value}")
+        page.wait_for_function(f"punch.run.head.scene.E === {value} && punch.run.whole && !punch.run.followed")
+        has_points(page, count)
+    enter(page, "phi_ratio", "0")
+    page.wait_for_function("punch.run.head.scene.phi_ratio === 0 && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    has_points(page, 2)
+
+
+def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
+    page = opened
+    page.locator("#load .close").click()
+    page.wait_for_function("document.getElementById('load').hidden")
+    enter(page, "E", "80")
+    page.wait_for_function("punch.run.head.scene.E === 80 && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    page.evaluate("document.querySelector('nav button[data-page=load]').click()")
+    has_points(page, 2)
+    page.locator("#load-clear").click()
+    has_points(page, 0)
+    enter(page, "E", "90")
+    has_points(page, 1)
+    assert len(page.evaluate(COLUMN.format("E", "L"))) == 1  # compared with the run before
+
+
+def test_points_are_a_table_and_a_csv(opened):
+    page = opened
+    enter(page, "E", "80")
+    has_points(page, 2)
+    page.locator("#load figure").get_by_role("button", name="as a table").click()
+    rows = page.locator("#table tbody tr")
+    rows.nth(1).wait_for()
+    assert [row.split("\t")[0] for row in rows.all_inner_texts()] == ["stiffness", "another experiment"]
+    page.keyboard.press("Escape")
+    with page.expect_download() as download:
+        page.locator("#load-csv").click()
+    rows = list(csv.DictReader(Path(download.value.path()).read_text(encoding="utf-8").splitlines()))
+    assert [(row["changed"], float(row["E"])) for row in rows] == [("", 70.0), ("E", 80.0)]
+    for row in rows:
+        point = [float(row[name]) for name in ("L (N/m)", "F_s (N/m)")]
+        assert point == pytest.approx(first_slip(E=float(row["E"])), rel=1e-4)
