@@ -1,4 +1,4 @@
-"""For everyone: by keyboard alone, for those who hear the page, and nothing that axe finds."""
+"""Accessibility: keyboard, screen readers, sizes of touch targets, and no finding of axe."""
 
 import re
 
@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from served import PATIENCE, PLAYING, finished, laid_out
+
+from app.pages import listed
 
 pytestmark = [pytest.mark.thorough]
 # in a sentence a word is as low as its line, and the slider does what a mark does (WCAG 2.5.8)
@@ -144,14 +146,25 @@ def test_every_plot_has_its_numbers_as_a_table(look):
     assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
 
 
-QUICK = "&nodes=256&width=625&du_x=0.5&du_z=0.5"  # what Area laws computes is soon there
-WHOLE = {  # page: what is there when it has drawn everything
+QUICK = "&nodes=256&width=625&du_x=0.5&du_z=0.5"  # an inexpensive scene for Area laws
+WHOLE = {  # page: condition that it has drawn everything
     "law": "document.getElementById('law-stick').textContent",
     "stickslip": "document.getElementById('stickslip-said').textContent"
     " && document.querySelector('#stickslip progress').hidden",
     "arealaws": "document.querySelectorAll('#arealaws-rows tr').length > 4",
     "solid": "document.getElementById('solid-name').textContent",
+    "regimes": "document.querySelector('#regimes progress').hidden",
 }
+WITHOUT = {  # page: why its plots have no numbers at once
+    "matters": "it has no figures",
+    "fit": "its figures need a measurement",
+    "accuracy": "a measurement takes minutes",
+    "load": "it has one point per run",
+}
+
+
+def test_each_page_is_checked_for_tables_or_named_as_without():
+    assert sorted([*WHOLE, *WITHOUT]) == sorted(listed())
 
 
 @pytest.mark.thorough

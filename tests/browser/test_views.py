@@ -1,7 +1,9 @@
-"""What the views of the experiment show, read from their models and their words, in a real Chromium."""
+"""The views of the experiment in Chromium, read from their models and texts."""
 
 import pytest
 from served import MODEL, finished, laid_out, paused_at
+
+from app.pages import listed
 
 pytestmark = [pytest.mark.thorough]
 FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
@@ -138,7 +140,7 @@ def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("query", ["", "?page=law", "?page=solid"])
+@pytest.mark.parametrize("query", ["", *(f"?page={name}" for name in listed())])
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
 def test_no_caption_is_cut(look, query, size):
     page = look(query)
