@@ -1,7 +1,9 @@
-"""The page at every size of screen: nothing cut, nothing over something else, no plot too low to be read."""
+"""The layout at every screen size: nothing is cut, nothing overlaps, and every plot is high enough to be read."""
 
 import pytest
 from served import FAULTS, PATIENCE, finished, laid_out
+
+from app.pages import listed
 
 pytestmark = [pytest.mark.thorough]
 
@@ -25,9 +27,8 @@ SIZES = (
 WHOLE = SIZES[4:10]  # the first screen without scrolling; with tools from 1280 px on
 
 
-# What is wrong with the page as it is laid out now, in sentences
 def faults_at_every_size(page, whole=False):
-    """{size: what is wrong there}"""
+    """Return {size: faults of the layout}; whole: the first screen must not scroll."""
     found = {}
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
@@ -173,14 +174,14 @@ def test_the_first_screen_has_twelve_controls(visit):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("title", ["Interface law", "Stick-slip", "Area laws", "Inside the solid"])
-def test_a_page_beside_the_experiment_fits_every_screen(visit, title):
+@pytest.mark.parametrize("name", listed())
+def test_every_page_fits_every_screen(visit, name):
     page = visit("?view=hero")
     finished(page)
     page.get_by_role("button", name="Menu").click()
-    page.get_by_role("button", name=title).click()
+    page.get_by_role("button", name=listed()[name].TITLE, exact=True).click()
     page.wait_for_function("() => document.querySelector('.sheet:not([hidden]):not([data-drawing])')")
-    if title == "Area laws":
+    if name == "arealaws":
         page.wait_for_function("() => document.querySelectorAll('#arealaws-rows tr').length === 10", timeout=PATIENCE)
         page.set_viewport_size({"width": 1440, "height": 900})
         left, right = (page.locator(".tables table").nth(k).bounding_box() for k in (0, 1))
