@@ -61,7 +61,7 @@ def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, te
     assert name not in errors[name].split()
 
 
-def test_entries_are_read_as_people_write_them_and_a_comma_is_said(page):
+def test_entries_accept_usual_notations_and_report_a_comma(page):
     page.order("scene", delta_bar="−0,5", E="0.09 TPa")
     assert page.session.scene == SHORT.changed(delta_bar=-0.5, E=90.0)
     assert page.status()["errors"] == {} and "decimal point, −0.5" in page.status()["notes"][0]
@@ -72,7 +72,7 @@ def test_the_address_is_read_as_an_entry_is():
     assert scene == Scene(delta_bar=0.4, E=90.0) and len(notes) == 1 and "comma" in notes[0]
 
 
-def test_each_value_of_the_address_is_judged_alone():
+def test_each_value_of_the_address_is_checked_alone():
     arguments = {"delta_bar": [b"0.4"], "phi_ratio": [b"x"], "E": [b"\xff"], "theme": [b"dark"]}
     scene, preset, notes = scene_from_address(arguments)
     assert scene == Scene(delta_bar=0.4) and preset == "fig6"
@@ -158,7 +158,7 @@ def test_compression_of_a_run_loses_nothing(surface):
         np.testing.assert_array_equal(column, numbers[0][name])
 
 
-def test_the_page_hears_how_many_kernels_are_compiled_while_workers_get_ready(session):
+def test_the_page_receives_the_number_of_compiled_kernels_during_the_warm_up(session):
     session.pool.status, session.pool.compiled = "warming", 3
     say(session, {"do": "hello"})
     assert json.loads(session.wire.status)["compiled"] == [3, worker.KERNELS]
@@ -197,7 +197,7 @@ def test_an_unusable_entry_leaves_the_run_on_screen(page):
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeypatch):
+def test_a_new_scene_does_not_wait_for_a_slow_slice(page, pool, monkeypatch):
     monkeypatch.setattr(pool, "patience", 600.0)
     monkeypatch.setattr(pursuit, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
     all_at_work(pool)
@@ -216,7 +216,7 @@ def test_a_new_scene_does_not_wait_for_a_slice_of_a_slow_one(page, pool, monkeyp
     assert {run for run, *_ in page.chunks} == {1, 2} and page.chunks[-1][0] == 2
 
 
-def test_what_one_visitor_has_computed_is_there_for_all(page, pool):
+def test_visitors_share_computed_runs(page, pool):
     page.order("hello")
     page.until("finished")
     other = Page(pool, shelf=page.session.shelf)
@@ -283,7 +283,7 @@ def submit_exit(pursuit):
         pursuit._submit((os._exit, 1), pursuit._show_slice)
 
 
-def test_a_visitor_who_leaves_is_forgotten(pool):
+def test_a_session_is_freed_when_its_visitor_leaves(pool):
     visit = Page(pool)
     visit.order("hello")
     assert visit.session in session_module.visitors

@@ -133,12 +133,12 @@ def test_cancel_forgets_the_fit(session, page):
     assert task.cancelled() and told(session)["busy"] is None
 
 
-def test_warnings_name_what_the_page_names():
+def test_warnings_use_the_labels_of_the_page():
     said = in_words("phi_n and phi_ratio cannot be told apart: correlation -0.995")
     assert FREE["phi_n"][0][1:] in said and "phi_ratio" not in said and "−0.995" in said
 
 
-def test_what_no_run_makes_is_a_sentence():
+def test_impossible_fits_return_a_sentence():
     assert isinstance(tasks.fitted(SMALL.changed(phi_ratio=0.0), _measured(), ("nodes",)), str)
 
 

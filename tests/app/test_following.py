@@ -173,7 +173,7 @@ def test_a_picture_that_comes_after_another_scene_was_chosen_is_dropped(page):
     assert page.messages == []
 
 
-def test_the_exact_run_comes_when_the_hand_rests_and_behind_what_moves(page, runs):
+def test_the_exact_run_starts_on_release_after_predictions_of_others(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     sent = len(page.chunks)
@@ -192,7 +192,7 @@ def test_the_exact_run_comes_when_the_hand_rests_and_behind_what_moves(page, run
     assert page.status()["notes"] == []
 
 
-def test_a_hand_that_moves_again_ends_the_exact_run(page, runs):
+def test_a_new_drag_ends_the_exact_run(page, runs):
     move(page, 0.02)
     page.order("rest")
     assert not page.pool.waiting(worker.compute)  # one call at a time: the picture comes first
@@ -202,7 +202,7 @@ def test_a_hand_that_moves_again_ends_the_exact_run(page, runs):
     assert task.cancelled() and page.pool.waiting(following.followed)
 
 
-def test_a_disagreement_is_counted_and_said(page, runs):
+def test_a_disagreement_is_counted_and_reported(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     page.order("rest")

@@ -96,7 +96,7 @@ def test_a_file_arrives_as_bytes_behind_its_order(visit):
     assert visit.parts(head, "{}", content, '{"id": "b"}', sent * 6) == [b""]  # too large: read as empty, and refused
 
 
-def test_what_bokeh_says_about_its_figures_is_dropped(visit):
+def test_patches_of_bokeh_figures_are_dropped(visit):
     ready = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": {"event_name": "document_ready"}}
     assert visit.say({"events": [ready, visit.patch(400, "inner_width")["events"][0]]}) == []
     large = visit.patch("x" * 50_000, "text")
@@ -174,7 +174,7 @@ def test_a_browser_that_has_gone_is_not_heard_any_more_and_leaves_no_traceback(v
     visit.gate.on_close()
 
 
-def test_others_have_their_turn_after_every_part_of_a_flood(visit):
+def test_other_visitors_are_served_between_parts_of_a_flood(visit):
     """Tornado awaits on_message for all that its buffer holds: without a pause nobody else would be served."""
     turns = []
 
@@ -290,7 +290,7 @@ def test_an_order_has_the_fields_that_are_declared_and_values_of_their_types(tex
 
 
 @pytest.mark.parametrize("kind", orders.Order.known.values(), ids=orders.Order.known)
-def test_every_order_says_what_it_does(kind):
+def test_every_order_has_a_docstring(kind):
     assert kind.__doc__ and kind.obey is not orders.Order.obey
     assert all(hasattr(field.type, "__metadata__") for field in fields(kind))
 
@@ -317,7 +317,7 @@ def test_every_order_is_acknowledged(session):
         assert json.loads(session.wire.status)["heard"] == number
 
 
-def test_a_mistake_of_the_program_is_logged_and_not_shown(session, caplog, monkeypatch):
+def test_a_programming_error_is_logged_and_not_shown(session, caplog, monkeypatch):
     say(session, HELLO)
     monkeypatch.setattr(Session, "change", lambda *_: 1 / 0)
     say(session, '{"do":"scene","values":{"E":"80"}}')
@@ -326,7 +326,7 @@ def test_a_mistake_of_the_program_is_logged_and_not_shown(session, caplog, monke
     assert "its log" in why and "division" not in why and "Error" not in why
 
 
-def test_a_run_goes_on_only_from_where_one_has_been():
+def test_a_run_continues_only_from_a_known_increment():
     """A frame far beyond the run would keep a worker busy for ever."""
 
     class Doc:

@@ -135,7 +135,7 @@ def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_
     assert block is shelf.get(run.kept_as).blocks[-1] and row == packing.header(block)["frames"] - 1
 
 
-def test_a_run_goes_on_from_another_so_often_only(session, monkeypatch):
+def test_the_number_of_runs_in_a_row_is_limited(session, monkeypatch):
     monkeypatch.setattr("app.session.session.LEGS", 2)
     session.scene = Scene(delta_bar=0.1)
     for number in (1, 2, 3):

@@ -38,7 +38,7 @@ def change(page, after, **values):
 
 
 @pytest.mark.slow
-def test_a_run_goes_on_from_the_increment_on_screen(page):
+def test_a_run_continues_from_the_increment_on_screen(page):
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
     expected = carried_frames(SHORT, frame + 1, SHORT.changed(E=90.0))
@@ -90,7 +90,7 @@ def test_another_surface_starts_anew_and_says_so(page):
     assert page.status()["after"] is None and "starts from the beginning" in page.status()["notes"][0]
 
 
-def test_where_a_state_does_not_lead_on_the_reason_is_shown(page):
+def test_a_run_that_cannot_continue_shows_the_reason(page):
     page.session.change({"u_x_max": "2"}, (1, page.status()["frames"] - 1))
     page.session.publish()
     page.until("failed")

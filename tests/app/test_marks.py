@@ -86,7 +86,7 @@ def test_where_a_punch_held_by_attraction_alone_no_longer_slips_nothing_is_marke
     assert found(pickled(Scene(delta_bar=-0.41)), "E") == {}
 
 
-def test_where_the_border_is_not_reached_nothing_is_marked(default, monkeypatch):
+def test_sliders_have_no_mark_if_the_border_is_not_reached(default, monkeypatch):
     monkeypatch.setattr(marks, "ENOUGH", 500)
     assert found(default, "E") == found(default, "phi_ratio") == {}
     assert marks.calls(preset("unload").scene, None) == {}  # a path that is not followed

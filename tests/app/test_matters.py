@@ -36,7 +36,7 @@ def test_the_force_whose_change_is_told_is_in_newtons_whatever_it_is_measured_ov
     assert tasks.what_matters(SMALL)["bars"]["E"][1] == pytest.approx(change, abs=2e-3)
 
 
-def test_a_visitor_is_told_of_the_scene_on_screen(session):
+def test_a_visitor_receives_the_sensitivities_of_the_scene_on_screen(session):
     order(session, "page", page="matters")
     (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.what_matters]
     assert task.call[1] == session.scene

@@ -149,7 +149,7 @@ def test_closing_the_pool_leaves_no_process():
 
 @pytest.mark.once
 @pytest.mark.parametrize("rank", [HEAVY, LATER])
-def test_slow_work_leaves_a_worker_for_what_is_soon_done(rank):
+def test_expensive_tasks_leave_a_worker_for_quick_ones(rank):
     workers = Pool(size=2)
     both_at_work(workers)
     slow = [workers.submit(time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE) for _ in range(3)]

@@ -76,7 +76,7 @@ def test_a_finished_run_brings_back_its_packed_frames_and_what_following_needs()
     assert len(pickle.dumps(piece)) < sum(map(len, piece.blocks)) + len(piece.skeleton) + 2000
 
 
-def test_a_run_that_cannot_go_on_from_there_says_why():
+def test_a_run_that_cannot_continue_reports_the_reason():
     piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, ((SHORT, 3),))
     assert piece.done and "in shear only" in piece.failure
     piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 60.0, ((SHORT, 10_000),))
@@ -92,7 +92,7 @@ def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_wit
 
 
 @pytest.mark.slow
-def test_a_run_with_dear_increments_goes_on_behind_the_others_to_the_same_end(pool, monkeypatch):
+def test_a_run_with_expensive_increments_yields_to_others_and_ends_equally(pool, monkeypatch):
     monkeypatch.setattr(worker, "QUICK", 0.0)  # whatever it is, it takes longer
     page, ranks = Page(pool), []
     submit = pool.submit

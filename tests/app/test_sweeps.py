@@ -52,7 +52,7 @@ def test_a_call_is_withdrawn_when_the_last_visitor_leaves_and_not_before(pool):
     assert pool.tasks[0].cancelled()
 
 
-def test_a_cancelled_sweep_hears_nothing_more(pool):
+def test_a_cancelled_sweep_receives_no_results(pool):
     seen = []
     sweep, other = (
         Requests(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [Shared()] * 2

@@ -218,7 +218,7 @@ def test_there_is_no_other_way_to_a_document(address):
     assert get(f"{address}/app/autoload.js?bokeh-autoload-element=1")[0] == 404
 
 
-def test_measures_are_told_as_prometheus_reads_them(address):
+def test_metrics_have_the_format_of_prometheus(address):
     before = metrics.counted("pages")
     get(f"{address}/app")
     status, headers, body = get(f"{address}/metrics")
@@ -268,7 +268,7 @@ def test_a_line_of_the_log_is_one_line_of_keys_and_values():
     assert "\n" not in telling.Lines().format(record) and "ValueError: wrong" in telling.Lines().format(record)
 
 
-def test_the_log_says_how_a_class_gets_here(monkeypatch, caplog):
+def test_the_log_has_the_address_for_a_class(monkeypatch, caplog):
     caplog.set_level(logging.INFO, "app")
     monkeypatch.setattr(telling, "addresses", lambda: ["192.0.2.7"])
     monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)
