@@ -11,7 +11,7 @@ def asked(page):
 def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     page = visit("?tour=2&view=hero")
     asked(page)
-    assert "2 of 8: The edges" in page.locator("#tour-card").inner_text()
+    assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
     page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
     hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
     assert hidden["width"] > 0.8 * view["width"] - 90
@@ -51,10 +51,10 @@ def test_the_tour_leads_back_to_the_stop_before_and_names_a_run_that_failed(visi
         }"""
     )
     page.get_by_role("button", name="Previous").click()
-    page.locator("#tour-card h2", has_text="1 of 8").wait_for()
+    page.locator("#tour-card h2", has_text="1 of 9").wait_for()
     page.locator("#tour-card p", has_text="The run of this stop failed: It fluttered. Go to another stop.").wait_for()
     page.get_by_role("button", name="Next: The edges").click()
-    page.locator("#tour-card h2", has_text="2 of 8").wait_for()
+    page.locator("#tour-card h2", has_text="2 of 9").wait_for()
 
 
 def test_back_in_the_tour_ends_it(visit):
@@ -67,8 +67,19 @@ def test_back_in_the_tour_ends_it(visit):
     page.locator("#tour-card").wait_for(state="hidden")
 
 
-def test_the_last_stop_asks_about_a_scene_never_seen_and_judges_by_its_run(visit):
+def test_the_stop_without_load_shows_that_friction_stays(visit):
     page = visit("?tour=8&view=hero")
+    page.locator("#tour-card .answer", has_text="about as large").wait_for()
+    load = "(run) => run.curves.L[run.sheared]"
+    assert abs(page.evaluate(f"({load})(punch.run)")) < 0.1  # N/m, of a friction of some 200
+    page.click(".answer:has-text('zero')")
+    page.locator("#tour-card p[role=status]", has_text="Not so.").wait_for()
+    page.click("#tour-card button:has-text('Your turn')")
+    page.locator("#tour-card .question", has_text="Friction over load").wait_for()
+
+
+def test_the_last_stop_asks_about_a_scene_never_seen_and_judges_by_its_run(visit):
+    page = visit("?tour=9&view=hero")
     asked(page)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")

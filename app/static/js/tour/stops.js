@@ -63,6 +63,14 @@ export const STOPS = [
     turn: "E", ask: "Move the stiffness of the punch: how little changes once the band is the softer spring?",
   },
   {
+    name: "No load", preset: "no-load", values: {}, to: 13, order: [1, 2, 0], curve: "forces", picture: "forces",
+    question: "The load is held at zero: nothing presses the punch down. How large is the friction when it slips?",
+    answers: ["about as large as before", "zero: friction is proportional to load", "a tenth of what it was"],
+    why: "Adhesion alone presses the surfaces together. Friction over load is a line that does not begin at zero.",
+    turn: "delta_bar", ask: "Move the press depth a few times, then open Friction over load in the menu: is it a line "
+      + "through zero?",
+  },
+  {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces",
     picture: "pulls",
     unseen: [
