@@ -1,6 +1,6 @@
 """Whether every frame is stable: scenes at random over the range of every parameter, judged by dense spectra.
 
-    python tests/bench/rests.py [--scenes N] [--seed N] [--jobs N] [--nodes LEAST MOST]
+    python tests/bench/rests.py [--scenes N] [--seed N] [--jobs N] [--nodes LEAST MOST] [--more]
 
 Computes all modes of the motion of the whole surface for some twelve frames of each scene in contact, and for those
 before and after a slip. Hence the cells are small, of 16 to 90 nodes; in cells of more than 128 the solver does not
@@ -12,6 +12,7 @@ import argparse
 import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -23,8 +24,8 @@ HELD = ("shear", "back", "forth")
 WEAK = 0.4  # damping, over critical, below which the shares are counted apart
 
 
-def scene_at_random(rng, nodes):
-    """Parameters of a Scene, which may reject them."""
+def scene_at_random(rng, nodes, more=False):
+    """Parameters of a Scene, which may reject them; more: with a drive, points or another law as well."""
 
     def between(low, high):
         return float(f"{np.exp(rng.uniform(np.log(low), np.log(high))):.4g}")
@@ -55,20 +56,32 @@ def scene_at_random(rng, nodes):
         values |= {"rms_slope": between(1e-3, 0.05), "cut_off": 0.2, "seed": int(rng.integers(999))}
     if values["hold"] == "delta":
         values["path"] = one_of("shear", "shear", "shear", "unload", "loop")
+    if more:
+        values |= {"law": one_of("np1", "xu-needleman"), "drive_t": one_of(inf, between(1.0, 1e3))}
+        if values["hold"] == "delta":
+            values["drive_n"] = one_of(inf, inf, between(10.0, 1e4))
+            values |= one_of({}, {"path": "points", "points": points_at_random(rng, values["delta_bar"])})
     return values
 
 
-def judged(seed, nodes):
+def points_at_random(rng, delta_bar):
+    """An approach to delta_bar and three lines from there."""
+    lines = [(0.0, -1.0), (0.0, delta_bar)]
+    lines += [(round(rng.uniform(-4.0, 6.0), 3), round(rng.uniform(-1.0, delta_bar + 0.5), 3)) for _ in range(3)]
+    return "; ".join(f"{U_x:g},{depth:g}" for U_x, depth in lines)
+
+
+def judged(seed, nodes, more):
     """(how the run ended, frames judged, [(stage, index, growth)] of the restless, slips, located ones, values)."""
-    values = scene_at_random(np.random.default_rng(seed), nodes)
+    values = scene_at_random(np.random.default_rng(seed), nodes, more)
     try:
         scene = Scene(**values)
     except SceneError:
         return "refused", 0, 0, [], 0, 0, values
     frames, checkpoint, begun = [], None, time.process_time()
     while (checkpoint is None or not checkpoint.done) and time.process_time() - begun < 10.0:
-        more, checkpoint = advance(scene, checkpoint, 0.3, limit=2.0)
-        frames += more
+        computed, checkpoint = advance(scene, checkpoint, 0.3, limit=2.0)
+        frames += computed
     touching = [k for k, frame in enumerate(frames) if frame.T.any()]
     chosen = set(touching[:: max(1, len(touching) // 12)])
     chosen |= {k + i for k in touching if frames[k].slip for i in (-1, 0)} & set(touching)
@@ -90,6 +103,7 @@ def main():
     parser.add_argument("--scenes", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--more", action="store_true", help="with a drive, paths through points, another law")
     parser.add_argument("--nodes", type=int, nargs=2, default=(16, 90))
     arguments = parser.parse_args()
     ends, slips, located = Counter(), 0, 0
@@ -97,7 +111,7 @@ def main():
     seeds = [(arguments.seed, k) for k in range(arguments.scenes)]
     with ProcessPoolExecutor(arguments.jobs) as pool:
         for seed, (ended, judged_frames, flagged, bad, all_slips, found, values) in zip(
-            seeds, pool.map(judged, seeds, [arguments.nodes] * len(seeds)), strict=True
+            seeds, pool.map(partial(judged, nodes=arguments.nodes, more=arguments.more), seeds), strict=True
         ):
             ends[ended] += 1
             slips, located = slips + all_slips, located + found
