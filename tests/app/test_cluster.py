@@ -79,7 +79,7 @@ def test_the_scheduler_may_go_and_come_back(local, workers, monkeypatch):
     local.stop()
     until(lambda: workers.status == "failing")
     said = workers.submit(os.getpid).exception(PATIENCE)
-    assert said.kind == "closed" and "goes on as soon" in str(said)
+    assert said.kind == "closed" and "continues as soon" in str(said)
     local.start()
     until(lambda: workers.status == "ready")
     assert workers.submit(os.getpid).result(PATIENCE) > 0
