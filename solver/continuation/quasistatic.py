@@ -6,6 +6,7 @@ from .branch import continue_branch
 from .corrector import Corrector
 from .landing import motion_to_rest
 from .onset import START
+from .rest import OPTIONS as REST
 from .rest import Judge
 from .state import Crowded, End, Increment, NotConverged, State, slipped
 
@@ -18,10 +19,10 @@ class QuasiStatic:
     Attributes: problem, replaced by one of more unknowns where the states need it.
     """
 
-    def __init__(self, problem, damping, closed, filmed=False):
-        """damping: over critical; closed: as of `motion.Motion`; filmed: keep `State.film` of slips."""
+    def __init__(self, problem, damping, closed, filmed=False, rest=REST):
+        """damping: over critical; closed: as of `motion.Motion`; filmed: keep `State.film`; rest: RestOptions."""
         self.problem, self.damping, self.closed, self.filmed = problem, damping, closed, filmed
-        self.judge, self.corrector = Judge(damping), Corrector(problem)
+        self.judge, self.corrector = Judge(damping, rest), Corrector(problem)
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""

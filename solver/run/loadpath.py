@@ -10,6 +10,7 @@ import numpy as np
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import Replay
+from ..continuation.rest import RestOptions
 from ..continuation.state import End, NotConverged, OutOfTime, PulledOff, Restless, State
 from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
@@ -24,6 +25,9 @@ FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion defor
 # delta_n beyond the window up to which nodes belong to the first patch, as adhesion draws them nearer. At 0, patches of
 # the slider box have to grow, which takes 2 % more evaluations; 1.5 and 6 take as many (tests/bench/constants.py)
 BULGE = 3.0
+# With a drive every state is searched: its slow mode says nothing of the others. Waves under the other law began to
+# grow up to six increments before a search (tests/bench/rests.py --more)
+DRIVEN = RestOptions(far=0.0)
 BUSY = 10.0  # s beyond its limit of processor time that an increment may take, as other processes may need the cores
 
 
@@ -157,7 +161,8 @@ class Run:
             return self._stepper
         scene = self.scene
         problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
-        stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene))
+        options = {"rest": DRIVEN} if self._fast and any(scene.drive_compliance) else {}
+        stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene), **options)
         if self._fast and "translation" in self.leave_out and not step.loading.direction[1]:
             stepper = Replay(stepper, scene.spacing)
         self._stepper, self._place = stepper, place

@@ -23,6 +23,7 @@ from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import with_remedy
 from solver.text import number_from_text
 from solver.validation.recheck import recheck
+from solver.validation.spectrum import growth
 
 FLAT = Scene(surface="flat", nodes=64, width=156.25, height=16.0, phi_ratio=0.1, damping=inf, tolerance=1e-11)
 PUNCH = Scene(nodes=128, width=312.5, radius=1.0, height=2.0, u_x_max=40.0, du_z=0.5, tolerance=1e-11)
@@ -189,3 +190,15 @@ def test_message_of_a_transient_without_rest_suggests_no_inertia_for_a_soft_driv
     assert "try damping=inf, another indentation" in message
     for scene in (Scene(damping=4.0), driven.changed(damping=inf)):
         assert "damping=inf" not in str(with_remedy(Restless("it flutters"), scene, step, 0.0))
+
+
+def test_a_wave_that_grows_under_a_soft_drive_is_found_before_a_frame_is_unstable():
+    """The drive's mode is slower than any other, and says nothing of a wave that soon starts to grow."""
+    scene = Scene(
+        surface="wave", waves=2, amplitude=0.1677, law="xu-needleman", E=14680.0, nu=0.3, height=0.08668, nodes=40,
+        width=107.84, phi_n=0.2403, phi_ratio=0.09033, delta_n=0.3224, delta_bar=0.25, drive_t=19.99, damping=0.7,
+        u_x_max=0.0,
+    )  # fmt: skip
+    frames = list(load_path(scene))
+    assert any(frame.slips for frame in frames)
+    assert max(growth(scene, frame, False) for frame in frames if frame.T.any()) <= 1e-6
