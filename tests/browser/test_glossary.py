@@ -44,7 +44,7 @@ def test_what_the_sentence_and_the_sliders_name_is_explained_there(look):
 
 @pytest.mark.thorough
 def test_what_to_mind_in_a_result_is_said_behind_a_button(look):
-    page = look("?preset=rough")
+    page = look("?preset=inertia")
     assert page.locator("#notes").is_hidden()
     page.locator("#caution").click()
     assert "may flutter" in page.inner_text("#cautions")
