@@ -70,7 +70,7 @@ def _of_the_layer(scene):
         )
     h, k = scene.height * scene.width, Modes.of(scene, 1).stiffness[:2, 0]  # of layer and drive; the layer's share:
     shares = 1.0 - k * scene.drive_compliance
-    strain = (abs(scene.delta) * shares[1] + scene.u_x_max * shares[0]) / h
+    strain = (abs(scene.deepest) * shares[1] + scene.farthest * shares[0]) / h
     if strain > STRAIN:
         yield (
             f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is not linear:"

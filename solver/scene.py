@@ -39,7 +39,7 @@ FAR = 1e4  # nm
 POINTS = Points(
     (Range(-FAR, FAR, "nm", "", LOADING), Range(*DEPTHS, "", LOADING)),
     20,
-    "points U_x,delta_bar of path 'points', in nm and δ₀; semicolons separate them",
+    "points of the path; U_x (nm) and delta_bar of each, with semicolons between them",
     LOADING,
 )
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
@@ -126,6 +126,8 @@ class Scene:
             object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
         if not isinstance(self.measured, Profile | None):
             raise SceneError("measured", self.measured, "allowed: a Profile or None", "use solver.read_profile")
+        if self.legs:  # the points set the depth of the approach
+            object.__setattr__(self, "delta_bar", POINTS.read("points", self.points)[1][1])
         for name, allowed, remedy in self._refusals():
             raise SceneError(name, getattr(self, name), allowed, remedy)
 
@@ -141,7 +143,7 @@ class Scene:
         if self.hold == "load" and self.drive_n != inf:
             yield "drive_n", "allowed with hold 'load', where no spring acts: inf", "use drive_n=inf or hold=delta"
         thick = self.height * self.width
-        if self.delta >= thick:
+        if self.deepest >= thick:
             through = f"where the top of a layer {thick:.3g} nm thick would be pressed through its bottom"
             yield (
                 "delta_bar",
@@ -195,8 +197,7 @@ class Scene:
         # how far adhesion can draw the surface down: the layer as a whole and a wave as long as the cell
         compliance = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)) * h + min(h, long_waves * h)
         drawn = (compliance / self.shear_modulus + self.drive_compliance[1]) * self.phi_n / (e * self.delta_n)
-        farthest = max((abs(leg.end[0]) for leg in self.legs), default=self.u_x_max)
-        largest = farthest + self.delta_0 + abs(self.delta) + min(drawn, 0.5 * float(self.profile.max()))
+        largest = self.farthest + self.delta_0 + abs(self.deepest) + min(drawn, 0.5 * float(self.profile.max()))
         return ROUNDINGS * float_info.epsilon * largest * stiffness * amplified
 
     def _approaches(self):
@@ -251,8 +252,18 @@ class Scene:
 
     @property
     def delta(self) -> float:
-        """Indentation depth at the end of the approach, nm; of path 'points' the largest one."""
-        return max((leg.end[1] for leg in self.legs), default=self.delta_bar * self.delta_0)
+        """Indentation depth at the end of the approach, nm."""
+        return self.delta_bar * self.delta_0
+
+    @property
+    def deepest(self) -> float:
+        """Largest indentation depth of the path, nm."""
+        return max((leg.end[1] for leg in self.legs), default=self.delta)
+
+    @property
+    def farthest(self) -> float:
+        """Largest displacement of the stage along x, either way, nm."""
+        return max((abs(leg.end[0]) for leg in self.legs), default=self.u_x_max)
 
     @property
     def approach_increments(self) -> int:

@@ -73,27 +73,33 @@ def pack(scene, rows, last, compress=False):
     fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
     scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
     curves = np.array([_numbers(scene, frame, work) for frame, work in rows], dtype=np.float32).T
-    along, du_x, du_z = abscissa(scene), scene.du_x * scene.delta_t, scene.du_z * scene.delta_n
-    header = {
+    of_block = {
         "last": last,
         "compressed": compress,
         "frames": len(frames),
         "nodes": nodes,
         "first": first,
+        "scales": dict(zip(FIELDS, scales, strict=True)),
+    }
+    curves = np.ascontiguousarray(curves, "<f4")
+    fields = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
+    body = compressed(curves, fields) if compress else curves.tobytes() + fields.tobytes()
+    return headed(of_block | _of_scene(scene), body)
+
+
+def _of_scene(scene):
+    """What the header has of the scene: its parameters, stages, and what curves are drawn along; lengths in nm."""
+    along, du_x, du_z = abscissa(scene), scene.du_x * scene.delta_t, scene.du_z * scene.delta_n
+    return {
         "spacing": scene.spacing,
         "middle": scene.width / 2,
         "columns": COLUMNS + ("path",) * bool(scene.legs),
-        "scales": dict(zip(FIELDS, scales, strict=True)),
         "stages": (stages := stages_of(scene)),
         "along": [moving(stage) for stage in stages],
         "abscissa": along,
         "step": {"delta": du_z, "U_x": du_x, "path": hypot(du_x, du_z)}[along],
         "span": _span(scene),
-        "approach": [
-            -scene.delta_0,
-            scene.legs[0].end[1] if scene.legs else scene.delta,
-            du_z,
-        ],  # from, to and step of delta
+        "approach": [-scene.delta_0, scene.delta, du_z],  # from, to and step of delta
         "adhesion": scene.phi_n / (e * scene.delta_n),
         "free": FREE,
         "delta_n": scene.delta_n,
@@ -102,9 +108,6 @@ def pack(scene, rows, last, compress=False):
         "flat": scene.surface == "flat",
         "scene": plain({name: getattr(scene, name) for name in PARAMETERS}),
     }
-    curves = np.ascontiguousarray(curves, "<f4")
-    fields = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
-    return headed(header, compressed(curves, fields) if compress else curves.tobytes() + fields.tobytes())
 
 
 def compressed(columns, fields, level=LEVEL):

@@ -202,7 +202,7 @@ def report(found, scenes):
     print("default {default_seconds:.3f} s; box over default: median {median:.2f}, worst {worst:.2f}".format(**found))
     print("  the worst is {worst_scene}".format(**found))
     print("evaluations: median {evaluations_median:g}, worst {evaluations_worst}".format(**found))
-    print(f"slips: {found['slips']}, of which located {found['located']}")
+    print(f"slips: {found['slips']}, {found['located']} located")
     print(f"not done: {len(found['failures'])} of {scenes}")
     for scene, failure in found["failures"]:
         print(f"  {scene}: {failure}")

@@ -123,7 +123,7 @@ def _share(rows, size):
 
 
 def report(found):
-    print("{moves} moves, of which {alike} between runs of one kind".format(**found))
+    print("{moves} moves, {alike} between runs of one kind".format(**found))
     print("followed of these: " + ", ".join(f"{size} {share:.1%}" for size, share in found["followed"].items()))
     print(f"{'':12}{'median':>10}{'p95':>10}{'worst':>10}{'right':>8}")
     for name in ("evaluations", "ratio"):

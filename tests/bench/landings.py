@@ -220,7 +220,7 @@ def summary(rows):
     print(f"{len(rows)} scenes, {len(slips)} slips judged, {far} by 2 sites or more")
     for name in dict.fromkeys(row["class"] for row in rows):
         own = [row for row in rows if row["class"] == name]
-        print(f"{len(own):5}  {name}, of which {sum(row['said'] for row in own)} carry the caution")
+        print(f"{len(own):5}  {name}; {sum(row['said'] for row in own)} carry the caution")
     wrong = [row for row in slips if row["class"] == "wrong"]
     print(f"wrong without the caution: {sum(not row['said'] for row in wrong)} of {len(slips)}", end="; ")
     print(f"by 2 sites or more: {sum(row['sites'] >= 1.5 for row in wrong)}")

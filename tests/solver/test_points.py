@@ -131,3 +131,10 @@ def test_the_pull_off_force_after_shear_is_that_of_an_explicit_gfmd():
         assert least == pytest.approx(min(forces), abs=1e-5 * largest)
         pulls.append(least)
     assert pulls[0] == min(pulls)  # without shear before it, the pull-off takes the largest force
+
+
+def test_the_points_set_the_depth_of_the_approach_and_the_extent_of_the_path():
+    scene = through("0,-1; 0,0.3; 3,0.5; -6,0.1", delta_bar=0.9)
+    assert scene.delta_bar == 0.3 and scene.delta == scene.delta_0 * 0.3
+    assert (scene.deepest, scene.farthest) == (5.0, 6.0)
+    assert scene.changed(path="shear").delta_bar == 0.3

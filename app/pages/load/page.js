@@ -10,6 +10,7 @@ import { value } from "../../static/js/words.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.08 // of an axis, beyond the points
+const EMPTY = 100 // N/m, either way of an axis without points
 
 const groupOf = ({ changed }) => (changed === null ? "several" : NAMED.includes(changed) ? changed : "another")
 
@@ -44,7 +45,8 @@ const show = (label, list) => fill("load_slips", label,
   { L: list.map(({ L }) => L), F: list.map(({ F }) => F), said: list.map(said) })
 
 function axis(range, name) {
-  const [low, high] = extent(points.map((point) => point[name])), room = ROOM * Math.max(high - low, 1e-9)
+  const [low, high] = extent(points.map((point) => point[name]))
+  const room = points.length ? ROOM * Math.max(high - low, 1) : EMPTY
   set(figures.load_slips[range], { start: low - room, end: high + room })
 }
 

@@ -61,10 +61,10 @@ export function image(renderer, values, shape) {
   return [new array(values, shape)]
 }
 
-// What Bokeh does with the page's styles at every painting, and nothing comes of: for each colour, font and width it
-// asks for a style of the page that goes first (--bk-*, of which there are none here), and for each thing drawn it
-// writes the same style sheet anew, so that all styles are worked out again. Together that was most of a painting. It
-// also leaves half a pixel at the top and the left as it was, and strokes the ticks painted last with the outline.
+// At every painting Bokeh does work that changes nothing here. For each colour, font and width it looks for a style
+// --bk-* of the page, but this page has none. For each thing drawn it rewrites the same style sheet, so that the
+// browser computes all styles again. Together that was most of a painting. Bokeh also leaves half a pixel at the top
+// and the left as it was, and strokes the ticks painted last with the outline.
 // methods of a visual, a style sheet, a plot
 const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary"
 let unburdened = false

@@ -96,7 +96,7 @@ function drawForces(view) {
   const pull = none(F) || run.apart ? 0 : (F / full) * long
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
   const way = (pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"
-  const wide = box.width - (edge - right) > (spring ? 1.2 : 1) * WIDE * size()
+  const wide = box.width - (edge - right) > (spring ? 1.6 : 1) * WIDE * size()
   const pulled = `${!wide ? "" : `${moves}, ${way} by `}F = ${newtons(F)}`
   write(view, pull ? pulled : moves, right - Math.abs(pull) - (pull ? 8 : 0), y,
     { of: pull ? ink.shear : ink.text, align: "right", bold: true })
