@@ -7,7 +7,15 @@ const SLIP = 3 // s, at least, for the way that the sentence is about the slip
 
 // Speed (nm/s) of the top at frame `at`, where `speed` is wanted
 export function paceAt(run, at, speed) {
-  const first = run.normal ? null : firstSlip(run), { step } = run.head
-  if (!first || at < run.sheared || at > first.at + AFTER / step) return speed
-  return Math.min(speed, at < first.at ? ((first.at - run.sheared) * step) / STICK : AFTER / SLIP)
+  const first = firstEnd(run), { step } = run.head
+  if (first === null || at < run.sheared || at > first + AFTER / step) return speed
+  return Math.min(speed, at < first ? ((first - run.sheared) * step) / STICK : AFTER / SLIP)
+}
+
+// The frame of the first slip after the approach, of any stage on a path through points; null where there is none
+function firstEnd(run) {
+  if (run.normal) return null
+  if (run.head.abscissa !== "path") return firstSlip(run)?.at ?? null
+  const at = run.nextSlip(run.sheared, 1)
+  return at > run.sheared ? at : null
 }
