@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from plain_gfmd import Plain
 
-from solver import Scene, SceneError, load_path
+from solver import Axis, Map, Scene, SceneError, load_path, simulate, sweep
 from solver.analysis.energy_balance import work_of
 from solver.run.carry import carry_on
 from solver.run.load_steps import load_steps_of, position
@@ -138,3 +138,15 @@ def test_the_points_set_the_depth_of_the_approach_and_the_extent_of_the_path():
     assert scene.delta_bar == 0.3 and scene.delta == scene.delta_0 * 0.3
     assert (scene.deepest, scene.farthest) == (5.0, 6.0)
     assert scene.changed(path="shear").delta_bar == 0.3
+
+
+def test_the_first_slip_of_a_sweep_is_that_of_the_shear_among_the_points():
+    shear, points = (sweep(scene, phi_ratio=[1.0]).loc[0] for scene in (SMALL, through("0,-1; 0,0.2; 8,0.2; 8,-1")))
+    assert points["outcome"] == shear["outcome"] == "slips"
+    assert points["U_s (nm)"] == pytest.approx(shear["U_s (nm)"], abs=1e-6)
+    assert "first slip at" in simulate(through(SPELT["shear"]))._repr_html_()
+
+
+def test_a_map_of_a_path_through_points_is_refused():
+    with pytest.raises(SceneError, match="path = 'points': allowed in a map: shear, unload or loop"):
+        Map(through(SPELT["shear"]), Axis("E", 40.0, 80.0, 3), Axis("nu", 0.1, 0.4, 3))

@@ -177,7 +177,7 @@ class Map:
     """A grid of Points over two parameters of a Scene, divided into Tiles. It holds no results: see `explored`.
 
     Parameters: scene: the values of all other parameters; x, y: the Axes of the map.
-    Raises SceneError where both Axes are of one parameter.
+    Raises SceneError where both Axes are of one parameter, or the path is one through points.
 
     Level 0 covers the map with a few points; each other level halves their distance. A consumer computes the Tiles of a
     level in any order, in any process, and builds those of the next level from their results.
@@ -190,6 +190,8 @@ class Map:
     def __post_init__(self) -> None:
         if self.x.name == self.y.name:
             raise SceneError("axis", self.y.name, "allowed: two different parameters", "choose another")
+        if self.scene.legs:
+            raise SceneError("path", "points", "allowed in a map: shear, unload or loop", "choose one of them")
 
     @property
     def size(self) -> int:
