@@ -120,6 +120,7 @@ def test_marks_below_the_punch_are_those_of_what_matters_and_go_with_the_page(lo
         const story = document.getElementById("story"), pen = story.getContext("2d")
         return [...pen.getImageData(0, 0, story.width, story.height).data].reduce((sum, value) => sum + value, 0)
     })()"""
+    page.wait_for_function("!punch.fresh")
     alone = page.evaluate(colours)
     page.evaluate("document.querySelector('nav button[data-page=matters]').click()")
     page.locator("#matters-bars button").first.wait_for()

@@ -58,6 +58,7 @@ def test_where_there_is_no_clipboard_copying_works_or_says_what_to_press(visit):
         }"""
     )
     page.get_by_role("button", name="Share").press("Enter")
+    page.wait_for_function("document.getElementById('share-python').value")  # the sheet is complete
     page.locator("#copy-link").press("Enter")
     page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-said').textContent)")
     page.evaluate("() => new Promise((done) => setTimeout(done, 1100))")  # after that for the clipboard's answer
