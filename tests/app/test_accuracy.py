@@ -34,18 +34,18 @@ def test_the_default_scene_needs_no_caution():
         (Scene(height=0.1), 0.3, "strained by up to 16 %"),
     ],
 )
-def test_each_choice_that_affects_the_result_gives_one_sentence(scene, widest, said):
+def test_each_questionable_parameter_gives_one_caution(scene, widest, said):
     (sentence,) = cautions(scene, widest)
     assert said in sentence
 
 
-def test_damping_too_weak_for_the_waves_of_a_run_gives_a_caution_with_a_safe_value():
+def test_too_weak_damping_gives_a_caution_with_a_safe_value():
     (sentence,) = cautions(Scene(damping=0.3), 0.3, safe_damping=0.42)
     assert "may flutter" in sentence and "Use 0.42 or more" in sentence
     assert cautions(Scene(damping=0.42), 0.3, safe_damping=0.42) == []
 
 
-def test_cautions_begin_at_the_limits_and_add_up():
+def test_cautions_start_at_their_limits_and_accumulate():
     assert cautions(Scene(nodes=1600, delta_t=1.25), 0.2) == []  # a / delta_t = 1.25
     assert cautions(Scene(radius=10.0), 0.6) == []
     assert cautions(Scene(E=16.0, phi_ratio=2.0), 0.3) == []
@@ -54,12 +54,12 @@ def test_cautions_begin_at_the_limits_and_add_up():
     assert len(cautions(Scene(nodes=4096, u_x_max=400.0, radius=1.0), 0.9)) == 4
 
 
-def test_a_flat_surface_has_no_neighbours_and_no_slope():
+def test_a_flat_gives_no_caution_about_neighbours_or_slopes():
     assert cautions(Scene(surface="flat", radius=1.0), 1.0) == []
 
 
 @pytest.mark.slow
-def test_a_session_says_its_cautions_once_a_run_has_ended_and_again_for_a_known_one(pool):
+def test_cautions_are_published_after_new_and_known_runs(pool):
     page = Page(pool, Scene(nodes=4096, u_x_max=1.0, E=1000.0))
     page.order("hello")
     assert page.status()["cautions"] == []
@@ -89,7 +89,7 @@ class Visitor:
 
 
 @pytest.mark.slow
-def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
+def test_cancelling_an_accuracy_measurement_ends_its_process():
     visitor = Visitor()
     visitor.bench.begin(Scene())
     job = visitor.bench.job
@@ -106,7 +106,7 @@ def test_a_measurement_cancelled_ends_its_process_and_says_no_more():
 
 
 @pytest.mark.slow
-def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_so():
+def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
     first, second = Visitor(), Visitor()
     first.bench.begin(Scene())
     first.calls.get(timeout=WAIT)()
@@ -125,7 +125,7 @@ def test_a_measurement_waits_for_that_of_another_visitor_and_a_killed_one_says_s
     assert not waiting.is_alive()
 
 
-def test_points_of_an_empty_report_are_none():
+def test_an_empty_accuracy_report_has_no_points():
     assert measuring.points(None) == []
 
 
@@ -133,7 +133,7 @@ def told(session):
     return json.loads(session.wire.page)
 
 
-def test_what_was_measured_stays_while_the_page_is_closed_and_names_its_scene(session):
+def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session):
     point = {"series": "fast", "tolerance": 1e-5, "seconds": 0.03, "evaluations": 700, "error": 2e-6, "astray": True}
     order(session, "page", page="accuracy")
     assert told(session)["texts"]["accuracy-state"].startswith("takes")
@@ -155,7 +155,7 @@ def test_what_was_measured_stays_while_the_page_is_closed_and_names_its_scene(se
 
 
 @pytest.mark.browser
-def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
+def test_accuracy_measurement_shows_progress_beside_the_live_experiment(visit):
     page = visit("?nodes=64&width=160&radius=1&u_x_max=8&du_x=0.2&du_z=0.5&page=accuracy")
     finished(page)
     page.get_by_role("button", name="Measure now").click()
@@ -177,7 +177,7 @@ def test_accuracy_is_measured_with_progress_beside_the_live_experiment(visit):
 
 @pytest.mark.thorough
 @pytest.mark.browser
-def test_a_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
+def test_accuracy_measurement_is_cancelled_by_its_button_and_by_a_slider(visit):
     page = visit("?page=accuracy")
     finished(page)
     state = page.locator("#accuracy-state")

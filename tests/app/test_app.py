@@ -38,7 +38,7 @@ def page(pool):
     visit.session.close()
 
 
-def test_sliders_stay_within_the_solver_and_reach_its_defaults():
+def test_slider_ranges_lie_within_the_solver_limits_and_contain_the_defaults():
     for control in CONTROLS:
         low, high = LIMITS[control.name][:2]
         assert low <= control.low < control.high <= high
@@ -53,7 +53,7 @@ def test_the_default_position_of_every_slider_is_the_default_scene():
 
 @pytest.mark.parametrize("text", ["nan", "inf", "1e9", "-7", "", "2,500", "two", None, [1]])
 @pytest.mark.parametrize("name", NAMES)
-def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, text):
+def test_invalid_entries_are_reported_with_their_range_and_change_nothing(name, text):
     scene, errors = changed_scene(SHORT, {name: text})
     assert scene == SHORT
     assert errors[name].startswith(controls.LABELS[name])
@@ -61,18 +61,18 @@ def test_unusable_entries_are_named_with_their_range_and_change_nothing(name, te
     assert name not in errors[name].split()
 
 
-def test_entries_accept_usual_notations_and_report_a_comma(page):
+def test_entries_accept_units_and_signs_and_report_a_decimal_comma(page):
     page.order("scene", delta_bar="−0,5", E="0.09 TPa")
     assert page.session.scene == SHORT.changed(delta_bar=-0.5, E=90.0)
     assert page.status()["errors"] == {} and "decimal point, −0.5" in page.status()["notes"][0]
 
 
-def test_the_address_is_read_as_an_entry_is():
+def test_address_values_are_parsed_like_entries():
     scene, _, notes = scene_from_address({"delta_bar": [b"0,4"], "E": [b"90 GPa"]})
     assert scene == Scene(delta_bar=0.4, E=90.0) and len(notes) == 1 and "comma" in notes[0]
 
 
-def test_each_value_of_the_address_is_checked_alone():
+def test_each_address_value_is_validated_on_its_own():
     arguments = {"delta_bar": [b"0.4"], "phi_ratio": [b"x"], "E": [b"\xff"], "theme": [b"dark"]}
     scene, preset, notes = scene_from_address(arguments)
     assert scene == Scene(delta_bar=0.4) and preset == "fig6"
@@ -80,7 +80,7 @@ def test_each_value_of_the_address_is_checked_alone():
     assert "Stiffness" in notes[1] and "0.01 to 10⁶ GPa" in notes[1]
 
 
-def test_an_address_names_a_preset_and_what_differs_from_it():
+def test_an_address_holds_a_preset_and_its_changes():
     scene, preset, notes = scene_from_address(
         {"preset": [b"fig4a-blue"], "E": [b"90"], "width": [b"50"], "nodes": [b"20"]}
     )
@@ -90,7 +90,7 @@ def test_an_address_names_a_preset_and_what_differs_from_it():
     assert again.keys() == {"preset", "E", "width", "nodes"} and scene_from_address(again)[:2] == (scene, preset)
 
 
-def test_an_unknown_preset_in_the_address_is_named_and_the_default_shown():
+def test_an_unknown_preset_in_the_address_is_reported_and_replaced_by_the_default():
     scene, preset, notes = scene_from_address({"preset": [b"fig99"]})
     assert scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "Menu, Preset" in notes[0]
 
@@ -106,18 +106,18 @@ def test_an_unknown_preset_in_the_address_is_named_and_the_default_shown():
         ({"tolerance": "two"}, "tolerance “two”: allowed: 10⁻¹² to 0.001 nm; give a number"),
     ],
 )
-def test_the_drawer_refuses_what_cannot_be_run_and_says_why(entries, said):
+def test_drawer_rejects_scenes_that_cannot_run_with_a_reason(entries, said):
     scene, errors = changed_scene(Scene(), entries)
     assert scene == Scene()
     assert list(errors) == list(entries) and said in errors[next(iter(entries))]
 
 
-def test_the_drawer_holds_every_parameter_without_a_slider_once():
+def test_drawer_holds_every_parameter_without_a_slider_once():
     names = [name for group in drawer().values() for name in group]
     assert sorted([*names, *NAMES]) == sorted(PARAMETERS)
 
 
-def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():
+def test_a_flat_is_packed_with_only_the_drawn_nodes():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     frames, _ = advance(scene, None, 60.0)
     head, _, fields = unpacked(worker.compute(scene, None, 60.0).blocks[-1])
@@ -125,7 +125,7 @@ def test_a_flat_surface_is_sent_as_the_few_nodes_that_are_drawn():
     assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
 
-def test_packed_frames_hold_the_solver_s_numbers():
+def test_packed_frames_match_the_solver():
     scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
     frames, _ = advance(scene, None, 60.0)
     blocks = worker.compute(scene, None, 60.0).blocks
@@ -141,7 +141,7 @@ def test_packed_frames_hold_the_solver_s_numbers():
 
 
 @pytest.mark.parametrize("surface", ["circular", "flat"])
-def test_compression_of_a_run_loses_nothing(surface):
+def test_compression_of_a_run_is_lossless(surface):
     scene = SHORT.changed(surface=surface, u_x_max=4.0)
     rows = [(frame, 0.1 * k) for k, frame in enumerate(advance(scene, None, 60.0)[0])]
     rows = [row for row in rows if row[0].first == rows[-1][0].first and row[0].u.shape == rows[-1][0].u.shape]
@@ -158,14 +158,14 @@ def test_compression_of_a_run_loses_nothing(surface):
         np.testing.assert_array_equal(column, numbers[0][name])
 
 
-def test_the_page_receives_the_number_of_compiled_kernels_during_the_warm_up(session):
+def test_page_receives_the_number_of_compiled_kernels_during_warm_up(session):
     session.pool.status, session.pool.compiled = "warming", 3
     say(session, {"do": "hello"})
     assert json.loads(session.wire.status)["compiled"] == [3, worker.KERNELS]
 
 
 @pytest.mark.slow
-def test_a_run_is_streamed_whole_and_in_order(page, slices):
+def test_a_run_is_streamed_completely_and_in_order(page, slices):
     page.order("hello")
     page.until("finished")
     assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
@@ -173,7 +173,7 @@ def test_a_run_is_streamed_whole_and_in_order(page, slices):
     assert len(page.chunks) > 1
 
 
-def test_a_changed_parameter_drops_the_run_and_the_latest_wins(page, slices):
+def test_only_the_latest_of_several_changes_is_computed(page, slices):
     page.order("hello")
     for value in (0.1, 0.2, 0.3):
         page.order("scene", delta_bar=value)
@@ -184,7 +184,7 @@ def test_a_changed_parameter_drops_the_run_and_the_latest_wins(page, slices):
     assert page.curve("delta")[-1] == pytest.approx(3.0)
 
 
-def test_an_unusable_entry_leaves_the_run_on_screen(page):
+def test_an_invalid_entry_keeps_the_run_on_screen(page):
     page.order("hello")
     page.until("finished")
     page.order("scene", E="a lot")
@@ -228,13 +228,13 @@ def test_visitors_share_computed_runs(page, pool):
 
 
 @pytest.mark.parametrize("order", ["", "{", "[]", '{"do": "close"}', '{"do": "scene", "values": 3}', '{"do": ["x"]}'])
-def test_nonsense_from_a_browser_is_ignored(page, order):
+def test_malformed_orders_are_ignored(page, order):
     page.order("hello")
     say(page.session, order)
     page.until("finished")
 
 
-def test_pause_submits_nothing_further_and_go_continues(page, slices):
+def test_pause_stops_submitting_slices_and_go_continues(page, slices):
     page.order("hello")
     page.until("running")
     page.order("pause")
@@ -250,7 +250,7 @@ def test_pause_submits_nothing_further_and_go_continues(page, slices):
 
 
 @pytest.mark.slow
-def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the_same(page, pool, monkeypatch):
+def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, monkeypatch):
     page.order("hello")
     page.until("finished")
     undisturbed = page.curve("F_bar")
@@ -270,7 +270,7 @@ def test_a_worker_killed_in_the_middle_of_a_slice_is_replaced_and_the_run_is_the
 
 
 @pytest.mark.slow
-def test_a_slice_that_kills_every_worker_fails_visibly(page, monkeypatch):
+def test_a_slice_that_kills_every_worker_is_reported_as_failed(page, monkeypatch):
     monkeypatch.setattr(page.session.pursuit, "_slice", lambda budget: submit_exit(page.session.pursuit))
     page.order("hello")
     page.until("failed")

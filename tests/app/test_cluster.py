@@ -38,7 +38,7 @@ def workers(local, monkeypatch):
     pool.close()
 
 
-def test_frames_are_the_same_to_the_last_bit(workers):
+def test_cluster_frames_equal_local_frames_bitwise(workers):
     call = (worker.compute, Scene(u_x_max=12.0), None, 600.0)  # through its first slip
     far = workers.submit(*call, seconds=600.0).result(PATIENCE)
     one = Caller()
@@ -49,7 +49,7 @@ def test_frames_are_the_same_to_the_last_bit(workers):
 
 
 @pytest.mark.thorough
-def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
+def test_cluster_uses_both_workers_and_abandons_a_hanging_task(workers):
     asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
     until(lambda: all(task.running() or task.done() for task in asked))
     assert len({task.seat for task in asked}) == 2
@@ -61,7 +61,7 @@ def test_both_workers_take_part_and_a_task_that_hangs_is_abandoned(workers):
 
 
 @pytest.mark.thorough
-def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, caplog):
+def test_cluster_reports_tracebacks_and_replaces_killed_workers(workers, caplog):
     error = workers.submit(int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason
     asked = workers.submit(os.getpid)
@@ -74,7 +74,7 @@ def test_a_mistake_has_its_traceback_and_a_killed_worker_is_replaced(workers, ca
 
 
 @pytest.mark.thorough
-def test_the_scheduler_may_go_and_come_back(local, workers, monkeypatch):
+def test_cluster_recovers_when_its_scheduler_restarts(local, workers, monkeypatch):
     monkeypatch.setattr("app.service.pool.HOPE", 0.5)
     local.stop()
     until(lambda: workers.status == "failing")

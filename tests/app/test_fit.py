@@ -38,7 +38,7 @@ def page(session):
     return session.pages.page
 
 
-def test_a_measurement_is_drawn_in_its_own_unit_and_fitted(session, page):
+def test_a_measurement_is_plotted_in_its_own_unit_and_fitted(session, page):
     order(session, "ask", what="example")
     answer(session)
     F = page.views["curve"].parts["measured"].data_source.data["F"]
@@ -51,14 +51,14 @@ def test_a_measurement_is_drawn_in_its_own_unit_and_fitted(session, page):
     assert off.std() == pytest.approx(1.0, abs=0.25)  # of the noise: 400 points tell it to 4 %, the estimate to some 10
 
 
-def test_what_is_free_at_first_is_told_by_a_made_up_measurement_of_the_usual_scene():
+def test_initially_free_parameters_are_identified_by_example_data_of_the_default_scene():
     free = tuple(name for name, (_, _, first) in FREE.items() if first)
     found = tasks.fitted(Scene(), tasks.made_up_curve(Scene(), 1)[0], free)
     assert len(free) == 2 and not found.warnings and abs(found.correlations[0, 1]) < 0.9
     assert found.chi2 == pytest.approx(1.0, abs=0.5)
 
 
-def test_a_file_is_read_and_a_bad_one_told_while_the_last_stays(session, page):
+def test_an_invalid_measurement_is_reported_and_the_previous_one_stays(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
     assert "19 points" in told(session)["texts"]["fit-said"]
@@ -68,7 +68,7 @@ def test_a_file_is_read_and_a_bad_one_told_while_the_last_stays(session, page):
     assert page.measured.U_x.size == 19
 
 
-def test_without_a_choice_or_a_measurement_nothing_is_fitted(session, page):
+def test_no_fit_starts_without_a_measurement_or_a_free_parameter(session, page):
     asked = len(session.pool.tasks)
     order(session, "ask", what="fit", free="phi_n")
     assert len(session.pool.tasks) == asked
@@ -78,7 +78,7 @@ def test_without_a_choice_or_a_measurement_nothing_is_fitted(session, page):
     assert told(session)["texts"]["fit-said"].startswith("No parameter is free")
 
 
-def test_a_fit_can_be_left_and_come_back_to(session, page):
+def test_a_fit_continues_while_its_page_is_closed(session, page):
     order(session, "file", entry="measurement", text=CURVE)
     answer(session)
     order(session, "ask", what="fit", free="phi_n")
@@ -93,7 +93,7 @@ def test_a_fit_can_be_left_and_come_back_to(session, page):
     assert not session.pages.kept
 
 
-def test_a_file_ends_the_fit_that_is_under_way(session, page):
+def test_a_new_file_cancels_the_running_fit(session, page):
     order(session, "file", entry="measurement", text=CURVE)
     answer(session)
     order(session, "ask", what="fit", free="phi_n")
@@ -103,7 +103,7 @@ def test_a_file_ends_the_fit_that_is_under_way(session, page):
     assert "20 points" in told(session)["texts"]["fit-said"]
 
 
-def test_forces_given_over_the_stiffness_are_drawn_with_the_stiffness_on_screen(session, page):
+def test_normalised_forces_are_plotted_with_the_current_stiffness(session, page):
     order(session, "file", entry="measurement", text=CURVE.replace("F", "F_bar"))
     answer(session)
     for E in (30.0, 60.0):
@@ -111,7 +111,7 @@ def test_forces_given_over_the_stiffness_are_drawn_with_the_stiffness_on_screen(
         assert page.views["curve"].parts["measured"].data_source.data["F"][-1] == pytest.approx(38.0 * 160.0 * E)
 
 
-def test_made_up_data_tell_what_they_were_made_with_and_a_refused_file_is_marked(session, page):
+def test_example_data_state_their_parameters_and_a_rejected_file_is_marked(session, page):
     order(session, "ask", what="example")
     answer(session)
     order(session, "ask", what="fit", free="phi_ratio,delta_bar")
@@ -124,7 +124,7 @@ def test_made_up_data_tell_what_they_were_made_with_and_a_refused_file_is_marked
     assert told(session)["refused"] and "stays" in told(session)["texts"]["fit-said"]
 
 
-def test_cancel_forgets_the_fit(session, page):
+def test_cancel_stops_the_fit(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="phi_n")

@@ -59,7 +59,7 @@ def sheared(run):
     return {name: values[slides] for name, values in columns.items()}, blocks[-1]
 
 
-def test_a_picture_is_small_and_shows_what_the_exact_run_shows(runs):
+def test_a_predicted_picture_is_small_and_matches_the_exact_run(runs):
     made = following.followed(runs[SCENE].skeleton, NEXT, 9.0)
     assert len(made.picture) < MOST
     head, curves, _, block = parts(made.picture)
@@ -85,7 +85,7 @@ def test_a_picture_is_small_and_shows_what_the_exact_run_shows(runs):
     np.testing.assert_allclose(ours, theirs, atol=2e-3 * np.abs(fields["T_z"]).max())
 
 
-def test_a_map_of_a_picture_has_the_tractions_in_shades(runs):
+def test_contact_map_of_a_prediction_holds_quantised_tractions(runs):
     made = following.followed(runs[SCENE].skeleton, SCENE, 9.0)
     head, _, cells, _ = parts(made.picture)
     place = head["map"]
@@ -99,14 +99,14 @@ def test_a_map_of_a_picture_has_the_tractions_in_shades(runs):
     assert np.abs(shades - T)[seen].max() <= 0.51 * max(place["high"], place["low"]) / following.SHADES
 
 
-def test_the_skeleton_of_a_run_is_the_same_in_slices_and_in_one_go(runs):
+def test_skeleton_of_a_sliced_run_equals_that_of_a_whole_run(runs):
     pieces = list(slices(SCENE, 0.02))
     assert len(pieces) > 1
     sliced, whole = (pickle.loads(run) for run in (pieces[-1].skeleton, runs[SCENE].skeleton))
     np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-6, atol=1e-10)
 
 
-def test_where_nothing_can_be_followed_a_worker_says_why(runs):
+def test_a_prediction_that_is_impossible_gives_a_reason(runs):
     assert (
         following.followed(runs[SCENE].skeleton, SCENE.changed(surface="wave"), 0.0)
         == "surface does not change continuously"
@@ -149,7 +149,7 @@ def move(page, value, at=9.0):
     say(page.session, order)
 
 
-def test_the_newest_position_is_next_and_none_in_between(page):
+def test_only_the_newest_slider_position_is_predicted_next(page):
     for value in (0.01, 0.02, 0.03, 0.04):
         move(page, value)
     assert page.status()["heard"] not in (1.0, 2.0, 3.0, 4.0)  # the pictures acknowledge these orders
@@ -163,7 +163,7 @@ def test_the_newest_position_is_next_and_none_in_between(page):
     assert not page.pool.waiting(worker.compute)  # no run
 
 
-def test_a_picture_that_comes_after_another_scene_was_chosen_is_dropped(page):
+def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     move(page, 0.01)
     (task,) = page.pool.waiting(following.followed)
     page.order("restore", preset="fig7-case1")
@@ -173,7 +173,7 @@ def test_a_picture_that_comes_after_another_scene_was_chosen_is_dropped(page):
     assert page.messages == []
 
 
-def test_the_exact_run_starts_on_release_after_predictions_of_others(page, runs):
+def test_exact_run_starts_on_release_behind_predictions_of_others(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     sent = len(page.chunks)
@@ -192,7 +192,7 @@ def test_the_exact_run_starts_on_release_after_predictions_of_others(page, runs)
     assert page.status()["notes"] == []
 
 
-def test_a_new_drag_ends_the_exact_run(page, runs):
+def test_a_new_drag_cancels_the_exact_run(page, runs):
     move(page, 0.02)
     page.order("rest")
     assert not page.pool.waiting(worker.compute)  # one call at a time: the picture comes first
@@ -202,7 +202,7 @@ def test_a_new_drag_ends_the_exact_run(page, runs):
     assert task.cancelled() and page.pool.waiting(following.followed)
 
 
-def test_a_disagreement_is_counted_and_reported(page, runs):
+def test_a_wrong_prediction_is_counted_and_reported(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     page.order("rest")
@@ -213,7 +213,7 @@ def test_a_disagreement_is_counted_and_reported(page, runs):
     assert page.status()["notes"][0].startswith(OFF) and "0.02 nm" in page.status()["notes"][0]
 
 
-def test_the_exact_run_starts_at_once_where_following_fails_and_the_reason_is_counted(page):
+def test_exact_run_starts_at_once_if_a_prediction_fails_and_the_reason_is_counted(page):
     move(page, 0.02)
     move(page, 0.05)
     page.pool.answer(page, following.followed, 'the contact is "lost"')
@@ -229,7 +229,7 @@ def test_the_exact_run_starts_at_once_where_following_fails_and_the_reason_is_co
     assert task.call[2].delta_bar == 0.06 and page.session.run.scene.delta_bar == 0.05
 
 
-def test_the_exact_run_ends_for_the_newest_position_where_it_would_take_long(page, monkeypatch):
+def test_a_long_exact_run_is_ended_for_the_newest_position(page, monkeypatch):
     monkeypatch.setattr(pursuit, "SOON", 0.0)
     move(page, 0.02)
     page.pool.answer(page, following.followed, "no reason")
@@ -242,7 +242,7 @@ def test_the_exact_run_ends_for_the_newest_position_where_it_would_take_long(pag
     assert task.call[2].delta_bar == 0.04
 
 
-def test_a_wish_waits_for_a_slice_that_has_begun_and_only_so_long(page):
+def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
     page.order("scene", phi_ratio=0.5)
     (task,) = page.pool.waiting(worker.compute)
     task.set_running_or_notify_cancel()
@@ -253,14 +253,14 @@ def test_a_wish_waits_for_a_slice_that_has_begun_and_only_so_long(page):
     assert [task.call[1].phi_ratio for task in page.pool.waiting(worker.compute)] == [0.5, 0.6]
 
 
-def test_a_lost_worker_means_an_exact_run(page):
+def test_a_prediction_lost_with_its_worker_starts_an_exact_run(page):
     move(page, 0.02)
     page.pool.waiting(following.followed)[0].set_exception(RuntimeError("killed"))
     page.calls.get()()
     assert page.pool.waiting(worker.compute)
 
 
-def test_runs_are_compared_by_their_slips_and_their_friction(runs):
+def test_predictions_are_compared_by_slip_positions_and_friction(runs):
     same, other = (following.compared(runs[scene].skeleton, runs[NEXT].blocks) for scene in (NEXT, SCENE))
     assert same[0] < following.AGREE_U < other[0] and same[1] < following.AGREE_F < other[1]
     smooth = worker.compute(SCENE.changed(phi_ratio=0.002), None, 600.0)  # slides without slips

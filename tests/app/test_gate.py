@@ -82,11 +82,11 @@ def visit(session, monkeypatch):
     return Visit(session, monkeypatch)
 
 
-def test_an_order_reaches_the_session_once_whatever_else_a_message_holds(visit):
+def test_an_order_reaches_the_session_once_whatever_else_the_message_contains(visit):
     assert visit.say(visit.patch(HELLO, more="x" * 100) | {"references": [1]}) == [HELLO]
 
 
-def test_a_file_arrives_as_bytes_behind_its_order(visit):
+def test_a_file_arrives_as_bytes_with_its_order(visit):
     sent = packing.headed({"do": "file", "values": {"entry": "profile"}, "n": 5}, b"x,z\n" * 100_000)
     head = json.dumps({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 1})
     content = json.dumps(visit.patch({"type": "bytes", "data": {"id": "b"}}))
@@ -105,7 +105,7 @@ def test_patches_of_bokeh_figures_are_dropped(visit):
 
 
 @pytest.mark.parametrize("token", [None, "", "x" * 9000, "e30", "W10", "eyJzZXNzaW9uX2lkIjogM30", "é"])
-def test_a_browser_without_a_token_of_a_page_is_turned_away_without_a_traceback(visit, caplog, token):
+def test_a_connection_without_a_valid_token_is_rejected_without_a_traceback(visit, caplog, token):
     caplog.set_level(logging.INFO, "app")
     visit.gate._token = token
     visit.gate.open()
@@ -113,7 +113,7 @@ def test_a_browser_without_a_token_of_a_page_is_turned_away_without_a_traceback(
 
 
 @pytest.mark.slow
-def test_a_browser_is_given_the_document_that_all_have(visit, monkeypatch):
+def test_a_browser_receives_the_shared_document(visit, monkeypatch):
     visit.session.doc.models.recompute()
     visit.gate.application_context = SimpleNamespace(url="/app")
     visit.gate.write_lock, sent = locks.Lock(), []
@@ -138,7 +138,7 @@ def connected(visit, monkeypatch):
     return visit.gate, opened
 
 
-def test_a_page_has_one_browser(visit, connected):
+def test_a_page_accepts_one_connection_at_a_time(visit, connected):
     own, opened = connected
     own.open()
     assert len(opened) == 1 and not visit.closed
@@ -149,7 +149,7 @@ def test_a_page_has_one_browser(visit, connected):
     assert len(opened) == 2
 
 
-def test_a_browser_is_turned_away_when_as_many_as_may_are_connected(visit, connected, monkeypatch):
+def test_connections_beyond_the_visitor_limit_are_rejected(visit, connected, monkeypatch):
     own, opened = connected
     monkeypatch.setattr(gate, "VISITORS", 2)
     gate.here.update({"one", "other"})
@@ -160,7 +160,7 @@ def test_a_browser_is_turned_away_when_as_many_as_may_are_connected(visit, conne
     assert opened == [own]
 
 
-def test_a_browser_that_has_gone_is_not_heard_any_more_and_leaves_no_traceback(visit, monkeypatch):
+def test_messages_of_a_closed_connection_are_ignored_without_a_traceback(visit, monkeypatch):
     """Bokeh takes the session away from a connection that a ping finds closed; what it said before is still there."""
 
     class Detached:
@@ -174,7 +174,7 @@ def test_a_browser_that_has_gone_is_not_heard_any_more_and_leaves_no_traceback(v
     visit.gate.on_close()
 
 
-def test_other_visitors_are_served_between_parts_of_a_flood(visit):
+def test_other_visitors_are_served_during_a_flood_of_messages(visit):
     """Tornado awaits on_message for all that its buffer holds: without a pause nobody else would be served."""
     turns = []
 
@@ -195,7 +195,7 @@ def test_other_visitors_are_served_between_parts_of_a_flood(visit):
     assert len(turns) >= 150 and {*turns} >= {*range(1, 50)}
 
 
-def test_a_flood_of_expensive_messages_waits_for_its_share_of_the_loop(visit, monkeypatch):
+def test_rate_limit_scales_with_active_visitors(visit, monkeypatch):
     now = [1000.0]
     monkeypatch.setattr(gate, "monotonic", lambda: now[0])
     for others in (1, 10):
@@ -212,7 +212,7 @@ def test_a_flood_of_expensive_messages_waits_for_its_share_of_the_loop(visit, mo
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
 
 
-def test_no_patch_of_anything_but_the_order_passes(visit):
+def test_only_patches_of_the_order_property_are_accepted(visit):
     for attr in ("chunk", "status", "picture", "name", "tags"):
         assert visit.say(visit.patch(BOMB, attr)) == []
     for kind in ("RootAdded", "RootRemoved", "TitleChanged", "ColumnDataChanged", "ColumnsStreamed"):
@@ -223,7 +223,7 @@ def test_no_patch_of_anything_but_the_order_passes(visit):
 
 
 @pytest.mark.parametrize("new", [BOMB, None, 3, {"do": "hello"}, ["x"]])
-def test_an_order_is_text_or_bytes(visit, new):
+def test_orders_that_are_neither_text_nor_bytes_are_rejected(visit, new):
     assert visit.say(visit.patch(new)) == [] and visit.closed == [gate.TRY_LATER]
 
 
@@ -248,7 +248,7 @@ PATCH = '{"msgid":"1","msgtype":"PATCH-DOC"}'
         ('{"msgid":"1","msgtype":"PATCH-DOC","num_buffers":9}', "{}", "{}", '{"id":"1"}', b"1", '{"id":"2"}'),
     ],
 )
-def test_malformed_messages_close_their_connection_and_leave_one_line(visit, caplog, parts):
+def test_malformed_messages_close_the_connection_and_are_logged_in_one_line(visit, caplog, parts):
     caplog.set_level(logging.INFO, "app")
     assert visit.parts(*parts) == []
     assert visit.closed == [gate.TRY_LATER]
@@ -284,7 +284,7 @@ def test_malformed_messages_close_their_connection_and_leave_one_line(visit, cap
         b"\xff\xff\xff\xff{}",
     ],
 )
-def test_an_order_has_the_fields_that_are_declared_and_values_of_their_types(text):
+def test_orders_with_undeclared_fields_or_wrong_types_are_rejected(text):
     with pytest.raises(orders.Refused):
         orders.read(text)
 
@@ -296,7 +296,7 @@ def test_every_order_has_a_docstring(kind):
 
 
 @pytest.mark.parametrize("text", ['{"do":"close","n":7}', '{"do":"film","values":{"run":-1},"n":7}'])
-def test_a_refused_order_is_acknowledged_and_the_visitor_reads_what_to_do(session, text):
+def test_a_rejected_order_is_acknowledged_with_advice(session, text):
     say(session, HELLO)
     say(session, text)
     status = json.loads(session.wire.status)
@@ -304,7 +304,7 @@ def test_a_refused_order_is_acknowledged_and_the_visitor_reads_what_to_do(sessio
 
 
 @pytest.mark.parametrize("text", ["1" * 65, "x" * 7000, "1," * 3000, "-" * 7000, "1e" * 3000])
-def test_a_long_text_in_an_entry_is_refused_there_and_acknowledged(session, text):
+def test_a_long_entry_is_rejected_at_its_field_and_acknowledged(session, text):
     say(session, HELLO)
     say(session, {"do": "scene", "values": {"E": text}, "n": 3})
     status = json.loads(session.wire.status)
@@ -317,7 +317,7 @@ def test_every_order_is_acknowledged(session):
         assert json.loads(session.wire.status)["heard"] == number
 
 
-def test_a_programming_error_is_logged_and_not_shown(session, caplog, monkeypatch):
+def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog, monkeypatch):
     say(session, HELLO)
     monkeypatch.setattr(Session, "change", lambda *_: 1 / 0)
     say(session, '{"do":"scene","values":{"E":"80"}}')

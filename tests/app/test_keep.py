@@ -33,24 +33,24 @@ def page(pool):
     visit.session.close()
 
 
-def test_a_measured_scene_comes_back_from_its_address_exactly_while_the_server_knows_it():
+def test_a_measured_scene_is_restored_exactly_from_its_address():
     address = address_of(MEASURED, "fig6")
     assert scene_from_address(asked(address)) == (MEASURED, "fig6", [])
 
 
-def test_another_server_asks_for_the_file_of_a_profile_again():
+def test_an_unknown_profile_in_the_address_asks_for_the_file_again():
     name = Profiles().name_of(ROUGH)
     assert len(name) < 40
     _, _, notes = scene_from_address({"surface": [b"measured"], "profile": [name.encode()]})
     assert "Choose the file again" in notes[0]
 
 
-def test_profiles_of_the_same_heights_over_another_length_have_another_name():
+def test_profiles_of_different_length_have_different_names():
     assert Profiles().name_of(Profile(600.0, ROUGH.z)) != Profiles().name_of(Profile(601.0, ROUGH.z))
 
 
 @pytest.mark.slow
-def test_a_scene_is_restored_with_its_preset_and_a_run_known_before_is_not_computed_again(page):
+def test_restoring_a_scene_reuses_a_known_run_and_resets_the_preset(page):
     page.order("hello")
     page.until("finished")
     page.order("restore", preset="fig7-case2")
@@ -61,7 +61,7 @@ def test_a_scene_is_restored_with_its_preset_and_a_run_known_before_is_not_compu
 
 
 @pytest.mark.slow
-def test_pinned_runs_come_beside_the_run_on_screen(page):
+def test_pinned_runs_are_sent_beside_the_run_on_screen(page):
     page.order("hello")
     page.until("finished")
     say(page.session, {"do": "beside", "values": {"u_x_max": "4", "E": "100"}, "beside": 2})
@@ -84,12 +84,12 @@ def test_pinned_runs_come_beside_the_run_on_screen(page):
         {"do": "share", "values": {"link": "x" * 6000}},
     ],
 )
-def test_orders_to_keep_and_take_hold_known_names_and_texts(given):
+def test_invalid_orders_to_restore_pin_and_export_are_rejected(given):
     with pytest.raises(orders.Refused):
         orders.read(json.dumps(given))
 
 
-def test_the_sheet_has_a_code_to_scan_unless_the_link_is_too_long_for_one(page):
+def test_share_dialog_has_a_qr_code_unless_the_link_is_too_long(page):
     page.order("share", link="h" * (SCANNED + 1))
     assert page.messages.pop()[0]["qr"] == "" and not page.session.share.code.waiting
     page.order("share", link="h" * SCANNED)
@@ -98,7 +98,7 @@ def test_the_sheet_has_a_code_to_scan_unless_the_link_is_too_long_for_one(page):
     assert page.messages.pop()[0]["qr"].startswith("data:image/svg+xml")
 
 
-def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, monkeypatch):
+def test_exported_files_leave_no_copy_on_the_server_and_large_ones_are_rejected(page, monkeypatch):
     for largest, why in ((share.LARGEST, ""), (10, share.LARGE)):
         monkeypatch.setattr(share, "LARGEST", largest)
         page.order("take", kind="json")
@@ -110,7 +110,7 @@ def test_a_file_does_not_stay_on_the_server_and_a_large_one_is_refused(page, mon
 
 
 @pytest.mark.slow
-def test_the_server_keeps_nothing_of_the_bytes_it_has_sent(page):
+def test_server_keeps_no_copy_of_sent_messages(page):
     page.order("hello")
     page.until("finished")
     page.order("layer", rows=16, modes=16, depth=100.0)
@@ -120,7 +120,7 @@ def test_the_server_keeps_nothing_of_the_bytes_it_has_sent(page):
 
 
 @pytest.mark.slow
-def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_alone(page):
+def test_a_continued_run_is_stored_for_its_visitor_only(page):
     page.order("hello")
     page.until("finished")
     made = page.session.run.made
@@ -135,7 +135,7 @@ def test_what_is_no_whole_run_of_its_scene_is_kept_on_the_shelf_for_its_visitor_
     assert block is shelf.get(run.kept_as).blocks[-1] and row == packing.header(block)["frames"] - 1
 
 
-def test_the_number_of_runs_in_a_row_is_limited(session, monkeypatch):
+def test_number_of_chained_runs_is_limited(session, monkeypatch):
     monkeypatch.setattr("app.session.session.LEGS", 2)
     session.scene = Scene(delta_bar=0.1)
     for number in (1, 2, 3):
@@ -147,14 +147,14 @@ def test_the_number_of_runs_in_a_row_is_limited(session, monkeypatch):
 
 
 @pytest.mark.parametrize("name", presets())
-def test_the_python_lines_of_a_preset_make_its_scene(name):
+def test_python_code_of_a_preset_reproduces_its_scene(name):
     scene = presets()[name].scene
     call = python_lines([(scene, None)]).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
     assert eval(call, {"Scene": Scene}) == scene
 
 
 @pytest.mark.slow
-def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says_why(page):
+def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
     page.session.scene = Scene(u_x_max=12.0)
     page.order("hello")
     page.until("finished")
@@ -175,7 +175,7 @@ def test_the_motion_through_a_slip_is_sent_beside_the_run_and_what_has_none_says
     assert head["kind"] == "film failed" and head["why"].endswith("compute the run again")
 
 
-def test_a_pinned_run_that_fails_says_why(session):
+def test_a_failed_pinned_run_sends_its_reason(session):
     sent = []
     session.wire.on_change("message", lambda attribute, old, new: new and sent.append(opened(new)[0]))
     say(session, {"do": "beside", "values": {"delta_bar": "0.3"}, "beside": 3})
@@ -186,7 +186,7 @@ def test_a_pinned_run_that_fails_says_why(session):
     assert session.pool.tasks == [task]
 
 
-def test_while_a_newer_scene_waits_for_a_slice_what_is_taken_away_is_its_run(session):
+def test_exports_use_the_newest_scene_while_it_waits(session):
     session.hello()
     session.pool.tasks[-1].set_running_or_notify_cancel()
     session.change({"E": "90"})

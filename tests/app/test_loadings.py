@@ -48,7 +48,7 @@ def test_a_run_continues_from_the_increment_on_screen(page):
 
 
 @pytest.mark.slow
-def test_a_run_that_went_on_can_go_on_again_from_before_and_after_that(page):
+def test_a_continued_run_can_continue_from_earlier_and_later_increments(page):
     first = page.status()["frames"] - 20
     change(page, (1, first), E=90)
     change(page, (2, first + 5), E=100)
@@ -57,7 +57,7 @@ def test_a_run_that_went_on_can_go_on_again_from_before_and_after_that(page):
     assert page.session.run.history == ((SHORT, first - 4),)
 
 
-def test_what_is_taken_away_of_a_run_that_went_on_is_the_whole_of_it_in_newtons_per_metre(page):
+def test_exports_of_a_continued_run_contain_every_part_with_its_own_stiffness(page):
     """Lines, NPZ and JSON once began anew with the last parameters; frames did not say what their E was."""
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
@@ -80,24 +80,24 @@ def test_what_is_taken_away_of_a_run_that_went_on_is_the_whole_of_it_in_newtons_
     assert report["converged"] and [part["E"] for part in report["changes"]] == [70.0, 90.0]
 
 
-def test_a_run_that_went_on_is_not_taken_for_one_from_the_start(page):
+def test_a_continued_run_is_not_stored_as_a_run_from_the_start(page):
     change(page, (1, page.status()["frames"] - 10), E=90)
     assert page.session.shelf.get(SHORT.changed(E=90.0)) is None
 
 
-def test_another_surface_starts_anew_and_says_so(page):
+def test_a_change_of_the_grid_restarts_the_run_with_a_note(page):
     change(page, (1, page.status()["frames"] - 10), nodes=250)
     assert page.status()["after"] is None and "starts from the beginning" in page.status()["notes"][0]
 
 
-def test_a_run_that_cannot_continue_shows_the_reason(page):
+def test_a_run_that_cannot_continue_shows_a_reason(page):
     page.session.change({"u_x_max": "2"}, (1, page.status()["frames"] - 1))
     page.session.publish()
     page.until("failed")
     assert "u_x_max" in page.status()["why"]
 
 
-def test_the_work_of_a_loop_is_the_solver_s_however_it_is_sliced(page):
+def test_work_of_a_loop_does_not_depend_on_slicing(page):
     scene = SHORT.changed(path="loop", u_x_max=4.0)
     frames = list(load_path(scene))
     expected = work_of(scene, frames).top
@@ -117,7 +117,7 @@ def upload(page, text):
         page.calls.get(timeout=PATIENCE)()
 
 
-def test_an_uploaded_profile_is_shown_with_what_was_done_to_it(page):
+def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
     upload(page, WAVY)
     page.until("finished")
     assert page.session.scene.width == 600.0 and page.session.scene.surface == "measured"
@@ -130,7 +130,7 @@ def reading_of(session):
     return next(task for task in reversed(session.pool.tasks) if task.call[0] is tasks.measured)
 
 
-def test_a_profile_keeps_the_sliders_moved_while_it_was_read_and_gives_way_to_a_preset_chosen_meanwhile(session):
+def test_sliders_moved_while_a_profile_is_read_are_kept_and_a_preset_replaces_it(session):
     send_file(session, "profile", WAVY)
     order(session, "scene", E="200")
     reading_of(session).set_result(tasks.measured(WAVY))
@@ -141,7 +141,7 @@ def test_a_profile_keeps_the_sliders_moved_while_it_was_read_and_gives_way_to_a_
     assert late.cancelled() and session.scene == presets()["fig6"].scene
 
 
-def test_a_profile_that_makes_the_run_too_long_is_refused(session):
+def test_a_profile_that_makes_the_run_too_long_is_rejected(session):
     order(session, "scene", surface="flat", u_x_max="400", nodes="1024")
     send_file(session, "profile", WAVY)
     reading_of(session).set_result(tasks.measured(WAVY))
@@ -160,7 +160,7 @@ def test_a_profile_that_makes_the_run_too_long_is_refused(session):
     ],
     ids=["text", "descending", "one column", "steep", "10 MB", "empty"],
 )
-def test_a_bad_profile_is_refused_with_line_and_reason_and_the_run_stays(page, text, said):
+def test_an_invalid_profile_is_rejected_with_line_and_reason(page, text, said):
     upload(page, text)
     assert said in page.status()["errors"]["profile"] and "stays" in page.status()["errors"]["profile"]
     assert page.session.run.number == 1 and page.status()["state"] == "finished"

@@ -18,7 +18,7 @@ from solver.following.from_run import skeleton_of
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 
 
-def test_a_tile_that_gives_way_after_every_point_is_what_exact_runs_tell(monkeypatch):
+def test_a_sliced_map_tile_matches_exact_runs(monkeypatch):
     grid = Map(SMALL, Axis("delta_bar", 0.0, 0.2, 5), Axis("phi_ratio", 0.5, 1.0, 5))
     known = {}
     monkeypatch.setattr(tasks, "SLICE", 0.0)
@@ -50,7 +50,7 @@ def answered(session):
     return done
 
 
-def test_a_visitor_gets_the_map_from_coarse_to_fine_and_all_of_it(session):
+def test_map_is_refined_from_coarse_to_complete(session):
     order(session, "page", page="regimes")
     first = [task.call[1] for task in session.pool.tasks if task.call[0] is tasks.map_tile]
     assert len(first) == 9 and {len(tile.asked) for tile in first} == {1}  # a coarse picture of all of it
@@ -65,7 +65,7 @@ def test_a_visitor_gets_the_map_from_coarse_to_fine_and_all_of_it(session):
     assert told["busy"] is None and told["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
-def test_a_leap_over_the_map_goes_on_from_what_the_map_is_made_of(session, monkeypatch):
+def test_a_click_on_the_map_starts_from_the_nearest_stored_skeleton(session, monkeypatch):
     order(session, "page", page="regimes")
     page, scene = session.pages.page, session.scene
     places = {"far": (8, 12), "near": (28, 20), "dropped": (27, 21)}
@@ -79,7 +79,7 @@ def test_a_leap_over_the_map_goes_on_from_what_the_map_is_made_of(session, monke
     assert page.nearer(there.changed(nodes=512), None) is None
 
 
-def test_the_skeletons_of_all_maps_together_stay_below_a_bound(session, monkeypatch):
+def test_total_size_of_stored_skeletons_is_bounded(session, monkeypatch):
     kept = Skeletons(capacity=10_000)
     monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
     for E in ("70", "80", "90"):
@@ -92,7 +92,7 @@ def test_the_skeletons_of_all_maps_together_stay_below_a_bound(session, monkeypa
     assert kept.currsize <= 10_000
 
 
-def test_a_map_is_followed_from_pickles_of_half_the_size_as_from_what_they_were():
+def test_compact_skeletons_predict_the_same_curves_at_two_thirds_of_the_size():
     skeleton = skeleton_of(SMALL)
     small = pickled(skeleton)
     assert len(small) < 0.65 * len(pickle.dumps(skeleton))
@@ -101,7 +101,7 @@ def test_a_map_is_followed_from_pickles_of_half_the_size_as_from_what_they_were(
     np.testing.assert_allclose(one, other, atol=1e-4 * np.abs(one).max())
 
 
-def test_force_is_that_of_the_stiffness_at_each_place(session):
+def test_map_forces_use_the_stiffness_of_each_point(session):
     order(session, "page", page="regimes")
     order(session, "ask", what="axes", x="delta_bar", y="E")
     answered(session)
@@ -109,14 +109,14 @@ def test_force_is_that_of_the_stiffness_at_each_place(session):
     assert image[-1, 0] / image[0, 0] == pytest.approx(1000.0 / 15.0, rel=1e-4)
 
 
-def test_an_outline_lies_between_regimes_and_not_beside_what_is_unknown():
+def test_outlines_separate_regimes_but_not_unknown_points():
     codes = np.array([[1, 1, 2], [1, -1, 2]])
     i, j = (np.array(each) for each in outlines(codes))
     assert np.nanmin(i) == np.nanmax(i) == 1.5  # one line, upright
     assert np.nanmin(j) == -0.5 and np.nanmax(j) == 0.5
 
 
-def test_no_name_of_a_regime_lies_over_another_and_the_largest_region_has_one():
+def test_regime_labels_do_not_overlap_and_the_largest_region_has_one():
     codes = np.full((ROWS, COLUMNS), 2)
     codes[10:13, 14:19] = 3  # a small region in the middle of the largest one
     codes[:4] = 1
@@ -127,14 +127,14 @@ def test_no_name_of_a_regime_lies_over_another_and_the_largest_region_has_one():
             assert abs(j - y) > 2 or abs(i - x) > 0.25 * (len(name) + len(other))
 
 
-def test_one_outlier_does_not_take_all_colours_of_the_map():
+def test_colour_range_of_the_map_ignores_one_outlier():
     image = np.linspace(1.0, 2.0, 825).reshape(25, 33)
     image[3, 3], image[4, 4] = 1000.0, np.nan
     low, high = limits(image)
     assert 1.0 <= low < 1.1 and 1.9 < high <= 2.0
 
 
-def test_a_cancelled_map_is_continued(session):
+def test_a_cancelled_map_can_be_resumed(session):
     order(session, "page", page="regimes")
     assert json.loads(session.wire.page)["hidden"]["regimes-resume"]
     order(session, "ask", what="cancel")
@@ -146,14 +146,14 @@ def test_a_cancelled_map_is_continued(session):
     assert json.loads(session.wire.page)["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
-def test_the_title_names_the_quantity_that_is_shown(session):
+def test_map_title_names_the_displayed_quantity(session):
     order(session, "page", page="regimes")
     assert json.loads(session.wire.page)["texts"]["regimes-quantity"] == "friction Fₛ of the first slip"
     order(session, "ask", what="of", of="L_min")
     assert json.loads(session.wire.page)["texts"]["regimes-quantity"] == "load L at pull-off"
 
 
-def test_axes_that_change_places_make_another_map(session):
+def test_swapped_axes_make_a_new_map(session):
     order(session, "page", page="regimes")
     order(session, "ask", what="axes", x="phi_ratio", y="delta_bar")
     page = session.pages.page

@@ -36,7 +36,7 @@ def slips(scene):
     return any(frame.slips for frame in load_path(scene.changed(u_x_max=15.0, du_x=0.5)) if frame.stage == "shear")
 
 
-def test_on_the_flat_the_marks_are_the_exact_border_of_smooth_sliding():
+def test_marks_of_a_flat_equal_the_exact_limit_of_smooth_sliding():
     flat = preset("fig4a-blue").scene
     told = marks.calls(flat, None)
     function, *arguments = told["E"]
@@ -50,20 +50,20 @@ def test_on_the_flat_the_marks_are_the_exact_border_of_smooth_sliding():
 @pytest.mark.parametrize(
     ("name", "said", "above"), [("phi_ratio", "slips above", True), ("E", "slides smoothly", False)]
 )
-def test_a_punch_slips_on_one_side_of_its_mark_and_not_on_the_other(default, name, said, above):
+def test_a_punch_slips_on_one_side_of_its_mark_only(default, name, said, above):
     value = found(default, name)[said]
     assert slips(Scene(**{name: value * OFF})) is above
     assert slips(Scene(**{name: value / OFF})) is not above
 
 
 @pytest.mark.slow
-def test_the_mark_is_the_same_from_wherever_on_the_slider_it_is_looked_for(default):
+def test_marks_do_not_depend_on_the_slider_position_of_the_search(default):
     near = found(pickled(Scene(E=2500.0)), "E")
     assert near["slides smoothly"] == pytest.approx(found(default, "E")["slides smoothly"], rel=0.05)
 
 
 @pytest.mark.parametrize("start", [-0.1, 0.6])
-def test_marks_on_indentation_say_where_there_is_no_load_and_where_it_jumps_in(start):
+def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
     """Wherever on the slider they are looked for."""
     scene = Scene(E=30.0, du_x=0.5, u_x_max=40.0)
     at = found(pickled(scene.changed(delta_bar=start)), "delta_bar")
@@ -76,23 +76,23 @@ def test_marks_on_indentation_say_where_there_is_no_load_and_where_it_jumps_in(s
 
 
 @pytest.mark.slow
-def test_left_of_the_jump_in_the_marks_of_the_contact_remain(default):
+def test_marks_remain_left_of_the_jump_into_contact(default):
     apart = found(pickle.dumps(moved(default, delta_bar=-0.5)), "delta_bar")
     assert apart == pytest.approx(found(default, "delta_bar"), abs=1e-3)
 
 
-def test_where_a_punch_held_by_attraction_alone_no_longer_slips_nothing_is_marked():
+def test_slips_that_end_between_two_steps_leave_no_mark():
     """Its slips end between two steps of the way: beyond, there is none whose size could be told."""
     assert found(pickled(Scene(delta_bar=-0.41)), "E") == {}
 
 
-def test_sliders_have_no_mark_if_the_border_is_not_reached(default, monkeypatch):
+def test_sliders_have_no_mark_if_the_limit_is_not_reached(default, monkeypatch):
     monkeypatch.setattr(marks, "ENOUGH", 500)
     assert found(default, "E") == found(default, "phi_ratio") == {}
     assert marks.calls(preset("unload").scene, None) == {}  # a path that is not followed
 
 
-def test_along_a_slider_its_marks_are_looked_for_once(default):
+def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default):
     """And those of the others anew."""
 
     class Page:

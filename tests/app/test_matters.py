@@ -11,7 +11,7 @@ from solver import Scene, skeleton_of
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 
 
-def test_what_holds_the_contact_adds_up_to_the_interface_and_more_of_it_holds_longer():
+def test_node_sensitivities_sum_to_that_of_the_interface_energy():
     found = tasks.what_matters(SMALL)
     U_s, F_s, _ = found["bars"]["phi_n"]  # of all nodes, friction with adhesion as phi_ratio stays
     assert sum(found["nodes"]) == pytest.approx(F_s, rel=1e-2)
@@ -19,17 +19,17 @@ def test_what_holds_the_contact_adds_up_to_the_interface_and_more_of_it_holds_lo
     assert found["bars"]["E"][0] < 0  # a stiffer layer stores less stretch before the springs give way
 
 
-def test_the_width_of_the_cell_is_no_parameter_of_the_list_as_radius_and_height_are_given_over_it():
+def test_cell_width_is_not_listed_as_a_sensitivity():
     bars = tasks.what_matters(SMALL)["bars"]
     assert "width" not in bars and {"radius", "height", "E", "phi_n", "delta_bar"} <= set(bars)
 
 
-def test_what_does_not_slip_has_a_sentence():
+def test_a_scene_without_a_slip_gives_a_sentence_instead_of_sensitivities():
     found = tasks.what_matters(SMALL.changed(u_x_max=0.4))
     assert isinstance(found, str) and found
 
 
-def test_the_force_whose_change_is_told_is_in_newtons_whatever_it_is_measured_over():
+def test_sensitivity_of_the_force_refers_to_newtons_per_metre():
     scenes = [SMALL.changed(E=SMALL.E * factor) for factor in (0.999, 1.001)]
     low, high = (skeleton_of(scene).slips[0].F_bar * scene.E for scene in scenes)
     change = (high - low) / (0.002 * 0.5 * (high + low))

@@ -29,7 +29,7 @@ def test_lines_of_scripts_styles_and_templates_have_at_most_120_characters(kind)
 
 
 @pytest.mark.slow
-def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
+def test_a_closed_page_leaves_no_models_and_no_texts(session):
     before = len(session.doc.models)
     order(session, "page", page="law")
     assert len(session.doc.models) > before and json.loads(session.wire.page)["open"] == "law"
@@ -38,13 +38,13 @@ def test_a_page_that_is_closed_leaves_neither_models_nor_words(session):
 
 
 @pytest.mark.parametrize("name", listed())
-def test_every_page_fills_its_places_and_no_other(session, name):
+def test_every_page_fills_its_own_slots_only(session, name):
     order(session, "page", page=name)
     for slot, column in session.pages.slots.items():  # nor the place for a second punch
         assert bool(column.children) == slot.startswith(f"{name}_")
 
 
-def test_pages_that_are_not_open_cost_no_task_and_no_word(session):
+def test_closed_pages_cause_no_tasks_and_no_messages(session):
     said = []
     session.wire.on_change("page", lambda attribute, old, new: said.append(new))
     order(session, "hello")
@@ -57,7 +57,7 @@ def test_an_unknown_page_opens_nothing(session):
     assert session.pages.page is None and session.wire.page == "{}"
 
 
-def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
+def test_interface_law_matches_the_solver_and_follows_the_scene(session):
     order(session, "page", page="law")
     for E, ratio in (("70", "1"), ("70", "0.3")):
         order(session, "scene", E=E, phi_ratio=ratio)
@@ -75,7 +75,7 @@ def test_the_interface_law_is_the_solver_s_and_follows_the_scene(session):
         )  # 1/sqrt(2) for one spring, less for a lattice
 
 
-def test_the_interface_law_shows_both_laws_and_what_overlap_does_to_that_of_the_scene(session):
+def test_interface_law_page_shows_both_laws_and_explains_overlap(session):
     order(session, "page", page="law")
     for name, words in (("np1", "grows where the surfaces overlap"), ("xu-needleman", "changes sign below")):
         order(session, "scene", law=name)
@@ -88,14 +88,14 @@ def test_the_interface_law_shows_both_laws_and_what_overlap_does_to_that_of_the_
         assert words in json.loads(session.wire.page)["texts"]["law-numbers"]
 
 
-def test_the_tangential_law_has_its_peak_where_the_page_says(session):
+def test_tangential_traction_peaks_where_the_page_states(session):
     order(session, "page", page="law")
     peak = json.loads(session.wire.page)["law"]["peak"]
     at, beside = np.abs(cohesive_law.traction(Scene(), np.array([peak, peak + 0.05]), 0.0)[0])
     assert at > beside and at > abs(cohesive_law.traction(Scene(), peak - 0.05, 0.0)[0])
 
 
-def test_a_folder_with_a_module_is_a_page(session, monkeypatch, tmp_path):
+def test_a_folder_with_a_page_module_becomes_a_page(session, monkeypatch, tmp_path):
     blank = SimpleNamespace(TITLE="Blank", ORDER=0, FIGURES=("shear_map",), compose=law.compose, Page=Sheet)
     monkeypatch.setattr(pages, "HERE", tmp_path)
     monkeypatch.setattr(pages, "import_module", lambda name: blank)
@@ -113,7 +113,7 @@ def test_a_folder_with_a_module_is_a_page(session, monkeypatch, tmp_path):
     assert session.pages.page is None
 
 
-def test_a_table_of_the_layer_that_is_asked_for_again_is_not_begun_anew(session):
+def test_repeated_requests_for_a_layer_table_compute_it_once(session):
     order(session, "hello")
     for rows in (100, 60, 100, 60):
         order(session, "layer", rows=rows, modes=100, depth=100.0)
@@ -129,12 +129,12 @@ def test_a_table_of_the_layer_that_is_asked_for_again_is_not_begun_anew(session)
 
 
 @pytest.mark.parametrize("name", [name for name in listed() if name not in ("regimes", "accuracy", "arealaws")])
-def test_each_page_has_figures_that_a_notebook_shows(name):
+def test_figures_of_each_page_can_be_shown_in_a_notebook(name):
     small = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
     made = listed()[name].figure(small)
     sources = [model for model in made.references() if isinstance(model, ColumnDataSource)]
     assert isinstance(made, LayoutDOM) and any(len(column) for s in sources for column in s.data.values())
 
 
-def test_every_page_offers_figures_to_a_notebook():
+def test_every_page_has_a_figure_function():
     assert all(callable(page.figure) for page in listed().values())

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow  # nearly all start processes, and end them
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
 
-def test_a_task_that_hangs_is_ended_with_its_worker_and_others_go_on():
+def test_a_hanging_task_is_ended_with_its_worker():
     workers = Pool(size=1, patience=0.2)
     stuck = workers.submit(time.sleep, 10 * PATIENCE)
     waiting = workers.submit(os.getpid)
@@ -30,7 +30,7 @@ def test_a_task_that_hangs_is_ended_with_its_worker_and_others_go_on():
     workers.close()
 
 
-def test_a_worker_killed_while_it_is_idle_is_replaced_before_anybody_asks():
+def test_an_idle_worker_that_is_killed_is_replaced_at_once():
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)
     os.kill(first, signal.SIGKILL)
@@ -40,7 +40,7 @@ def test_a_worker_killed_while_it_is_idle_is_replaced_before_anybody_asks():
 
 
 @pytest.mark.skipif(isolated.START != "forkserver", reason="processes are not forked here")
-def test_workers_are_replaced_though_the_process_they_are_forked_from_has_ended_with_all_of_them():
+def test_workers_are_replaced_after_the_fork_server_is_killed():
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)
     os.kill(workers.submit(os.getppid).result(PATIENCE), signal.SIGKILL)
@@ -54,7 +54,7 @@ def send(size):
     return bytes(size)
 
 
-def test_every_seat_is_filled_again_when_workers_die_in_the_middle_of_sending_or_while_they_warm_up():
+def test_workers_killed_while_sending_or_warming_up_are_replaced():
     workers = Pool(size=2)
     workers.submit(worker.ready).result(PATIENCE)
     for size in (10**8, 0):  # the second time while the new ones warm up
@@ -82,7 +82,7 @@ def broken():
     raise ZeroDivisionError("a mistake")
 
 
-def test_a_mistake_in_a_task_keeps_the_worker_and_its_traceback(caplog):
+def test_an_exception_in_a_task_keeps_the_worker_and_is_logged(caplog):
     workers = Pool(size=1)
     error = workers.submit(broken).exception(PATIENCE)
     assert error.kind == "error" and 'raise ZeroDivisionError("a mistake")' in error.reason
@@ -90,7 +90,7 @@ def test_a_mistake_in_a_task_keeps_the_worker_and_its_traceback(caplog):
     workers.close()
 
 
-def test_workers_that_cannot_start_are_reported_to_those_who_wait(monkeypatch):
+def test_waiting_tasks_fail_if_no_worker_can_start(monkeypatch):
     monkeypatch.setattr("app.service.pool.PAUSES", (0.0,))
     for name in ("start", "start_up"):  # of the first worker, and of the others
         monkeypatch.setattr(worker, name, os._exit)  # found by name in the worker: it ends with that
@@ -102,7 +102,7 @@ def test_workers_that_cannot_start_are_reported_to_those_who_wait(monkeypatch):
     workers.close()
 
 
-def test_owners_take_turns_and_are_told_how_many_come_before():
+def test_owners_take_turns_in_the_queue():
     queue, tasks = FairQueue(), {}
     for owner, number in (("a", 1), ("a", 2), ("a", 3), ("b", 1), ("c", 1), ("b", 2)):
         tasks[owner, number] = Task((), owner)
@@ -113,7 +113,7 @@ def test_owners_take_turns_and_are_told_how_many_come_before():
     assert queue.rank is None and queue.position(tasks["a", 1]) is None
 
 
-def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
+def test_shelf_keeps_the_most_recently_used_runs_within_its_capacity():
     shelf = Shelf(capacity=2 * BESIDE + 250)
     for E in (20.0, 30.0, 40.0):
         shelf.put(Scene(E=E), Frames((bytes(60), bytes(40)), 1, 1, 0.0))
@@ -124,7 +124,7 @@ def test_the_shelf_keeps_what_was_used_last_within_its_bytes():
     assert shelf.get(Scene(E=50.0)) is None
 
 
-def test_a_pool_is_dead_once_it_has_been_silent_unless_a_worker_is_idle(monkeypatch):
+def test_a_silent_pool_counts_as_dead_unless_a_worker_is_idle(monkeypatch):
     workers = Pool(size=1)
     assert not workers.alive()[0]
     workers.start()
@@ -159,7 +159,7 @@ def test_expensive_tasks_leave_a_worker_for_quick_ones(rank):
     workers.close()
 
 
-def test_an_exact_run_waits_behind_what_is_on_a_screen_and_goes_before_the_rest():
+def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks():
     workers, done = Pool(size=1), []
     workers.submit(os.getpid).result(PATIENCE)
     busy = workers.submit(time.sleep, 0.5, seconds=PATIENCE)
@@ -172,7 +172,7 @@ def test_an_exact_run_waits_behind_what_is_on_a_screen_and_goes_before_the_rest(
     workers.close()
 
 
-def test_slow_work_is_done_by_a_single_worker_too():
+def test_a_single_worker_also_runs_background_tasks():
     workers = Pool(size=1)
     assert workers.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
     workers.close()
@@ -182,7 +182,7 @@ def call_now(function, *arguments):
     function(*arguments)
 
 
-def test_the_server_fills_the_shelf_run_by_run_and_no_visitor_waits_for_it():
+def test_server_precomputes_runs_one_by_one_at_background_rank():
     shared.clear()
     pool, shelf, scenes = NoPool(), Shelf(), [Scene(), Scene(E=80.0), Scene(E=90.0)]
     shelf.put(scenes[1], Frames())
@@ -196,7 +196,7 @@ def test_the_server_fills_the_shelf_run_by_run_and_no_visitor_waits_for_it():
     shared.clear()
 
 
-def test_filling_the_shelf_ends_with_the_pool():
+def test_precomputing_runs_ends_with_the_pool():
     shared.clear()
     pool = NoPool()
     fill(Shelf(), pool, [Scene(), Scene(E=80.0)], call_now)
@@ -206,7 +206,7 @@ def test_filling_the_shelf_ends_with_the_pool():
     shared.clear()
 
 
-def test_tasks_of_the_server_itself_are_not_in_flight_for_anybody():
+def test_background_tasks_of_the_server_do_not_count_as_in_flight():
     workers = Pool(size=1)
     own = workers.submit(worker.ready, owner=NOBODY)
     assert workers.in_flight == 0

@@ -23,11 +23,11 @@ def extent(svg, kind):
     return y.max(), y.min(), x[-1]
 
 
-def test_every_experiment_of_the_row_has_a_picture_and_no_other_file_lies_there():
+def test_every_preset_of_the_row_has_exactly_one_picture():
     assert {path.stem for path in row.PLACE.iterdir()} == {preset.name for preset in ROW}
 
 
-def test_the_curves_of_a_picture_have_the_increments_and_the_ends_of_the_branches():
+def test_row_pictures_contain_increments_and_branch_ends():
     scene = presets()["fig7-case2"].scene.changed(u_x_max=14.0, du_x=0.5)
     shear = [frame for frame in load_path(scene) if frame.stage == "shear"]
     slips = [slip for frame in shear for slip in frame.slips]
@@ -35,13 +35,13 @@ def test_the_curves_of_a_picture_have_the_increments_and_the_ends_of_the_branche
     assert slips and sorted(zip(*row.curves(scene), strict=True)) == sorted(expected)
 
 
-def test_where_nothing_slides_the_curve_is_the_load_over_the_indentation():
+def test_row_picture_of_an_unloading_shows_load_over_indentation():
     scene = presets()["unload"].scene.changed(du_z=0.5, tolerance=1e-6)
     unload = [(f.delta, f.L_bar, f.A_bar) for f in load_path(scene) if f.stage == "unload"]
     assert set(unload) <= set(zip(*row.curves(scene), strict=True))
 
 
-def test_the_stored_picture_is_that_of_the_solver():
+def test_stored_row_picture_matches_the_solver():
     stored = (row.PLACE / "unload.svg").read_text(encoding="utf-8")
     drawn = row.picture(*row.curves(presets()["unload"].scene))
     assert extent(drawn, "force") == pytest.approx(extent(stored, "force"), abs=1)  # rounded on another machine

@@ -28,7 +28,7 @@ def short(monkeypatch):
     monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each
 
 
-def test_a_flat_s_curve_and_friction_in_slices_are_those_of_its_run(short):
+def test_sliced_curve_and_friction_of_a_flat_equal_those_of_a_whole_run(short):
     frames = list(load_path(FLAT))
     (U, F), count = made(tasks.flat_curve, FLAT)
     assert count == len(frames) - 1
@@ -42,20 +42,20 @@ def test_a_flat_s_curve_and_friction_in_slices_are_those_of_its_run(short):
     assert (F_s, F_k, increments) == (pytest.approx(whole.F_s), pytest.approx(whole.F_k), len(frames))
 
 
-def test_an_onset_in_slices_is_that_of_the_search_in_one_go(short):
+def test_sliced_search_for_the_onset_equals_the_whole_search(short):
     scene = Scene(nodes=256, width=625.0, phi_ratio=0.3)
     found, count = made(tasks.onset_of, scene)
     whole = onset(scene)
     assert count > 50 and found["F_s"] == pytest.approx(whole.F_s, rel=1e-6)
 
 
-def test_a_sweep_without_enough_time_for_an_increment_ends_with_its_place(short, monkeypatch):
+def test_a_sweep_that_runs_out_of_time_reports_where(short, monkeypatch):
     monkeypatch.setattr(worker, "SLOW", 0.0)
     assert "no equilibrium within 0 s" in made(tasks.onset_of, Scene())[0]
     assert isinstance(made(tasks.flat_curve, FLAT)[0], NotConverged)
 
 
-def test_a_run_goes_on_from_another_in_slices_as_in_one_go():
+def test_a_continued_run_in_slices_equals_the_whole_run():
     history = ((SHORT, 140), (SHORT.changed(delta_bar=0.25), 30))  # beyond the 26 increments of pressing on
     changed = SHORT.changed(delta_bar=0.3)
     count, pieces = 0, slices(changed, 0.0, history=history, limit=60.0)
@@ -70,20 +70,20 @@ def test_a_run_goes_on_from_another_in_slices_as_in_one_go():
     assert pytest.approx(G, rel=1e-6) == F
 
 
-def test_a_finished_run_brings_back_its_packed_frames_and_what_following_needs():
+def test_a_finished_run_returns_only_packed_frames_and_its_skeleton():
     piece = worker.compute(SHORT, None, 600.0)
     assert piece.done and piece.kept is None
     assert len(pickle.dumps(piece)) < sum(map(len, piece.blocks)) + len(piece.skeleton) + 2000
 
 
-def test_a_run_that_cannot_continue_reports_the_reason():
+def test_a_worker_reports_why_a_run_cannot_continue():
     piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, ((SHORT, 3),))
     assert piece.done and "in shear only" in piece.failure
     piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 60.0, ((SHORT, 10_000),))
     assert piece.done and "ended before" in piece.failure
 
 
-def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_with_what_it_has(monkeypatch):
+def test_an_increment_out_of_time_is_postponed_and_finally_ends_the_run(monkeypatch):
     piece = worker.compute(SHORT, None, 60.0, limit=0.0)
     assert not piece.done and piece.heavy and piece.failure is None
     monkeypatch.setattr(worker, "SLOW", 0.0)
@@ -92,7 +92,7 @@ def test_an_increment_out_of_time_is_left_for_later_and_at_last_ends_the_run_wit
 
 
 @pytest.mark.slow
-def test_a_run_with_expensive_increments_yields_to_others_and_ends_equally(pool, monkeypatch):
+def test_a_run_with_expensive_increments_yields_to_others_and_completes(pool, monkeypatch):
     monkeypatch.setattr(worker, "QUICK", 0.0)  # whatever it is, it takes longer
     page, ranks = Page(pool), []
     submit = pool.submit

@@ -29,7 +29,7 @@ def pool():
     return NoPool()
 
 
-def test_what_two_visitors_want_is_computed_once_and_kept_for_a_third(pool):
+def test_equal_requests_of_visitors_are_computed_once(pool):
     shared, seen = Shared(), []
     sweeps = [Requests(Visitor(pool), lambda call, result, k=k: seen.append((k, result)), shared) for k in range(3)]
     for sweep in sweeps[:2]:
@@ -41,7 +41,7 @@ def test_what_two_visitors_want_is_computed_once_and_kept_for_a_third(pool):
     assert seen[-1] == (2, 3) and len(pool.tasks) == 1
 
 
-def test_a_call_is_withdrawn_when_the_last_visitor_leaves_and_not_before(pool):
+def test_a_shared_call_is_cancelled_when_its_last_visitor_leaves(pool):
     shared = Shared()
     first, second = (Requests(Visitor(pool), lambda call, result: None, shared) for _ in range(2))
     for sweep in (first, second):
@@ -64,7 +64,7 @@ def test_a_cancelled_sweep_receives_no_results(pool):
     assert seen == [3]
 
 
-def test_a_call_lost_with_its_worker_is_made_again_and_in_the_end_reported(pool):
+def test_a_call_lost_with_its_worker_is_retried_and_finally_reported(pool):
     seen = []
     sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), Shared())
     sweep.add([(abs, -3)])
@@ -74,7 +74,7 @@ def test_a_call_lost_with_its_worker_is_made_again_and_in_the_end_reported(pool)
     assert isinstance(seen[0], Lost)
 
 
-def test_parts_of_a_result_are_added_up_and_do_not_travel_again(pool, monkeypatch):
+def test_partial_results_are_accumulated_on_the_server(pool, monkeypatch):
     monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each, behind the approach
     seen = []
     sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), Shared())
@@ -88,7 +88,7 @@ def test_parts_of_a_result_are_added_up_and_do_not_travel_again(pool, monkeypatc
     assert all(isinstance(each, bytes) for each in kept)
 
 
-def test_results_used_longest_ago_are_dropped(pool):
+def test_least_recently_used_results_are_dropped(pool):
     shared = Shared(capacity=2 * len(pickle.dumps(((abs, -1), 1))))
     sweep = Requests(Visitor(pool), lambda call, result: None, shared)
     for k in range(3):
@@ -117,7 +117,7 @@ def told(session):
 
 
 @pytest.mark.slow
-def test_the_friction_of_the_runs_lies_on_the_exact_curve_and_vanishes_beyond_the_boundary(session):
+def test_friction_of_flat_runs_lies_on_the_exact_curve(session):
     session.restore({"preset": "fig4a-blue"})
     order(session, "page", page="stickslip")
     done(session, of_kind(tasks.flat_friction))
@@ -131,7 +131,7 @@ def test_the_friction_of_the_runs_lies_on_the_exact_curve_and_vanishes_beyond_th
     )
 
 
-def test_a_click_on_the_map_of_regimes_loads_that_flat_scene(session):
+def test_a_click_on_the_stick_slip_map_loads_that_flat_scene(session):
     order(session, "page", page="stickslip")
     order(session, "ask", E=200.0, phi_t=0.02)
     scene = session.scene
@@ -139,7 +139,7 @@ def test_a_click_on_the_map_of_regimes_loads_that_flat_scene(session):
     assert session.preset == "fig4a-blue"
 
 
-def test_the_key_of_the_map_of_regimes_ends_where_its_colours_do(session):
+def test_legend_of_the_stick_slip_map_ends_at_its_largest_value(session):
     """Mean friction of a soft layer over tau_max falls as the lattice gets finer."""
     order(session, "page", page="stickslip")
     told = []
@@ -151,7 +151,7 @@ def test_the_key_of_the_map_of_regimes_ends_where_its_colours_do(session):
     assert told[0] > told[1] > told[2]
 
 
-def test_area_laws_ask_for_the_series_on_screen_first_and_for_those_of_figure_8(session):
+def test_area_laws_request_the_current_series_first_then_figure_8(session):
     session.change({"phi_ratio": "0.5"})
     order(session, "page", page="arealaws")
     asked = [task.call[1] for task in session.pool.tasks if task.call[0] is tasks.onset_of]
@@ -160,7 +160,7 @@ def test_area_laws_ask_for_the_series_on_screen_first_and_for_those_of_figure_8(
     assert len(asked) == 40 and len({(s.phi_n, s.phi_ratio) for s in asked}) == 4
 
 
-def test_area_laws_show_the_solver_s_onsets_as_they_come(session):
+def test_area_laws_show_each_onset_when_it_is_computed(session):
     order(session, "page", page="arealaws")
     assert session.pages.page.views["runs"].figure.y_range.end == 1.0  # in thousandths, before anything is known
     task = next(t for t in session.pool.tasks if t.call[0] is tasks.onset_of and t.call[1].delta_bar == 0.1)
@@ -175,7 +175,7 @@ def test_area_laws_show_the_solver_s_onsets_as_they_come(session):
     assert told(session)["busy"] is None
 
 
-def test_an_interface_is_added_once_and_the_oldest_gives_way(session):
+def test_an_interface_is_added_once_and_replaces_the_oldest(session):
     order(session, "page", page="arealaws")
     for ratio in ("0.5", "0.4", "0.3"):
         order(session, "scene", phi_ratio=ratio)
@@ -188,7 +188,7 @@ def test_an_interface_is_added_once_and_the_oldest_gives_way(session):
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"
 
 
-def test_the_runs_of_the_stick_slip_page_can_be_cancelled(session):
+def test_runs_of_the_stick_slip_page_can_be_cancelled(session):
     order(session, "page", page="stickslip")
     assert told(session)["busy"] == 0.0
     order(session, "ask", what="cancel")

@@ -76,7 +76,7 @@ def tokens(body):
     return re.search(rb'"token":"([^"]+)"', body)[1].decode()
 
 
-def test_pages_differ_in_their_token_and_in_what_the_address_says_only(address):
+def test_served_pages_differ_only_in_token_and_address_values(address):
     pages = [get(f"{address}/app?{query}")[2].decode() for query in ("E=80", "E=80", "E=90&delta_bar=0.3")]
     assert pages[0] != pages[1]
     known = [re.sub(r'nonce="[^"]+"|"token":"[^"]+"', "", text) for text in pages]
@@ -85,14 +85,14 @@ def test_pages_differ_in_their_token_and_in_what_the_address_says_only(address):
     assert "@" not in re.sub(r"[\w.]+@[\w.]+", "", known[0].split("<body")[1].split("<script")[0])  # no mark is left
 
 
-def test_the_token_brings_the_parameters_and_of_what_else_there_is_a_few_names_alone(address):
+def test_token_holds_parameters_and_a_few_names_of_other_arguments(address):
     query = "?E=80&theme=dark&a=1&b=1&secret=" + 5000 * "x" + "&" + 500 * "y" + "=1"
     payload = get_token_payload(tokens(get(f"{address}/app{query}", Cookie="a=b")[2]))
     assert payload["arguments"] == {"E": [b"80"], "a": [], "b": [], "secret": []}
     assert payload["headers"] == payload["cookies"] == {}
 
 
-def test_the_document_names_what_a_visitor_has_on_the_server_by_the_same_ids():
+def test_model_ids_in_the_page_equal_those_on_the_server():
     doc = Document()
     with set_curdoc(doc):
         page.open_page()
@@ -103,7 +103,7 @@ def test_the_document_names_what_a_visitor_has_on_the_server_by_the_same_ids():
         visitor.close()
 
 
-def test_a_document_that_cannot_be_made_says_so(monkeypatch, caplog):
+def test_a_failed_document_shows_a_message(monkeypatch, caplog):
     monkeypatch.setattr(page, "Session", lambda *_: 1 / 0)
     doc = Document()
     with set_curdoc(doc):
@@ -111,14 +111,14 @@ def test_a_document_that_cannot_be_made_says_so(monkeypatch, caplog):
     assert "could not be opened" in doc.roots[0].text and "ZeroDivisionError" in caplog.text
 
 
-def test_a_page_that_cannot_be_made_says_so_without_the_reason(address, monkeypatch, caplog):
+def test_a_failed_page_shows_a_message_without_internal_details(address, monkeypatch, caplog):
     monkeypatch.setattr(web, "shared", lambda _: 1 / 0)
     status, _, body = get(f"{address}/app")
     assert status == 500 and b"could not be opened" in body and b"division" not in body
     assert "ZeroDivisionError" in caplog.text
 
 
-def test_a_full_class_is_told_to_try_again_and_does(address, monkeypatch):
+def test_a_full_class_answers_503_with_automatic_retry(address, monkeypatch):
     monkeypatch.setattr(gate, "here", {"one", "two"})
     monkeypatch.setattr(gate, "VISITORS", 2)
     status, headers, body = get(f"{address}/app")
@@ -126,12 +126,12 @@ def test_a_full_class_is_told_to_try_again_and_does(address, monkeypatch):
     assert b"class is full" in body and b'http-equiv="refresh" content="10"' in body
 
 
-def test_plain_requests_take_no_place_of_a_visitor(address, monkeypatch):
+def test_plain_requests_do_not_count_as_visitors(address, monkeypatch):
     monkeypatch.setattr(gate, "VISITORS", 1)
     assert [get(f"{address}/app")[0] for _ in range(5)] == [200] * 5
 
 
-def test_an_address_too_long_for_a_connection_is_refused_with_the_page(address):
+def test_a_too_long_address_is_answered_with_414(address):
     status, _, body = get(f"{address}/app?E=80&profile={random.Random(0).randbytes(3500).hex()}")  # not compressible
     assert status == 414 and b"address is too long" in body and b'href="./app"' in body
 
@@ -139,7 +139,7 @@ def test_an_address_too_long_for_a_connection_is_refused_with_the_page(address):
 FOREIGN = "rebound.example:5006"
 
 
-def test_a_page_under_a_name_that_was_not_allowed_says_how_to_allow_it(address, monkeypatch, caplog):
+def test_a_page_under_a_foreign_host_name_explains_how_to_allow_it(address, monkeypatch, caplog):
     status, _, body = get(f"{address}/app", Host=FOREIGN)
     assert status == 403 and b"token" not in body
     assert all(f"--allow-websocket-origin={FOREIGN}" in text for text in (body.decode(), caplog.text))
@@ -149,7 +149,7 @@ def test_a_page_under_a_name_that_was_not_allowed_says_how_to_allow_it(address, 
 
 
 @pytest.mark.parametrize("site", [{}, {"Sec-Fetch-Site": "same-origin"}])
-def test_a_websocket_under_a_name_that_was_not_allowed_is_refused_even_from_its_own_page(address, monkeypatch, site):
+def test_a_websocket_under_a_foreign_host_name_is_rejected_even_with_a_valid_token(address, monkeypatch, site):
     token = tokens(get(f"{address}/app")[2])
 
     def status(host, origin):
@@ -173,7 +173,7 @@ async def connected(address, headers):
     return 101
 
 
-def test_the_page_may_load_from_its_server_only_and_be_framed_where_allowed(address, monkeypatch):
+def test_security_headers_restrict_sources_and_framing(address, monkeypatch):
     monkeypatch.setattr(web, "FRAMES", "https://school.example")
     monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example:5006")
     for query, frames in (("", "'self'"), ("?embed=1", "https://school.example")):
@@ -189,7 +189,7 @@ def test_the_page_may_load_from_its_server_only_and_be_framed_where_allowed(addr
         assert headers["Cache-Control"] == "no-store"
 
 
-def test_scripts_come_compressed_and_stay_in_the_browser(address):
+def test_scripts_are_compressed_and_cached(address):
     body = get(f"{address}/app")[2].decode()
     found = re.findall(r'<script[^>]* src="\./([^"]+)"', body) + re.findall(r'href="\./([^"]+\.css\?[^"]+)"', body)
     assert len(found) > 1
@@ -203,22 +203,22 @@ def test_scripts_come_compressed_and_stay_in_the_browser(address):
 
 
 @pytest.mark.parametrize("name", ["app/static/../main.py", "app/static/%2e%2e/main.py", "app/static/", "app/static/js"])
-def test_no_other_file_is_given(address, name):
+def test_files_outside_the_static_folder_are_not_served(address, name):
     assert get(f"{address}/{name}")[0] in (403, 404)
 
 
-def test_an_address_with_a_slash_behind_it_is_led_to_the_page_by_a_relative_way(address):
+def test_a_trailing_slash_is_redirected_by_a_relative_address(address):
     asked = http.client.HTTPConnection(address.removeprefix("http://"), timeout=60)
     asked.request("GET", "/app/?E=80")
     assert asked.getresponse().headers["Location"] == "../app?E=80"  # a proxy may have taken a prefix away
     asked.close()
 
 
-def test_there_is_no_other_way_to_a_document(address):
+def test_bokeh_autoload_is_disabled(address):
     assert get(f"{address}/app/autoload.js?bokeh-autoload-element=1")[0] == 404
 
 
-def test_metrics_have_the_format_of_prometheus(address):
+def test_metrics_have_the_prometheus_format(address):
     before = metrics.counted("pages")
     get(f"{address}/app")
     status, headers, body = get(f"{address}/metrics")
@@ -230,7 +230,7 @@ def test_metrics_have_the_format_of_prometheus(address):
     assert float(values["contact_pages_total"]) == before + 1 and float(values["contact_memory_bytes"]) > 1e7
 
 
-def test_the_lag_of_the_loop_is_counted_however_often_it_is_asked(monkeypatch):
+def test_event_loop_lag_is_counted_once_however_often_it_is_read(monkeypatch):
     now, registry = [0.0], CollectorRegistry()
     pulse = metrics.Pulse(registry)
     monkeypatch.setattr(metrics, "monotonic", lambda: now[0])
@@ -245,7 +245,7 @@ def test_the_lag_of_the_loop_is_counted_however_often_it_is_asked(monkeypatch):
         assert registry.get_sample_value("contact_loop_lag_seconds_sum") == pytest.approx(0.31)
 
 
-def test_liveness_is_that_of_the_workers(address, monkeypatch):
+def test_liveness_reflects_the_workers(address, monkeypatch):
     quiet = Pool(size=1)
     monkeypatch.setattr(web, "pool", quiet)
     status, _, body = get(f"{address}/liveness")
@@ -255,7 +255,7 @@ def test_liveness_is_that_of_the_workers(address, monkeypatch):
     quiet.close()
 
 
-def test_a_line_of_the_log_is_one_line_of_keys_and_values():
+def test_log_records_are_one_line_of_keys_and_values():
     record = logging.makeLogRecord({"name": "app", "levelname": "INFO", "msg": "a %s came", "args": ("visitor",)})
     record.visitors, record.why = 3, 'two\nlines, "quoted"'
     line = telling.Lines().format(record)
@@ -268,7 +268,7 @@ def test_a_line_of_the_log_is_one_line_of_keys_and_values():
     assert "\n" not in telling.Lines().format(record) and "ValueError: wrong" in telling.Lines().format(record)
 
 
-def test_the_log_has_the_address_for_a_class(monkeypatch, caplog):
+def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     caplog.set_level(logging.INFO, "app")
     monkeypatch.setattr(telling, "addresses", lambda: ["192.0.2.7"])
     monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)

@@ -24,7 +24,7 @@ def found_by_axe(page):
     return {rule["id"]: [node["html"][:160] for node in rule["nodes"]] for rule in rules}
 
 
-def test_axe_finds_nothing_on_the_page_and_in_its_drawer(visit):
+def test_axe_reports_no_violation_on_the_page_and_in_the_drawer(visit):
     page = visit("?theme=light&E=7000")  # with a note
     finished(page)
     assert not found_by_axe(page)
@@ -37,7 +37,7 @@ def test_axe_finds_nothing_on_the_page_and_in_its_drawer(visit):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_in_any_sheet_or_view(visit, theme):
+def test_axe_reports_no_violation_in_any_dialog_or_view(visit, theme):
     page = visit(f"?theme={theme}")
     finished(page)
     for button, sheet in (
@@ -70,7 +70,7 @@ def test_axe_finds_nothing_in_any_sheet_or_view(visit, theme):
     assert not found_by_axe(page)
 
 
-def test_what_is_touched_is_large_enough(look):
+def test_touch_targets_measure_at_least_24_pixels(look):
     page = look()
     for width, height in ((1280, 720), (390, 844), (844, 390)):
         page.set_viewport_size({"width": width, "height": height})
@@ -78,7 +78,7 @@ def test_what_is_touched_is_large_enough(look):
         assert not page.evaluate(SMALL), (width, height)
 
 
-def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit):
+def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause(visit):
     page = visit(**PLAYING)
     finished(page)
     page.evaluate(
@@ -100,7 +100,7 @@ def test_while_playing_no_live_region_speaks_and_a_pause_says_one_sentence(visit
 
 
 @pytest.mark.thorough
-def test_escape_closes_the_menu_from_any_of_its_controls_and_space_ticks_a_box(visit):
+def test_escape_closes_the_menu_and_space_ticks_its_checkbox(visit):
     page = visit("?view=hero")
     finished(page)
     page.click("#menu")
@@ -113,7 +113,7 @@ def test_escape_closes_the_menu_from_any_of_its_controls_and_space_ticks_a_box(v
 
 
 @pytest.mark.thorough
-def test_a_menu_keeps_the_focus_and_space_plays_after_a_choice(visit):
+def test_a_select_keeps_the_focus_and_space_still_starts_playback(visit):
     page = visit()
     finished(page)
     page.focus("#speed")
@@ -127,7 +127,7 @@ def test_a_menu_keeps_the_focus_and_space_plays_after_a_choice(visit):
     assert page.evaluate("document.activeElement.id") == "preset"
 
 
-def test_every_plot_has_its_numbers_as_a_table(look):
+def test_every_plot_can_be_read_as_a_table(look):
     page = look()
     page.keyboard.press("End")
     page.wait_for_function("punch.drawn === punch.run.length - 1")
@@ -163,13 +163,13 @@ WITHOUT = {  # page: why its plots have no numbers at once
 }
 
 
-def test_each_page_is_checked_for_tables_or_named_as_without():
+def test_every_page_is_listed_as_with_or_without_tables():
     assert sorted([*WHOLE, *WITHOUT]) == sorted(listed())
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", WHOLE)
-def test_every_plot_of_a_page_has_its_numbers_as_a_table(visit, name):
+def test_every_plot_of_a_page_can_be_read_as_a_table(visit, name):
     page = visit(f"?page={name}" + (QUICK if name == "arealaws" else ""))
     finished(page)
     page.wait_for_function(f"() => {WHOLE[name]}", timeout=PATIENCE)
@@ -207,7 +207,7 @@ def to(page, stop, most=140):  # two rounds of the page, and what takes the focu
     raise AssertionError(f"{stop} is not reached by the tab key")
 
 
-def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
+def test_tab_key_reaches_visible_named_controls_in_order_without_a_trap(visit):
     page = visit()  # where the tab key begins cannot be set back
     finished(page)
     stops = []
@@ -230,7 +230,7 @@ def test_every_stop_of_the_tab_key_is_seen_and_named_and_none_is_a_trap(visit):
 
 
 @pytest.mark.thorough
-def test_everything_is_done_with_the_keyboard_alone(visit):
+def test_the_whole_page_works_with_the_keyboard_alone(visit):
     page = visit(**PLAYING)
     finished(page)
     press = page.keyboard.press
@@ -278,7 +278,7 @@ def test_everything_is_done_with_the_keyboard_alone(visit):
 
 
 @pytest.mark.thorough
-def test_the_menu_says_when_the_scene_is_no_longer_its_preset_and_brings_it_back(visit):
+def test_preset_menu_marks_a_changed_scene_and_restores_the_preset(visit):
     page = visit("?preset=fig7-case2")
     finished(page)
     assert page.locator("#preset optgroup").count() > 3
@@ -293,7 +293,7 @@ def test_the_menu_says_when_the_scene_is_no_longer_its_preset_and_brings_it_back
 
 
 @pytest.mark.thorough
-def test_figures_of_the_solver_are_behind_one_button(look):
+def test_solver_statistics_appear_only_behind_their_button(look):
     page = look()
     assert "evaluations" not in page.inner_text(".page")
     page.locator("#solver-figures").click()
@@ -301,7 +301,7 @@ def test_figures_of_the_solver_are_behind_one_button(look):
     assert "502 increments" in said and "force evaluations" in said and "1e-8 nm" in said
 
 
-def test_the_run_before_is_seen_in_the_dark(look):
+def test_previous_run_has_enough_contrast_in_the_dark_theme(look):
     colours = """() => {
         const root = document.documentElement, before = root.dataset.theme, style = getComputedStyle(root)
         root.dataset.theme = "dark"

@@ -17,7 +17,7 @@ def sliders(page):
     return {name: values[name] for name in ("delta_bar", "phi_ratio", "E")}
 
 
-def test_the_curves_grow_while_the_worker_computes(visit):
+def test_curves_grow_while_the_worker_computes(visit):
     page = visit("?E=20&delta_bar=0.3")  # soft: several slices, however fast the machine
     page.wait_for_function("() => window.punch?.run", timeout=PATIENCE)
     grown = page.evaluate(
@@ -37,7 +37,7 @@ def test_the_curves_grow_while_the_worker_computes(visit):
     assert "all increments converged" in page.text_content("#solver")
 
 
-def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
+def test_moving_a_slider_by_keyboard_changes_the_curve_and_keeps_the_previous_one(visit):
     page = visit()
     finished(page)
     before = page.evaluate("[...punch.run.shear('F_bar')]")
@@ -54,7 +54,7 @@ def test_a_slider_moved_by_keyboard_changes_the_curve_and_leaves_a_ghost(visit):
 
 
 @pytest.mark.thorough
-def test_dragging_on_never_queues_and_ends_at_the_last_position(visit):
+def test_fast_slider_steps_skip_runs_and_end_at_the_last_position(visit):
     page = visit()
     finished(page)
     page.focus("#delta_bar")
@@ -73,7 +73,7 @@ CURSOR = """async () => {
 }"""
 
 
-def test_play_pause_step_and_reset(visit):
+def test_playback_can_be_paused_stepped_and_reset(visit):
     page = visit(**PLAYING)
     finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 3")  # it plays by itself
@@ -106,7 +106,7 @@ def test_play_pause_step_and_reset(visit):
     assert drawn(page, "forces", "ghost_F") == 0
 
 
-def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(look):
+def test_help_lists_the_keys_and_opens_by_keyboard_and_mouse(look):
     page = look()
     help_ = page.get_by_role("dialog", name="Keys")
     page.get_by_role("button", name="Keys and other help").click()
@@ -124,7 +124,7 @@ def test_the_keys_are_listed_in_a_help_that_keyboard_and_mouse_open_and_close(lo
 
 
 @pytest.mark.thorough
-def test_the_speed_chosen_is_that_of_the_top(visit):
+def test_playback_speed_is_the_chosen_speed_of_the_top(visit):
     page = visit(**PLAYING)
     finished(page)
     page.select_option("#speed", "20")
@@ -138,7 +138,7 @@ def test_the_speed_chosen_is_that_of_the_top(visit):
 
 
 @pytest.mark.thorough
-def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
+def test_moving_a_slider_replaces_a_slow_run_at_once(visit):
     page = visit("?E=10&delta_bar=1")
     page.wait_for_function(
         "() => window.punch?.run?.sheared >= 0 && punch.status.state === 'running'", timeout=PATIENCE
@@ -151,7 +151,7 @@ def test_a_slider_moved_during_a_slow_run_is_followed_at_once(visit):
     assert 0 < page.evaluate("punch.ghost.shear('F_bar').length") < 401  # what was there of the slow one
 
 
-def test_hovering_and_clicking_a_curve_moves_every_view(look):
+def test_hovering_previews_and_clicking_selects_an_increment(look):
     page = look()
     page.keyboard.press("Home")
     page.wait_for_function("punch.drawn === 0")
@@ -167,7 +167,7 @@ def test_hovering_and_clicking_a_curve_moves_every_view(look):
     page.wait_for_function(f"punch.at > {at} + 50 && punch.preview === null")
 
 
-def test_a_bad_entry_is_explained_and_the_run_stays(visit):
+def test_an_invalid_entry_shows_the_range_and_keeps_the_run(visit):
     page = visit()
     finished(page)
     for text, said in (("7000000", "“7000000”"), ("stiff", "“stiff”"), ("nan", "Stiffness “nan”")):
@@ -182,7 +182,7 @@ def test_a_bad_entry_is_explained_and_the_run_stays(visit):
     assert page.locator("#E-error").is_hidden()
 
 
-def test_what_was_taken_stands_in_its_own_unit_and_what_was_refused_beside_no_other_depth(visit):
+def test_entries_convert_units_and_a_rejected_depth_shows_no_conversion(visit):
     page = visit()
     finished(page)
     read = "name => document.getElementById(`${name}-entry`).value"
@@ -199,12 +199,12 @@ def test_what_was_taken_stands_in_its_own_unit_and_what_was_refused_beside_no_ot
     page.wait_for_function("document.getElementById('delta_bar').title.startsWith('2.5 lies beyond')")
 
 
-def test_notes_name_unknown_parameters_of_an_address(look):
+def test_unknown_parameters_of_the_address_are_named_in_a_note(look):
     said = look("?foo=1&delta=0.5").inner_text("#notes")
     assert "“foo” in the address is unknown" in said and re.search("“delta” .*Use .*delta_bar", said)
 
 
-def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
+def test_address_sets_the_scene_and_invalid_values_give_a_note(visit):
     page = visit("?delta_bar=0.4&phi_ratio=lots&E=200&theme=dark")
     finished(page)
     assert sliders(page) == {"delta_bar": 0.4, "phi_ratio": 1, "E": 200}
@@ -213,7 +213,7 @@ def test_the_address_holds_the_state_and_bad_values_give_a_note(visit):
 
 
 @pytest.mark.thorough
-def test_the_theme_follows_the_browser_and_switches_without_losing_the_run(visit):
+def test_theme_follows_the_browser_and_switching_it_keeps_the_run(visit):
     page = visit(color_scheme="dark")
     finished(page)
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"

@@ -27,12 +27,12 @@ def still(look):
     return page
 
 
-def test_the_index_finds_the_view_of_a_figure_and_says_when_it_is_drawn(still):
+def test_view_of_every_figure_is_found_and_reports_when_it_is_drawn(still):
     assert still.evaluate("Object.values(figures).every((figure) => bokeh.viewOf(figure).model === figure)")
     still.wait_for_function("() => Object.values(figures).every(bokeh.isDrawn)")
 
 
-def test_a_painting_asks_for_no_style_of_the_page_and_leaves_style_sheets_as_they_are(still):
+def test_repainting_reads_no_css_variable_and_leaves_style_sheets_unchanged(still):
     asked, written = still.evaluate(
         """async () => {
             let asked = 0, written = 0
@@ -59,7 +59,7 @@ def test_a_painting_asks_for_no_style_of_the_page_and_leaves_style_sheets_as_the
     assert asked == 0 and written < 5  # and not one for each of some 30 things that are drawn
 
 
-def test_a_change_is_painted_once_and_that_can_be_awaited(still):
+def test_several_changes_are_painted_once_and_painting_can_be_awaited(still):
     painted = still.evaluate(
         """async () => {
             const before = pixels()
@@ -79,7 +79,7 @@ def test_a_change_is_painted_once_and_that_can_be_awaited(still):
     assert painted == [True, True, 1, 0]
 
 
-def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(still):
+def test_only_orders_are_sent_to_the_server_not_local_changes_of_figures(still):
     sent = still.evaluate(
         f"""async () => {{
             const send = WebSocket.prototype.send, said = []
@@ -99,7 +99,7 @@ def test_what_is_set_and_filled_here_is_not_sent_to_the_server_but_an_order_is(s
     assert set(sent) - layout == {"order"}
 
 
-def test_every_part_of_a_figure_is_found_by_its_name_and_takes_its_colour(still):
+def test_parts_of_a_figure_are_found_by_name_and_can_be_coloured(still):
     assert set(still.evaluate("Object.keys(parts.forces)")) == {
         *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor", "pins", "ways")
     }
@@ -108,12 +108,12 @@ def test_every_part_of_a_figure_is_found_by_its_name_and_takes_its_colour(still)
     assert "#123456" in (bokeh_value, still.evaluate(f"{line}.value")), bokeh_value
 
 
-def test_an_image_is_of_the_kind_that_came_from_the_server_and_has_its_shape(still):
+def test_an_image_keeps_its_shape(still):
     shape = still.evaluate("bokeh.image(parts.map.map, new Float32Array(6), [2, 3])[0].shape")
     assert list(shape) == [2, 3]
 
 
-def test_what_a_part_has_drawn_can_be_read_from_it(still):
+def test_drawn_data_of_a_part_can_be_read_back(still):
     assert still.evaluate("bokeh.drawnBy(parts.forces.F).x.length === bokeh.drawnBy(parts.forces.F).y.length")
     assert still.evaluate(
         "(({ image, rows, columns }) => image.length === rows * columns)(bokeh.drawnBy(parts.map.map))"
@@ -121,19 +121,19 @@ def test_what_a_part_has_drawn_can_be_read_from_it(still):
     assert still.evaluate("bokeh.drawnBy(parts.forces.cursor)") is None
 
 
-def test_a_figure_knows_its_size_on_screen(still):
+def test_stretch_of_a_figure_on_screen_is_known(still):
     assert still.evaluate("bokeh.stretch(figures.punch)") > 1
     assert still.evaluate("bokeh.stretch(undefined)") is None
 
 
-def test_a_figure_knows_where_its_axes_enclose_it(still):
+def test_frame_of_a_figure_lies_within_its_element(still):
     box = still.evaluate("bokeh.frameBox(figures.punch)")
     view = still.locator("#punch-view").bounding_box()
     assert 0 < box["left"] < box["left"] + box["width"] <= view["width"]
     assert 0 <= box["top"] < box["top"] + box["height"] <= view["height"]
 
 
-def test_changes_and_events_of_a_model_are_heard(still):
+def test_listeners_receive_changes_and_taps_of_a_model(still):
     heard = still.evaluate(
         """() => {
             let changes = 0
@@ -149,7 +149,7 @@ def test_changes_and_events_of_a_model_are_heard(still):
     still.wait_for_function("() => taps.length === 1 && taps[0] > 0 && taps[0] < 40")
 
 
-def test_no_canvas_is_a_stop_of_the_tab_key(still):
+def test_no_canvas_can_be_focused_by_the_tab_key(still):
     """As the page has left them: asking for a view would mend it."""
     stops = """() => {
         const within = (root) => [...root.querySelectorAll("*")].flatMap((e) => (
@@ -160,17 +160,17 @@ def test_no_canvas_is_a_stop_of_the_tab_key(still):
     assert len(found) >= 4 and set(found) == {-1}
 
 
-def test_a_figure_becomes_an_svg_with_its_words(still):
+def test_a_figure_is_exported_as_svg_with_its_labels(still):
     svg = still.evaluate("bokeh.svgOf(figures.map)")  # the lowest of the curves, whose axis all share
     assert svg.startswith("<svg") and "displacement Uₓ" in svg
 
 
-def test_the_element_that_holds_a_figure_is_found_from_within_it(still):
+def test_element_that_contains_a_figure_is_found(still):
     view = "document.querySelector('figure[aria-label^=Friction] .view')"
     assert still.evaluate(f"bokeh.holderOf(figures.forces) === {view}")
 
 
-def test_a_line_gets_thicker_by_what_it_was_composed_with(still):
+def test_line_width_is_multiplied_from_its_original_value(still):
     widths = still.evaluate(
         """() => [2, 3, 1].map((times) => {
             bokeh.thicken(parts.forces.F, times)

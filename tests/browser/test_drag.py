@@ -59,7 +59,7 @@ def paused(visit, query):
     return page
 
 
-def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_over(visit):
+def test_dragging_a_slider_shows_predictions_on_fixed_axes_then_the_exact_run(visit):
     page = paused(visit, "?E=71.3&delta_bar=0.1")
     before = page.evaluate("[...punch.run.shear('F_bar')]")
     axes, colours, at = page.evaluate(f"[{AXES}, {COLOURS}, punch.run.curves.U_x[300]]")
@@ -100,7 +100,7 @@ def test_pictures_follow_a_held_slider_while_axes_stay_and_the_exact_run_takes_o
     assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
 
 
-def test_a_flat_chosen_while_paused_shows_one_row_of_nodes(visit):
+def test_choosing_a_flat_while_paused_removes_the_nodes_drawn_by_bokeh(visit):
     page = paused(visit, "?E=71.4")
     assert page.evaluate(GLYPHS) > 0
     page.locator("#row input[value='fig4a-blue']").evaluate("(radio) => radio.click()")
@@ -108,7 +108,7 @@ def test_a_flat_chosen_while_paused_shows_one_row_of_nodes(visit):
     assert page.evaluate(GLYPHS) == 0  # Bokeh draws none: they are drawn enlarged on the canvas over it
 
 
-def test_the_longest_arrow_stays_that_of_the_largest_force_while_the_stiffness_is_dragged(visit):
+def test_force_arrows_keep_their_scale_while_the_stiffness_is_dragged(visit):
     page = paused(visit, "?E=71.5&delta_bar=0.1")
     before = page.evaluate("punch.run.strongest")
     page.evaluate("punch.rests = 1e6")
@@ -120,7 +120,7 @@ def test_the_longest_arrow_stays_that_of_the_largest_force_while_the_stiffness_i
     page.mouse.up()
 
 
-def test_the_sentence_says_the_numbers_of_the_run_on_screen_also_where_it_slides_as_before(visit):
+def test_sentence_updates_its_numbers_when_only_they_change(visit):
     """Both slide without slips, so that the sentence is the same but for its numbers."""
     page = paused(visit, "?phi_ratio=0.004")
     page.keyboard.press("End")
@@ -134,7 +134,7 @@ def test_the_sentence_says_the_numbers_of_the_run_on_screen_also_where_it_slides
     assert f"{high:.3g} N/m" in page.locator("#sentence").inner_text()
 
 
-def test_a_hand_that_rests_but_holds_on_gets_the_exact_run_and_one_drag_has_one_ghost(visit):
+def test_pausing_within_a_drag_computes_the_exact_run_and_keeps_the_run_before_the_drag(visit):
     page = paused(visit, "?E=71.6&delta_bar=0.1")
     point = grab(page, "delta_bar")
     page.mouse.move(*point(1))
@@ -150,7 +150,7 @@ def test_a_hand_that_rests_but_holds_on_gets_the_exact_run_and_one_drag_has_one_
     assert page.evaluate("punch.ghost.scene.delta_bar") == 0.1
 
 
-def test_the_hand_on_the_punch_and_the_wheel_are_followed_as_the_slider_is(visit):
+def test_dragging_the_punch_and_turning_the_wheel_show_predictions(visit):
     page = paused(visit, "?E=71.9&delta_bar=0.1")
     box = page.locator("#punch-view").bounding_box()
     x, y = box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"]

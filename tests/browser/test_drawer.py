@@ -9,7 +9,7 @@ QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
 
 @pytest.mark.once
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
-def test_the_views_make_room_for_the_drawer(visit, size):
+def test_views_make_room_for_the_parameter_drawer(visit, size):
     page = visit()
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
@@ -29,7 +29,7 @@ def test_the_views_make_room_for_the_drawer(visit, size):
     page.wait_for_function("document.activeElement.id === 'more'")
 
 
-def test_it_shows_what_applies_finds_and_restores(visit):
+def test_drawer_shows_applicable_parameters_searches_and_restores_them(visit):
     page = visit(f"?surface=rough&{QUICK}")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
@@ -52,7 +52,7 @@ def test_it_shows_what_applies_finds_and_restores(visit):
 
 
 @pytest.mark.thorough
-def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visit):
+def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(visit):
     page = visit()
     finished(page)
     page.get_by_role("button", name="Parameters").click()
@@ -65,7 +65,7 @@ def test_a_refused_choice_falls_back_and_says_why_and_a_file_keeps_its_name(visi
 
 
 @pytest.mark.thorough
-def test_entries_take_what_people_type(visit):
+def test_entries_accept_units_decimal_commas_and_minus_signs(visit):
     page = visit(f"?{QUICK}")
     finished(page)
     for run, (name, text, value) in enumerate(

@@ -59,7 +59,7 @@ def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(visit):
     assert "drive_t" not in page.url
 
 
-def test_tour_asks_about_a_rubber_band_and_its_run_gives_the_answer(visit):
+def test_tour_question_on_a_soft_drive_matches_the_solver(visit):
     page = visit("?tour=7&view=hero")
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
     page.evaluate("punch.speed = 40")

@@ -17,7 +17,7 @@ def along(page):
     return page.evaluate(f"{MODEL.format('forces')}.below[0].axis_label")
 
 
-def test_the_approach_is_drawn_along_the_indentation_with_its_jump_into_contact(visit):
+def test_approach_is_plotted_over_indentation_and_marks_the_jump_into_contact(visit):
     page = visit("?du_x=0.5")
     finished(page)
     page.locator("body").press("Home")
@@ -34,7 +34,7 @@ def test_the_approach_is_drawn_along_the_indentation_with_its_jump_into_contact(
 
 @pytest.mark.once
 @pytest.mark.parametrize("query", ["?u_x_max=0", "?path=unload&delta_bar=-1", "?delta_bar=-1&du_x=1"])
-def test_a_run_without_shear_or_without_contact_has_axes_and_says_why(visit, query):
+def test_runs_without_shear_or_contact_have_valid_axes_and_an_explanation(visit, query):
     page = visit(query)
     finished(page)
     start, end = page.evaluate(f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.x_range)")
@@ -45,7 +45,7 @@ def test_a_run_without_shear_or_without_contact_has_axes_and_says_why(visit, que
 
 
 @pytest.mark.thorough
-def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
+def test_arrows_show_the_direction_of_loops_and_unloading(visit):
     page = visit("?path=loop&u_x_max=10&du_x=0.5")
     finished(page)
     right, left = pytest.approx(-1.5708, abs=1e-3), pytest.approx(1.5708, abs=1e-3)
@@ -63,7 +63,7 @@ def test_arrows_show_which_way_a_loop_and_an_unloading_are_walked(visit):
 
 
 @pytest.mark.thorough
-def test_increments_in_which_the_surface_never_rests_are_hatched_and_named(visit):
+def test_increments_without_an_equilibrium_are_hatched_and_labelled(visit):
     page = visit("?du_x=0.5")
     finished(page)
     assert page.locator("#unrested").is_hidden()

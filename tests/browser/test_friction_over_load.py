@@ -41,7 +41,7 @@ def opened(visit):
     return page
 
 
-def test_each_run_leaves_the_load_and_the_force_of_its_first_slip_in_the_colour_of_what_changed(opened):
+def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter(opened):
     page = opened
     page.locator("#E").focus()
     page.keyboard.press("ArrowRight")
@@ -58,7 +58,7 @@ def test_each_run_leaves_the_load_and_the_force_of_its_first_slip_in_the_colour_
     assert L < 0 < F  # adhesion alone holds
 
 
-def test_scene_seen_again_and_runs_without_a_slip_leave_no_point(opened):
+def test_repeated_scenes_and_runs_without_a_slip_add_no_point(opened):
     page = opened
     for value, count in (("80", 2), ("70", 2)):
         enter(page, "E", value)
@@ -85,7 +85,7 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     assert len(page.evaluate(COLUMN.format("E", "L"))) == 1  # compared with the run before
 
 
-def test_points_are_a_table_and_a_csv(opened):
+def test_points_are_exported_as_table_and_csv(opened):
     page = opened
     enter(page, "E", "80")
     has_points(page, 2)

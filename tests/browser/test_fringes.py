@@ -7,7 +7,7 @@ pytestmark = [pytest.mark.thorough]
 KEY = "document.getElementById('fringe-most').textContent"
 
 
-def test_a_fringe_stands_for_one_stress_whatever_the_scene_until_the_user_chooses_another(visit):
+def test_stress_per_fringe_changes_only_when_the_user_chooses_it(visit):
     page = visit("?E=71.6")
     finished(page)
     page.wait_for_function(f"{KEY} === '0.6 GPa'")

@@ -9,7 +9,7 @@ pytestmark = [pytest.mark.thorough]
 FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('glossary.html')).length"
 
 
-def test_a_click_on_a_term_explains_it_and_nothing_is_loaded_before(look):
+def test_clicking_a_term_loads_and_shows_its_explanation(look):
     page = look()
     assert page.evaluate(FETCHED) == 0
     term = page.locator("#said .term, figcaption .term").first
@@ -22,7 +22,7 @@ def test_a_click_on_a_term_explains_it_and_nothing_is_loaded_before(look):
     page.locator("#term").wait_for(state="hidden")
 
 
-def test_a_click_on_a_term_of_a_heading_does_not_enlarge_its_curve(look):
+def test_clicking_a_term_in_a_caption_does_not_enlarge_the_plot(look):
     page = look("?view=hero")
     term = page.locator(".area figcaption .term").first
     if term.is_hidden():
@@ -34,7 +34,7 @@ def test_a_click_on_a_term_of_a_heading_does_not_enlarge_its_curve(look):
 
 
 @pytest.mark.thorough
-def test_what_the_sentence_and_the_sliders_name_is_explained_there(look):
+def test_terms_in_the_sentence_and_slider_labels_are_explained(look):
     page = look()
     page.locator("#sentence .term").first.click()
     page.locator("#term").wait_for()
@@ -43,7 +43,7 @@ def test_what_the_sentence_and_the_sliders_name_is_explained_there(look):
 
 
 @pytest.mark.thorough
-def test_what_to_mind_in_a_result_is_said_behind_a_button(look):
+def test_cautions_about_a_result_appear_behind_their_button(look):
     page = look("?preset=inertia")
     assert page.locator("#notes").is_hidden()
     page.locator("#caution").click()
@@ -51,7 +51,7 @@ def test_what_to_mind_in_a_result_is_said_behind_a_button(look):
 
 
 @pytest.mark.thorough
-def test_enter_explains_a_term_to_the_eye_and_the_ear_and_escape_hides_it(look):
+def test_enter_shows_and_announces_an_explanation_and_escape_hides_it(look):
     page = look()
     term = page.locator("#look .term").first
     term.focus()
@@ -64,7 +64,7 @@ def test_enter_explains_a_term_to_the_eye_and_the_ear_and_escape_hides_it(look):
 
 
 @pytest.mark.thorough
-def test_a_touch_explains_a_term_within_the_screen_until_the_next_touch_elsewhere(visit):
+def test_touching_a_term_shows_its_explanation_on_screen_until_the_next_touch(visit):
     page = visit(has_touch=True)
     page.set_viewport_size({"width": 390, "height": 844})
     finished(page)
@@ -80,7 +80,7 @@ def test_a_touch_explains_a_term_within_the_screen_until_the_next_touch_elsewher
 
 
 @pytest.mark.thorough
-def test_every_term_is_listed_with_the_theory(look):
+def test_theory_lists_every_term_of_the_glossary(look):
     page = look()
     page.locator("#open-theory").click()
     page.locator("#theory .glossary").wait_for()

@@ -11,7 +11,7 @@ def enter(page, name, text):
     page.keyboard.press("Enter")
 
 
-def test_ctrl_z_takes_settled_changes_back_one_by_one_and_ctrl_y_brings_them_again(visit):
+def test_ctrl_z_undoes_settled_changes_and_ctrl_y_redoes_them(visit):
     page = visit("?du_x=0.5&u_x_max=10")
     finished(page)
     assert page.get_by_role("button", name="Undo").is_disabled()
@@ -36,7 +36,7 @@ def test_ctrl_z_takes_settled_changes_back_one_by_one_and_ctrl_y_brings_them_aga
     assert page.input_value("#E-entry") == "200"
 
 
-def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(visit):
+def test_browser_back_and_forward_undo_and_redo_changes_and_pages(visit):
     page = visit()
     finished(page)
     page.select_option("#preset", "fig7-case2")
@@ -57,7 +57,7 @@ def test_back_and_forward_of_the_browser_undo_and_redo_and_leave_the_open_page(v
 
 
 @pytest.mark.thorough
-def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):
+def test_undo_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
@@ -77,7 +77,7 @@ def test_reset_is_undone_and_an_uploaded_profile_with_it(visit, tmp_path):
     assert page.evaluate("punch.run.curves.F_bar") == curve
 
 
-def test_the_address_names_the_increment_at_rest_and_brings_it_back(visit):
+def test_address_holds_the_increment_of_a_paused_run(visit):
     page = visit("?v=1&delta_bar=0.1&k=209")
     finished(page)
     page.wait_for_function("punch.drawn === 209 && !punch.playing")
@@ -88,7 +88,7 @@ def test_the_address_names_the_increment_at_rest_and_brings_it_back(visit):
 
 
 @pytest.mark.thorough
-def test_an_increment_beyond_the_run_or_that_is_none_does_no_harm(visit):
+def test_invalid_increments_in_the_address_are_harmless(visit):
     page = visit("?k=99999")
     finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1 && !punch.playing")
@@ -97,7 +97,7 @@ def test_an_increment_beyond_the_run_or_that_is_none_does_no_harm(visit):
     page.wait_for_function("punch.drawn > punch.run.sheared + 1")  # it plays
 
 
-def test_an_embedded_page_shows_the_views_alone_paused_with_their_parameters(visit):
+def test_an_embedded_page_shows_paused_views_and_their_parameters_only(visit):
     page = visit("?embed=1&delta_bar=0.1&k=150")
     finished(page)
     page.wait_for_function("punch.drawn === 150 && !punch.playing")

@@ -45,7 +45,7 @@ def faults_at_every_size(page, whole=False):
 
 @pytest.mark.once
 @pytest.mark.parametrize("view", ["hero", "lab", "projector"])
-def test_the_experiment_fits_every_screen(visit, view):
+def test_experiment_fits_every_screen_size(visit, view):
     page = visit(f"?view={view}")
     finished(page)
     page.keyboard.press("End")  # the longest readout
@@ -61,7 +61,7 @@ OVER_ENDS = """() => [...document.querySelectorAll('.ends')].flatMap((scale) => 
 })"""
 
 
-def test_with_tools_no_mark_covers_a_number_and_the_description_is_whole(visit):
+def test_slider_marks_cover_no_number_and_the_description_is_not_cut(visit):
     page = visit("?view=lab")
     finished(page)
     page.set_viewport_size({"width": 1440, "height": 900})
@@ -73,7 +73,7 @@ def test_with_tools_no_mark_covers_a_number_and_the_description_is_whole(visit):
     assert whole <= shown
 
 
-def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(visit):
+def test_phone_hides_pages_in_a_menu_and_shows_sliders_and_punch_first(visit):
     page = visit("?view=hero")
     page.set_viewport_size({"width": 390, "height": 844})
     finished(page)
@@ -91,7 +91,7 @@ def test_on_a_phone_a_menu_leaves_the_first_screen_to_the_sliders_and_the_punch(
 
 
 @pytest.mark.thorough
-def test_a_refused_entry_leaves_the_other_sliders_their_width(visit):
+def test_an_error_message_leaves_slider_widths_unchanged(visit):
     page = visit()
     finished(page)
     widths = "['delta_bar', 'phi_ratio', 'E'].map((name) => document.getElementById(name).clientWidth)"
@@ -106,7 +106,7 @@ SHARES = {(1440, 900): 0.55, (1280, 720): 0.55, (390, 844): 0.38}  # of the firs
 
 
 @pytest.mark.thorough
-def test_the_hero_has_its_share_of_every_screen_and_a_curve_is_always_in_sight(visit):
+def test_punch_fills_its_share_of_every_screen_beside_a_visible_curve(visit):
     page = visit("?view=hero")
     finished(page)
     for width, height in (*SHARES, (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657), (844, 390)):
@@ -133,7 +133,7 @@ REASON = (
 )
 
 
-def test_curves_and_sliders_stay_where_they_are_whatever_is_said(visit):
+def test_long_sentences_do_not_move_curves_and_sliders(visit):
     page = visit("?view=hero")
     finished(page)
     where = """() => ["figure.forces .view", ".control[data-shown]", ".player"].map((name) => (
@@ -160,7 +160,7 @@ def test_curves_and_sliders_stay_where_they_are_whatever_is_said(visit):
         assert all(place == places[0] for place in places), (width, height)
 
 
-def test_the_first_screen_has_twelve_controls(visit):
+def test_first_screen_has_at_most_twelve_controls(visit):
     page = visit("?view=hero")
     finished(page)
     page.set_viewport_size({"width": 1440, "height": 900})
@@ -175,7 +175,7 @@ def test_the_first_screen_has_twelve_controls(visit):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", listed())
-def test_every_page_fits_every_screen(visit, name):
+def test_every_page_fits_every_screen_size(visit, name):
     page = visit("?view=hero")
     finished(page)
     page.get_by_role("button", name="Menu").click()
@@ -190,7 +190,7 @@ def test_every_page_fits_every_screen(visit, name):
 
 
 @pytest.mark.thorough
-def test_on_a_phone_held_sideways_punch_and_curve_are_side_by_side(visit):
+def test_landscape_phone_shows_punch_and_curve_side_by_side(visit):
     page = visit("?view=hero")
     finished(page)
     page.set_viewport_size({"width": 844, "height": 390})
@@ -200,7 +200,7 @@ def test_on_a_phone_held_sideways_punch_and_curve_are_side_by_side(visit):
     assert play["y"] + play["height"] <= 390
 
 
-def test_a_page_opened_on_a_phone_shows_its_heading_at_once(visit):
+def test_a_page_opened_on_a_phone_starts_at_its_heading(visit):
     page = visit("?page=law", viewport={"width": 390, "height": 844})
     page.wait_for_function(
         "() => { const { top } = document.querySelector('#law h2').getBoundingClientRect();"
@@ -209,7 +209,7 @@ def test_a_page_opened_on_a_phone_shows_its_heading_at_once(visit):
 
 
 @pytest.mark.parametrize("query", ["?view=hero", "?view=lab"])
-def test_a_flat_has_its_picture_its_words_and_one_curve_at_every_size(visit, query):
+def test_a_flat_shows_picture_text_and_one_curve_at_every_size(visit, query):
     page = visit(f"{query}&preset=fig4a-blue")
     finished(page)
     page.locator("main").evaluate("(main) => { main.dataset.chosen = 'area' }")  # a curve that a flat has not

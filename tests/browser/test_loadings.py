@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.thorough]
 AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
 
 
-def test_a_friction_loop_is_drawn_and_its_dissipation_told(visit):
+def test_a_friction_loop_is_plotted_with_its_dissipated_energy(visit):
     page = visit("?preset=loop")
     finished(page)
     stages = page.evaluate("[...new Set(punch.run.curves.stage.map((s) => punch.run.head.stages[s]))]")
@@ -29,7 +29,7 @@ def test_a_friction_loop_is_drawn_and_its_dissipation_told(visit):
 
 
 @pytest.mark.thorough
-def test_unloading_is_drawn_along_the_indentation(visit):
+def test_unloading_is_plotted_over_indentation(visit):
     page = visit("?preset=unload")
     finished(page)
     assert "δ" in page.evaluate(AXIS)
@@ -41,7 +41,7 @@ def test_unloading_is_drawn_along_the_indentation(visit):
     assert page.evaluate("punch.ghost") is None  # another experiment: nothing to compare
 
 
-def test_a_run_through_points_is_drawn_along_its_path(visit):
+def test_a_run_through_points_is_plotted_over_path_length(visit):
     page = visit("?path=points&points=0,-1;0,0.2;4,0.2;6,-1&E=20")
     finished(page)
     assert page.evaluate(AXIS) == "length of the path (nm)"
@@ -55,7 +55,7 @@ def test_a_run_through_points_is_drawn_along_its_path(visit):
     assert page.locator("#delta_bar").is_enabled()
 
 
-def test_a_change_can_carry_on_from_the_increment_on_screen(visit):
+def test_a_changed_run_continues_from_the_increment_on_screen(visit):
     page = visit()
     finished(page)
     paused_at(page, 300)
@@ -104,7 +104,7 @@ def told(page, k):
     return {name: float(str(value).replace("−", "-")) for name, value in seen.items()}, said
 
 
-def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increment(visit):
+def test_a_continued_run_shows_each_increment_with_its_own_stiffness_everywhere(visit):
     """After E = 200 at the sixth slip, all before was once told by 200 in the punch, by 70 in the curve."""
     page = visit()
     finished(page)
@@ -149,7 +149,7 @@ def test_a_run_carried_on_under_another_stiffness_has_one_truth_for_every_increm
 
 
 @pytest.mark.thorough
-def test_a_profile_is_uploaded_and_a_bad_one_leaves_the_run(visit, tmp_path):
+def test_an_uploaded_profile_is_used_and_an_invalid_one_keeps_the_run(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     page.get_by_role("button", name="Parameters").click()

@@ -12,7 +12,7 @@ def marks(page):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["?view=hero", "?view=hero&preset=fig4a-blue"])
-def test_the_words_of_a_mark_stand_at_its_place_and_a_flat_has_no_key_of_fringes(visit, query):
+def test_slider_mark_labels_cover_their_tick_and_a_flat_has_no_fringe_legend(visit, query):
     page = visit(query, viewport={"width": 1440, "height": 900})
     finished(page)
     marks(page)
@@ -25,7 +25,7 @@ def test_the_words_of_a_mark_stand_at_its_place_and_a_flat_has_no_key_of_fringes
 
 
 @pytest.mark.thorough
-def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scene_on_screen(visit):
+def test_slider_marks_show_zero_load_and_smooth_sliding_of_the_current_scene(visit):
     page = visit("?du_x=0.5")
     finished(page)
     first = marks(page)
@@ -45,7 +45,7 @@ def test_marks_say_where_the_load_turns_and_where_sliding_is_smooth_for_the_scen
 
 
 @pytest.mark.thorough
-def test_a_click_on_a_mark_moves_the_slider_there(visit):
+def test_clicking_a_mark_moves_the_slider_there(visit):
     page = visit("?du_x=0.5")
     finished(page)
     marks(page)

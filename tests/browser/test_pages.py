@@ -23,7 +23,7 @@ DRAWN = {  # title of a page: condition that its result is drawn
 }
 
 
-def test_each_page_has_a_condition_that_it_is_drawn():
+def test_every_page_is_covered_by_the_drawing_test():
     assert {*DRAWN} == {page.TITLE for page in listed().values()}
 
 
@@ -48,7 +48,7 @@ def painted_pixels(page, name):
 @pytest.mark.once(len(DRAWN))
 @pytest.mark.parametrize("title", DRAWN)
 @pytest.mark.parametrize(("size", "theme"), [((1280, 720), "light"), ((390, 844), "dark")])
-def test_a_page_is_drawn_on_a_desktop_and_on_a_phone(visit, title, size, theme):
+def test_a_page_is_drawn_on_desktop_and_phone(visit, title, size, theme):
     quick = "&nodes=256&width=625&du_x=0.5&du_z=0.5" if title == "Area laws" else ""  # inexpensive
     page = visit(f"?theme={theme}{quick}")
     page.set_viewport_size({"width": size[0], "height": size[1]})
@@ -63,7 +63,7 @@ def test_a_page_is_drawn_on_a_desktop_and_on_a_phone(visit, title, size, theme):
 
 
 @pytest.mark.thorough
-def test_a_closed_page_takes_its_figures_along_and_another_comes_in_its_place(visit):
+def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(visit):
     page = visit()
     finished(page)
     # what still belongs to the document: Bokeh itself looks but every half minute
@@ -80,7 +80,7 @@ def test_a_closed_page_takes_its_figures_along_and_another_comes_in_its_place(vi
 
 
 @pytest.mark.thorough
-def test_the_page_in_the_address_is_open_from_the_start(visit):
+def test_page_named_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
@@ -89,7 +89,7 @@ def test_the_page_in_the_address_is_open_from_the_start(visit):
     assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
 
 
-def test_nodes_ride_on_the_law(look):
+def test_nodes_lie_on_the_curve_of_the_interface_law(look):
     page = look("?page=law")
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
     distance = page.evaluate(
@@ -106,7 +106,7 @@ def test_nodes_ride_on_the_law(look):
     assert distance < 5e-3  # displacement and traction came as int16
 
 
-def test_the_axes_of_the_page_fit_hold_the_curve_of_the_sliders_before_there_is_a_measurement(look):
+def test_fit_page_axes_show_the_current_run_before_a_measurement_is_loaded(look):
     page = look("?page=fit")
     figure = MODEL.format("fit_curve").replace("=== 'fit_curve'", "=== 'fit_curve' && model.y_range")
     page.wait_for_function(f"() => {figure}?.y_range.end > 100", timeout=PATIENCE)
@@ -114,7 +114,7 @@ def test_the_axes_of_the_page_fit_hold_the_curve_of_the_sliders_before_there_is_
     assert ends[0] == pytest.approx(40) and ends[1] < page.evaluate("Math.min(...punch.run.shear('L'))")
 
 
-def test_marks_below_the_punch_are_those_of_what_matters_and_go_with_the_page(look):
+def test_page_what_matters_marks_the_punch_only_while_it_is_open(look):
     page = look()
     colours = """(() => {
         const story = document.getElementById("story"), pen = story.getContext("2d")
@@ -131,7 +131,7 @@ def test_marks_below_the_punch_are_those_of_what_matters_and_go_with_the_page(lo
     page.wait_for_function(f"() => !punch.fresh && {colours} === {alone}")
 
 
-def test_a_page_is_closed_by_its_button_and_by_back_and_a_slider_is_undone_before(visit):
+def test_close_button_and_back_close_a_page_after_later_changes_are_undone(visit):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     opened = "document.querySelector('.page').dataset.page"
@@ -154,7 +154,7 @@ def test_a_page_is_closed_by_its_button_and_by_back_and_a_slider_is_undone_befor
     assert page.evaluate("punch.status.values.E") == 70
 
 
-def test_two_axes_of_the_map_that_are_chosen_alike_change_places(look):
+def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
     page = look("?page=regimes")
     page.wait_for_function("document.getElementById('regimes-said').textContent")
     page.select_option("#regimes-x", "phi_ratio")
@@ -164,7 +164,7 @@ def test_two_axes_of_the_map_that_are_chosen_alike_change_places(look):
     assert page.input_value("#regimes-x") == "delta_bar"
 
 
-def test_a_refused_file_does_not_take_the_place_of_the_measurement_in_use(look):
+def test_a_rejected_file_keeps_the_measurement_in_use(look):
     page = look("?page=fit")
     curve = "U_x (nm),F (N/m)\n" + "".join(f"{k},{2.0 * k}\n" for k in range(1, 20))
     for name, text in (("good.csv", curve), ("bad.csv", "nonsense")):
@@ -175,7 +175,7 @@ def test_a_refused_file_does_not_take_the_place_of_the_measurement_in_use(look):
 
 
 @pytest.mark.thorough
-def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
+def test_clicking_the_stick_slip_map_loads_that_flat_scene(visit):
     page = visit("?page=stickslip")
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Stick-slip']}", timeout=PATIENCE)
@@ -186,7 +186,7 @@ def test_a_click_on_the_map_of_regimes_loads_that_scene(visit):
     assert "preset=fig4a-blue" in page.url and page.evaluate("punch.status.values.E") > 200
 
 
-def test_the_picture_inside_the_solid_follows_playback(visit):
+def test_stress_picture_follows_playback(visit):
     page = visit("?page=solid", **PLAYING)
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
@@ -197,7 +197,7 @@ def test_the_picture_inside_the_solid_follows_playback(visit):
 
 
 @pytest.mark.thorough
-def test_a_preset_replaces_everything_and_says_what_to_look_for(visit):
+def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(visit):
     page = visit("?delta_bar=0.3&nu=0.3")
     finished(page)
     page.select_option("#preset", "fig4a-red")
@@ -211,7 +211,7 @@ def test_a_preset_replaces_everything_and_says_what_to_look_for(visit):
 
 
 @pytest.mark.thorough
-def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
+def test_clicking_several_pages_quickly_draws_only_the_last_one(visit):
     page = visit()
     finished(page)
     ordered = page.evaluate(
@@ -233,7 +233,7 @@ def test_of_pages_clicked_in_quick_succession_the_last_one_is_drawn(visit):
 
 
 @pytest.mark.thorough
-def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_while_paused(visit):
+def test_stress_colours_match_the_other_views_and_follow_the_theme_while_paused(visit):
     page = visit("?page=solid&theme=light")
     finished(page)
     page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
@@ -251,7 +251,7 @@ def test_stress_has_the_colours_of_the_other_views_and_takes_on_another_theme_wh
 
 
 @pytest.mark.thorough
-def test_the_law_s_maps_have_a_scale_and_their_nodes_a_key_of_other_colours(look):
+def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     page = look("?page=law")
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
     for name in ("shear", "normal"):

@@ -15,7 +15,7 @@ def lines(page, view):
 
 
 @pytest.mark.thorough
-def test_a_run_is_pinned_shown_hidden_and_removed_by_keyboard(visit):
+def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(visit):
     page = visit()
     finished(page)
     page.locator("body").press("End")
@@ -47,7 +47,7 @@ def test_a_run_is_pinned_shown_hidden_and_removed_by_keyboard(visit):
     assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "pin"
 
 
-def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit):
+def test_numbers_table_matches_the_solver_and_opens_increments(visit):
     page = visit("?preset=fig7-case2")
     finished(page)
     page.get_by_role("button", name="Pin", exact=True).click()
@@ -82,7 +82,7 @@ def test_the_numbers_are_those_of_the_solver_and_lead_to_their_increments(visit)
 
 
 @pytest.mark.thorough
-def test_pins_travel_in_the_address(visit):
+def test_pinned_runs_are_restored_from_the_address(visit):
     page = visit("?E=100&pin=Soft*E*20&pin=*preset*fig7-case2")
     finished(page)
     page.wait_for_function(f"() => {MODEL.format('area.pins')}.data_source.data.xs.length === 2", timeout=PATIENCE)

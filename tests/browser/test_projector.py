@@ -10,7 +10,7 @@ FONT = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'for
 FONT += ".major_label_text_font_size"
 
 
-def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
+def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(visit):
     page = visit()
     finished(page)
     thin = page.evaluate(WIDTH)
@@ -25,7 +25,7 @@ def test_a_key_makes_text_and_lines_large_and_the_same_key_takes_it_back(visit):
 
 
 @pytest.mark.thorough
-def test_the_address_opens_it_with_nothing_small_and_no_words_of_the_solver(visit):
+def test_projector_mode_has_no_small_text_and_no_solver_statistics(visit):
     page = visit("?view=projector&delta_bar=0.2")
     finished(page)
     page.keyboard.press("End")

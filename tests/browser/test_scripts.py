@@ -44,7 +44,7 @@ def run_of(tab, scene):
     return frames
 
 
-def test_messages_are_passed_on_in_their_order_though_some_are_unpacked_later(tab):
+def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     first, second = (base64.b64encode(packing.headed({"kind": "run", "number": k}, b"")).decode() for k in (0, 1))
     passed_on = tab.evaluate(
         """async (messages) => {
@@ -77,11 +77,11 @@ def test_messages_are_passed_on_in_their_order_though_some_are_unpacked_later(ta
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_a_module_can_be_imported_alone_and_touches_no_page(tab, name):
+def test_each_module_can_be_imported_without_a_page(tab, name):
     tab.evaluate(f"import('http://scripts/{name}').then((module) => Object.keys(module))")
 
 
-def test_frames_arrive_as_the_solver_computed_them(tab):
+def test_unpacked_frames_match_the_solver(tab):
     frames = run_of(tab, SHORT)
     assert tab.evaluate("[run.number, run.length, run.whole]") == [7, len(frames), True]
     for name in ("index", "U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations"):
@@ -101,13 +101,13 @@ def test_frames_arrive_as_the_solver_computed_them(tab):
         assert np.abs(np.array(shown[name]) - values).max() < 1e-3 * np.abs(values).max(), name  # int16
 
 
-def test_the_shear_is_cut_off_the_approach_and_scaled(tab):
+def test_shear_values_exclude_the_approach_and_are_scaled(tab):
     frames = run_of(tab, SHORT)
     forces = [frame.F_bar for frame in frames if frame.stage == "shear"]
     assert tab.evaluate("[...run.shear('F_bar', 1000)]") == pytest.approx([1000 * F for F in forces], rel=1e-6)
 
 
-def test_the_nearest_frame_of_a_loop_is_on_the_leg_that_is_shown(tab):
+def test_nearest_frame_of_a_loop_lies_on_the_leg_on_screen(tab):
     frames = run_of(tab, LOOP)
     for stage in ("shear", "back", "forth"):
         leg = [k for k, frame in enumerate(frames) if frame.stage == stage]
@@ -116,7 +116,7 @@ def test_the_nearest_frame_of_a_loop_is_on_the_leg_that_is_shown(tab):
         assert frames[k].stage == stage and frames[k].U_x == pytest.approx(2.04, abs=LOOP.du_x)
 
 
-def test_the_map_holds_the_traction_where_it_acts_and_nothing_where_it_does_not(tab):
+def test_contact_map_is_empty_where_no_traction_acts(tab):
     frames = run_of(tab, WIDE)
     shear = [frame for frame in frames if frame.stage == "shear"]
     made = tab.evaluate(
@@ -140,7 +140,7 @@ def test_the_map_holds_the_traction_where_it_acts_and_nothing_where_it_does_not(
         assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=1e-3 * np.abs(frame.T[1]).max())
 
 
-def test_a_run_carried_on_begins_with_the_frames_of_the_other(tab):
+def test_a_continued_run_starts_with_the_frames_of_the_previous_run(tab):
     run_of(tab, SHORT)
     counts = tab.evaluate(
         """(async () => {
@@ -152,7 +152,7 @@ def test_a_run_carried_on_begins_with_the_frames_of_the_other(tab):
     assert counts[0] == counts[1] and counts[2] == counts[3]
 
 
-def test_numbers_are_written_with_a_true_minus_and_without_negative_zeros(tab):
+def test_numbers_use_a_true_minus_sign_and_no_negative_zero(tab):
     written = tab.evaluate(
         """import("http://scripts/js/dom.js").then(({ fixed, minus }) => [
             fixed(-1.25, 1), fixed(-0.0004, 3).replace("−", ""), fixed(3, 0), minus("-2")])"""
@@ -161,7 +161,7 @@ def test_numbers_are_written_with_a_true_minus_and_without_negative_zeros(tab):
 
 
 @pytest.mark.parametrize(("low", "high"), [(-0.8, 0.4), (-0.8, 40.0), (-3.0, 3.0)])
-def test_shades_change_their_ramp_exactly_at_zero(tab, low, high):
+def test_colours_change_from_attraction_to_repulsion_exactly_at_zero(tab, low, high):
     ends = {"pull": [[255, 0, 0], [200, 0, 0]], "push": [[0, 0, 255], [0, 0, 200]]}
     made = tab.evaluate(
         f"""import("http://scripts/js/colours.js").then(({{ shades }}) =>
@@ -175,14 +175,14 @@ def test_shades_change_their_ramp_exactly_at_zero(tab, low, high):
     assert all(shade.startswith("#0000") for shade in made["palette"][below:])  # blue only
 
 
-def test_limits_are_rounded_up_to_a_number_that_is_read_easily(tab):
+def test_axis_limits_are_rounded_up_to_simple_numbers(tab):
     values = [0.012, 0.99, 1.0, 1.01, 37.0, 4200.0]
     rounded = tab.evaluate(f"import('http://scripts/js/colours.js').then(({{ nice }}) => {values}.map(nice))")
     assert rounded == [0.015, 1, 1, 1.5, 40, 5000]
 
 
 @pytest.mark.parametrize("scene", [SHORT, SHORT.changed(nu=0.2, height=0.05), Scene(surface="flat", u_x_max=2.0)])
-def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
+def test_stress_inside_the_layer_equals_the_sum_over_all_modes(tab, scene):
     """To 5e-4 of the largest stress: tractions come as int16, and modes that are not felt at a depth are left out."""
     frame, rows, half = run_of(tab, scene)[-1], 40, 60.0
     depth = min(half, scene.height * scene.width)
@@ -209,7 +209,7 @@ def test_the_inside_of_the_layer_is_the_sum_over_all_modes(tab, scene):
     assert np.hypot(apart, sheared) == pytest.approx(exact, abs=5e-4 * exact.max())
 
 
-def test_the_state_of_the_page_has_declared_fields_only(tab):
+def test_page_state_rejects_undeclared_fields(tab):
     refused = """import("http://scripts/js/state.js").then(({ me }) => {
         me.at = 3
         try { me.att = 3 } catch (error) { return [me.at, error.name] }

@@ -202,14 +202,14 @@ def false_in(tab, run, before=None):
 
 @pytest.mark.once(5)
 @pytest.mark.parametrize("name", presets())
-def test_what_is_said_of_a_preset_is_so(tab, name):
+def test_sentences_about_presets_are_true(tab, name):
     scene = presets()[name].scene
     run = whole(scene.changed(du_x=max(scene.du_x, 0.2), u_x_max=min(scene.u_x_max, 20.0)))
     assert not false_in(tab, run)
 
 
 @pytest.mark.parametrize("seed", range(SCENES))
-def test_what_is_said_over_the_box_of_the_sliders_is_so(tab, seed):
+def test_sentences_are_true_for_random_slider_settings(tab, seed):
     scene, changed = drawn(seed)
     before, run = whole(scene), whole(changed)
     if before and run:  # a run given up has no sentence but the remedy (tests/validation/test_stability.py)
@@ -218,8 +218,8 @@ def test_what_is_said_over_the_box_of_the_sliders_is_so(tab, seed):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(SCENES, SCENES + MANY))
-def test_what_is_said_over_more_of_the_box_is_so(tab, seed):
-    test_what_is_said_over_the_box_of_the_sliders_is_so(tab, seed)
+def test_sentences_are_true_for_many_random_slider_settings(tab, seed):
+    test_sentences_are_true_for_random_slider_settings(tab, seed)
 
 
 FLAT, SMOOTH, RAISED = (presets()[name].scene for name in ("fig4a-blue", "fig4b-stiff", "unload"))
@@ -234,7 +234,7 @@ CHANGES = [  # a scene, what is changed, and what that is said to do
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(("scene", "change", "said"), CHANGES)
-def test_what_a_change_does_is_told_of_flats_smooth_sliding_raising_and_other_parameters(tab, scene, change, said):
+def test_sentences_explain_changes_of_flats_smooth_sliding_and_retraction(tab, scene, change, said):
     before, run = whole(scene), whole(scene.changed(**change))
     assert said in read(tab, run, before)[1]["text"]
     assert not false_in(tab, run, before)
@@ -242,7 +242,7 @@ def test_what_a_change_does_is_told_of_flats_smooth_sliding_raising_and_other_pa
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(("change", "said"), [({"E": 200.0}, "Stiffer: it now slips at"), ({"delta_bar": -0.1}, "")])
-def test_of_a_run_carried_on_the_slips_after_the_change_are_compared_with_those_before(tab, change, said):
+def test_sentence_of_a_continued_run_compares_slips_before_and_after_the_change(tab, change, said):
     scene = Scene(nodes=512)
     before, run = whole(scene), whole(scene.changed(**change), ((scene, 381),))
     change = read(tab, run, before)[1]
@@ -272,7 +272,7 @@ PLAYED = """async ({ now, speed }) => {
 }"""
 
 
-def test_while_a_run_plays_one_sentence_describes_each_phase_long_enough_to_be_read(tab):
+def test_each_phase_of_playback_has_one_sentence_long_enough_to_read(tab):
     seen = tab.evaluate(PLAYED, {"now": whole(Scene(u_x_max=25.0)).sent, "speed": 4.0})
     texts = [one["text"] for one in seen]
     assert texts == [
@@ -286,6 +286,6 @@ def test_while_a_run_plays_one_sentence_describes_each_phase_long_enough_to_be_r
     assert all(one["seconds"] >= 2.5 for one in seen[3:])
 
 
-def test_sliding_without_slips_is_one_phase_with_the_range_of_the_force(tab):
+def test_smooth_sliding_is_one_phase_with_its_force_range(tab):
     seen = tab.evaluate(PLAYED, {"now": whole(SMOOTH).sent, "speed": 4.0})
     assert seen[-1]["text"] == "It slides without slips: friction swings by ±357 N/m in every lattice period."

@@ -9,7 +9,7 @@ import pytest
 from served import PATIENCE, Server, finished, patient
 
 
-def test_closing_the_tab_frees_what_it_held(server, browser):
+def test_closing_a_tab_frees_its_session(server, browser):
     seen = len(server.lines)
     page = patient(browser.new_page())
     page.goto(server.address)
@@ -19,7 +19,7 @@ def test_closing_the_tab_frees_what_it_held(server, browser):
 
 
 @pytest.mark.thorough
-def test_behind_a_prefix_scripts_and_styles_are_found_and_fetched_once(browser):
+def test_scripts_and_styles_load_under_a_prefix_and_are_cached(browser):
     behind = Server("/lab/contact")
     behind.wait_for("workers are warm")
     context = browser.new_context()

@@ -34,7 +34,7 @@ def saved(page, button):
     return download.value.path().read_bytes()
 
 
-def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, visit):
+def test_link_restores_scene_and_increment_and_has_a_qr_code(sheet, visit):
     link = sheet.input_value("#share-link")
     assert "v=1" in link and "k=209" in link
     sheet.wait_for_function("document.getElementById('share-qr').naturalWidth > 100")
@@ -44,7 +44,7 @@ def test_the_link_brings_scene_and_increment_back_and_has_a_code_to_scan(sheet, 
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
 
 
-def test_where_there_is_no_clipboard_copying_works_or_says_what_to_press(visit):
+def test_copying_without_a_clipboard_works_or_says_what_to_press(visit):
     """As on plain http: the page has no navigator.clipboard, and a promise that nobody awaited was rejected."""
     page = visit()
     finished(page)
@@ -65,14 +65,14 @@ def test_where_there_is_no_clipboard_copying_works_or_says_what_to_press(visit):
     assert page.evaluate("rejected") == 0
 
 
-def test_the_sheet_has_html_to_embed_the_experiment_and_names_the_setting_that_allows_it(sheet):
+def test_share_dialog_has_embedding_html_and_names_the_setting_that_allows_it(sheet):
     html = sheet.input_value("#share-frame")
     assert html.startswith("<iframe src=") and "embed=1" in html and "delta_bar=0.4" in html
     assert "APP_FRAME_ANCESTORS" in sheet.inner_text("#share-frames")
 
 
 @pytest.mark.parametrize("answers", [True, False])
-def test_link_and_lines_are_copied_by_keyboard_also_where_the_clipboard_never_answers(sheet, answers):
+def test_link_and_python_code_are_copied_even_if_the_clipboard_never_answers(sheet, answers):
     sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
     if not answers:
         sheet.evaluate("void (navigator.clipboard.writeText = () => new Promise(() => {}))")
@@ -84,14 +84,14 @@ def test_link_and_lines_are_copied_by_keyboard_also_where_the_clipboard_never_an
     sheet.evaluate("delete navigator.clipboard.writeText")
 
 
-def test_the_python_lines_run_and_give_as_many_increments(sheet):
+def test_shared_python_code_runs_and_gives_as_many_increments(sheet):
     lines = sheet.input_value("#share-python")
     assert len(lines.split("\n")) == 3
     ran = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=300, check=True)
     assert int(ran.stdout.split()[0]) == sheet.evaluate("punch.run.length")
 
 
-def test_data_are_those_of_the_command_line(sheet, tmp_path):
+def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
     files = {kind: tmp_path / f"run.{kind}" for kind in ("csv", "npz", "json")}
     options = [text for kind, file in files.items() for text in (f"--{kind}", str(file))]
     assert command_line(["run", "--set", "delta_bar=0.4", "phi_ratio=0.1", *options]) == 0
@@ -132,7 +132,7 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
 
 
 @pytest.mark.thorough
-def test_lines_of_a_measured_surface_read_its_profile_from_the_json(visit, tmp_path):
+def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))

@@ -36,7 +36,7 @@ ALIKE = ("stage", "U_x", "delta", "F_bar", "L_bar", "A_bar", "slip", "slip_at", 
 
 @pytest.mark.parametrize("name", stored.row())
 @pytest.mark.once(2)
-def test_a_stored_run_is_that_of_the_solver(tab, name):
+def test_stored_runs_match_the_solver(tab, name):
     scene = stored.row()[name].scene
     made = worker.compute(scene, None, np.inf, limit=np.inf)
     (block,) = made.blocks
@@ -63,7 +63,7 @@ def held_back(browser):
 
 
 @pytest.mark.slow
-def test_without_workers_a_page_plays_a_stored_run_marked_so_and_goes_on_without_the_server(held_back):
+def test_a_stored_run_plays_without_workers_and_without_the_server(held_back):
     server, tabs = held_back
     page = tabs.open("?view=hero", **PLAYING)
     page.wait_for_function(
@@ -104,7 +104,7 @@ class HeldBack:
 
 
 @pytest.mark.slow
-def test_the_computed_run_takes_the_place_of_a_stored_one_at_the_same_increment_and_axes(server, browser):
+def test_computed_run_replaces_the_stored_one_at_the_same_increment_and_axes(server, browser):
     page = browser.new_page(viewport={"width": 1280, "height": 720}, reduced_motion="reduce")
     computed = HeldBack(page)
     page.goto(server.address)
@@ -119,7 +119,7 @@ def test_the_computed_run_takes_the_place_of_a_stored_one_at_the_same_increment_
 
 
 @pytest.mark.slow
-def test_before_a_run_is_on_screen_figures_and_play_are_not_offered(server, browser):
+def test_figures_and_play_are_disabled_until_a_run_is_on_screen(server, browser):
     page = browser.new_page(reduced_motion="reduce")
     stored_runs, computed = [], HeldBack(page)
     page.route("**/static/runs/**", lambda route: stored_runs.append(route))

@@ -23,7 +23,7 @@ def at_first_slip(page):
     page.wait_for_function("() => punch.run.curves.slip[punch.drawn] && punch.drawn > punch.run.sheared")
 
 
-def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(look):
+def test_slip_caption_states_sites_and_change_of_area(look):
     page = look("?preset=fig6")
     at_first_slip(page)
     assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), A +7.8 %"
@@ -37,14 +37,14 @@ def test_a_slip_is_said_in_a_line_with_its_sites_and_what_it_does_to_the_area(lo
 
 
 @pytest.mark.thorough
-def test_where_the_contact_had_gone_a_slip_says_that_it_is_back(look):
+def test_slip_caption_states_that_contact_is_restored(look):
     page = look("?preset=fig7-case1")
     at_first_slip(page)
     assert page.locator("#slip").inner_text() == "slip: one site (2.4 nm), contact again"
 
 
 @pytest.mark.thorough
-def test_a_flat_slips_without_an_area_and_has_no_lens(look):
+def test_slip_caption_of_a_flat_has_no_area_and_no_lens_is_shown(look):
     page = look("?preset=fig4a-blue")
     at_first_slip(page)
     assert page.locator("#slip").inner_text().startswith("slip: one site (2.4 nm)")
@@ -52,7 +52,7 @@ def test_a_flat_slips_without_an_area_and_has_no_lens(look):
     assert page.locator("#lens").is_hidden()
 
 
-def test_lean_and_slip_are_drawn_larger_as_the_axis_says_and_to_scale_with_tools(visit):
+def test_lean_is_exaggerated_as_labelled_and_to_scale_with_tools(visit):
     page = visit("?view=hero")
     finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1")
@@ -62,7 +62,7 @@ def test_lean_and_slip_are_drawn_larger_as_the_axis_says_and_to_scale_with_tools
     page.wait_for_function(f"({LEAN})()[0] === 1 && !({LEAN})()[1].includes('sideways')")
 
 
-def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(look):
+def test_lens_shows_the_trailing_edge_until_it_is_moved(look):
     page = look(OWN)
     lens = page.locator("#lens")
     place = "Number(document.getElementById('lens').getAttribute('aria-valuenow'))"
@@ -78,7 +78,7 @@ def test_the_lens_looks_at_the_trailing_edge_until_it_is_moved(look):
 
 
 @pytest.mark.thorough
-def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_held(look):
+def test_lens_shows_the_first_adhering_crest_before_contact(look):
     page = look("?preset=wave")
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Home")
@@ -92,7 +92,7 @@ def test_before_anything_is_repelled_the_lens_looks_at_the_first_crest_that_is_h
     assert page.inner_text("#readout").endswith("JUMP")
 
 
-def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_another_indentation(look):
+def test_dragging_the_punch_sideways_scrubs_and_downwards_presses(look):
     page = look(OWN)
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Home")
@@ -119,7 +119,7 @@ def test_the_punch_can_be_dragged_sideways_to_another_increment_and_down_to_anot
     page.wait_for_function("() => location.search.includes('delta_bar=')")
 
 
-def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_the_increment_it_led_to(look):
+def test_slow_motion_keeps_the_top_fixed_and_ends_at_the_increment_after_the_slip(look):
     page = look("?preset=fig6")
     page.keyboard.press("Home")
     page.locator("#slow").wait_for(state="hidden")
@@ -159,7 +159,7 @@ def test_slow_motion_goes_through_the_slip_at_one_place_of_the_top_and_ends_in_t
 
 
 @pytest.mark.thorough
-def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_ends_it(look):
+def test_key_m_shows_the_previous_slip_in_slow_motion_until_another_key(look):
     page = look("?preset=loop")
     at_first_slip(page)
     k = page.evaluate("punch.drawn")
@@ -174,7 +174,7 @@ def test_the_key_for_slow_motion_shows_the_slip_before_and_any_other_picture_end
     page.wait_for_function(f"() => punch.drawn === {k + 1}")
 
 
-def test_slow_motion_rests_at_the_state_its_slider_is_put_at_and_goes_on(look):
+def test_slow_motion_can_be_scrubbed_and_resumed(look):
     page = look("?preset=fig6")
     at_first_slip(page)
     page.keyboard.press("m")
@@ -196,7 +196,7 @@ def test_slow_motion_rests_at_the_state_its_slider_is_put_at_and_goes_on(look):
 
 
 @pytest.mark.thorough
-def test_where_there_is_no_slip_to_go_through_the_key_for_slow_motion_says_so(look):
+def test_slow_motion_without_a_slip_explains_why(look):
     page = look("?preset=fig6&u_x_max=14")
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Home")
@@ -255,7 +255,7 @@ PICTURES = ["?preset=fig6", "?preset=fig6&view=projector", "?preset=fig7-case1",
 
 @pytest.mark.once
 @pytest.mark.parametrize("query", PICTURES)
-def test_nothing_that_is_said_over_the_punch_lies_over_anything_else_said_there(look, query):
+def test_labels_over_the_punch_do_not_overlap(look, query):
     page = look(query)
     page.evaluate(RECORD)
     at_first_slip(page)

@@ -8,7 +8,7 @@ def asked(page):
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
 
 
-def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
+def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(visit):
     page = visit("?tour=2&view=hero")
     asked(page)
     assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
@@ -37,7 +37,7 @@ def test_a_stop_hides_the_future_until_a_guess_then_plays_and_says_why(visit):
     assert "tour=" not in page.url
 
 
-def test_the_tour_leads_back_to_the_stop_before_and_names_a_run_that_failed(visit):
+def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     page = visit("?tour=2&view=hero")
     asked(page)
     assert "tour=" not in page.url  # a link from here does not open the tour
@@ -57,7 +57,7 @@ def test_the_tour_leads_back_to_the_stop_before_and_names_a_run_that_failed(visi
     page.locator("#tour-card h2", has_text="2 of 9").wait_for()
 
 
-def test_back_in_the_tour_ends_it(visit):
+def test_browser_back_ends_the_tour(visit):
     page = visit("?E=100&view=hero")
     page.wait_for_function("window.punch?.status.state === 'finished'")
     page.evaluate("history.pushState({ entry: 1 }, '', location.href)")
@@ -67,7 +67,7 @@ def test_back_in_the_tour_ends_it(visit):
     page.locator("#tour-card").wait_for(state="hidden")
 
 
-def test_the_stop_without_load_shows_that_friction_stays(visit):
+def test_tour_stop_without_load_shows_remaining_friction(visit):
     page = visit("?tour=8&view=hero")
     page.locator("#tour-card .answer", has_text="about as large").wait_for()
     load = "(run) => run.curves.L[run.sheared]"
@@ -78,7 +78,7 @@ def test_the_stop_without_load_shows_that_friction_stays(visit):
     page.locator("#tour-card .question", has_text="Friction over load").wait_for()
 
 
-def test_the_last_stop_asks_about_a_scene_never_seen_and_judges_by_its_run(visit):
+def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(visit):
     page = visit("?tour=9&view=hero")
     asked(page)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
@@ -94,7 +94,7 @@ def test_the_last_stop_asks_about_a_scene_never_seen_and_judges_by_its_run(visit
 
 
 @pytest.mark.thorough
-def test_a_curve_can_be_sketched_before_the_run_draws_itself(visit):
+def test_visitors_can_sketch_a_curve_before_it_is_drawn(visit):
     page = visit("?tour=3&view=hero")
     asked(page)
     box = page.locator("#tour-sketch").bounding_box()
@@ -125,7 +125,7 @@ SIZES = ((1440, 900), (1280, 720), (390, 844), (844, 390))
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["&view=hero", "&view=projector"])
-def test_the_curve_that_is_asked_about_is_fully_in_sight_at_every_step(visit, query):
+def test_curve_of_a_tour_question_is_fully_visible_at_every_step(visit, query):
     page = visit(f"?tour=3{query}")
     asked(page)
     for phase in ("ask", "why"):
@@ -141,7 +141,7 @@ def test_the_curve_that_is_asked_about_is_fully_in_sight_at_every_step(visit, qu
             page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
 
 
-def test_the_theory_is_typeset_without_loading_anything_from_elsewhere(look):
+def test_theory_is_typeset_without_external_requests(look):
     page = look()
     page.locator("#open-theory").click()
     page.locator("#theory math").first.wait_for()

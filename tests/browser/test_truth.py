@@ -11,7 +11,7 @@ SAID = "document.getElementById('stale').textContent"
 
 
 @pytest.mark.thorough
-def test_the_old_run_turns_grey_and_names_its_parameters_until_the_new_one_is_there(visit):
+def test_previous_run_is_grey_and_labelled_until_the_new_one_is_complete(visit):
     page = visit("?E=20&delta_bar=0.3")
     finished(page)
     assert not page.evaluate(GREY) and page.evaluate(SAID) == ""
@@ -47,7 +47,7 @@ WATCHED = """() => {
 }"""
 
 
-def test_a_lost_server_is_told_waited_for_and_made_good_and_nothing_wrong_is_shown_meanwhile(server, browser):
+def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browser):
     """No clock: between what was seen and what was done lie the page's own attempts, 2 s apart at most."""
     mortal = Server()
     mortal.wait_for("workers are warm")
@@ -108,7 +108,7 @@ def test_a_lost_server_is_told_waited_for_and_made_good_and_nothing_wrong_is_sho
 
 
 @pytest.mark.thorough
-def test_a_long_run_says_how_long_and_can_be_skipped_with_what_it_has(visit):
+def test_a_long_run_shows_its_remaining_time_and_can_be_skipped(visit):
     # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
     page = visit(
         "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200"

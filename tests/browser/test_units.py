@@ -18,7 +18,7 @@ def axis(page):
     return page.evaluate(f"{MODELS}.find((model) => model.name === 'forces').left[0].axis_label")
 
 
-def test_a_stiffer_punch_slides_against_more_force_on_screen_and_the_run_before_keeps_its_own(visit):
+def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(visit):
     page = visit("?E=20&du_x=0.5")
     finished(page)
     soft = max(drawn(page, "forces.F"))
@@ -32,7 +32,7 @@ def test_a_stiffer_punch_slides_against_more_force_on_screen_and_the_run_before_
 
 
 @pytest.mark.thorough
-def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visit):
+def test_normalised_forces_are_shown_on_request_and_kept_in_the_address(visit):
     page = visit()
     finished(page)
     assert re.search(r"F = \S+ N/m, L = \S+ N/m, A = \S+ nm \(Ā = ", page.inner_text("#readout"))
@@ -49,7 +49,7 @@ def test_forces_over_stiffness_are_shown_on_request_and_kept_in_the_address(visi
 
 
 @pytest.mark.thorough
-def test_an_area_axis_that_does_not_begin_at_zero_says_so_and_stacked_plots_line_up(look):
+def test_area_axis_states_a_nonzero_start_and_stacked_plots_align(look):
     page = look()
     start = page.evaluate(f"{MODELS}.find((model) => model.name === 'area').y_range.start")
     assert start > 0

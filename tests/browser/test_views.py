@@ -9,7 +9,7 @@ pytestmark = [pytest.mark.thorough]
 FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
 
 
-def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(look):
+def test_contact_map_colours_change_at_zero_for_any_limits(look):
     page = look("?E=3000&delta_bar=1&theme=light")  # repels 80 times as strongly as it attracts
     mapper = MODEL.format("map.map") + ".glyph.color_mapper"
     page.wait_for_function(f"() => {mapper}.high > 30")
@@ -28,7 +28,7 @@ def test_the_colours_of_the_contact_map_change_at_zero_whatever_the_limits(look)
 
 
 @pytest.mark.thorough
-def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(look):
+def test_a_deeply_pressed_punch_stays_in_a_fixed_view(look):
     page = look("?E=3000&delta_bar=1&theme=light")
     start = f"{FIGURE.format('punch')}.y_range.start"
     lowest = page.evaluate("punch.run.lowest")
@@ -40,7 +40,7 @@ def test_a_punch_pressed_deeply_is_in_view_and_the_view_does_not_jump(look):
         assert page.evaluate(f"Math.min(...punch.run.frame({frame}).gap)") >= lowest
 
 
-def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_zero(look):
+def test_weakly_attracted_nodes_are_free_but_not_those_at_a_sign_change(look):
     page = look()
     paused_at(page, 110)
     states = ("free", "adhering", "repulsive", "contact")
@@ -53,7 +53,7 @@ def test_nodes_that_hardly_attract_are_free_but_not_those_where_traction_passes_
 
 
 @pytest.mark.thorough
-def test_each_view_says_which_x_it_has(look):
+def test_axis_labels_state_substrate_or_undeformed_coordinates(look):
     page = look()
     short = f"{FIGURE.format('map')}.left[0].axis_label"
     assert page.evaluate(short) == "x (nm)"  # for a low view
@@ -67,7 +67,7 @@ def test_each_view_says_which_x_it_has(look):
         assert said in page.evaluate(f"{FIGURE.format(view)}.{axis}[0].axis_label")
 
 
-def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
+def test_a_flat_fills_the_view_and_hides_contact_area_and_map(visit):
     page = visit("?preset=fig4a-blue")
     finished(page)
     half = page.evaluate(f"{FIGURE.format('punch')}.x_range.end")
@@ -89,7 +89,7 @@ def test_a_flat_surface_fills_the_view_and_has_no_area_to_show(visit):
 
 
 @pytest.mark.thorough
-def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
+def test_tooltips_have_the_colours_of_the_theme(visit):
     page = visit("?theme=dark")
     finished(page)
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
@@ -100,7 +100,7 @@ def test_what_a_hover_says_is_in_the_colours_of_the_theme(visit):
 
 
 @pytest.mark.thorough
-def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
+def test_exaggeration_factors_and_zeros_are_plain_numbers(visit):
     page = visit("?preset=unload")
     page.set_viewport_size({"width": 800, "height": 4000})  # narrow and high: more than a hundredfold
     finished(page)
@@ -112,7 +112,7 @@ def test_exaggerations_and_zeros_are_written_as_plain_numbers(visit):
 
 
 @pytest.mark.thorough
-def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
+def test_jumps_are_marked_on_the_load_curve_during_unloading(visit):
     page = visit("?preset=unload")
     finished(page)
     jumps = page.evaluate(f"[...{MODEL.format('forces.slips_F')}.data_source.data.value]")
@@ -125,7 +125,7 @@ def test_jumps_lie_on_the_load_where_the_punch_is_unloaded(visit):
 
 
 @pytest.mark.thorough
-def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
+def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(visit):
     page = visit("?preset=loop")
     finished(page)
     slips = f"{MODEL.format('map.slips_map')}.data_source.data.U_x.length"
@@ -142,7 +142,7 @@ def test_the_contact_map_of_a_loop_shows_the_slips_of_its_leg_only(visit):
 @pytest.mark.once
 @pytest.mark.parametrize("query", ["", *(f"?page={name}" for name in listed())])
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
-def test_no_caption_is_cut(look, query, size):
+def test_no_caption_is_clipped(look, query, size):
     page = look(query)
     page.set_viewport_size({"width": size[0], "height": size[1]})
     laid_out(page)

@@ -10,7 +10,7 @@ pytestmark = [pytest.mark.thorough]
 
 
 @pytest.mark.thorough
-def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit):
+def test_enter_in_an_entry_changes_the_scene_without_a_reload(visit):
     page = visit()
     finished(page)
     page.evaluate("window.same = true")
@@ -21,7 +21,7 @@ def test_enter_in_an_entry_changes_the_scene_and_leaves_the_page_as_it_is(visit)
 
 
 @pytest.mark.thorough
-def test_a_full_class_lets_in_who_waits(browser, monkeypatch):
+def test_a_full_class_admits_a_waiting_visitor_when_another_leaves(browser, monkeypatch):
     monkeypatch.setenv("APP_VISITORS", "1")
     full = Server()
     full.wait_for("workers are warm")
@@ -44,7 +44,7 @@ FORBIDDEN = """for (const name of ["localStorage", "sessionStorage"]) {
 }"""
 
 
-def test_a_browser_that_forbids_storage_shows_and_keeps_the_page_for_its_visit(server, browser):
+def test_page_works_in_a_browser_that_forbids_storage(server, browser):
     page = patient(browser.new_page())
     problems = []
     page.on("pageerror", lambda error: problems.append(str(error)))
@@ -58,7 +58,7 @@ def test_a_browser_that_forbids_storage_shows_and_keeps_the_page_for_its_visit(s
     page.close()
 
 
-def test_a_page_whose_websocket_is_refused_says_so_and_shows_why_the_server_refuses_it(server, browser):
+def test_page_explains_a_refused_websocket_and_shows_the_servers_reason(server, browser):
     page = patient(browser.new_page())
     page.clock.install()
     page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
@@ -73,7 +73,7 @@ def test_a_page_whose_websocket_is_refused_says_so_and_shows_why_the_server_refu
     page.close()
 
 
-def test_a_page_that_is_refused_since_it_was_sent_gives_way_to_the_reason(server, browser):
+def test_a_page_refused_after_loading_is_replaced_by_the_reason(server, browser):
     page = patient(browser.new_page())
     page.clock.install()
     page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
@@ -104,7 +104,7 @@ def elsewhere(server):
     site.shutdown()
 
 
-def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhere):
+def test_other_sites_cannot_frame_the_app(browser, elsewhere):
     page = patient(browser.new_page())
     said = []
     page.on("console", lambda message: said.append(message.text))
@@ -114,7 +114,7 @@ def test_another_site_may_not_frame_the_app_unless_it_was_named(browser, elsewhe
 
 
 @pytest.mark.thorough
-def test_a_site_that_was_named_may_frame_what_is_to_be_embedded(browser, elsewhere, monkeypatch, server):
+def test_a_configured_site_can_frame_the_embedded_page(browser, elsewhere, monkeypatch, server):
     monkeypatch.setenv("APP_FRAME_ANCESTORS", elsewhere.rstrip("/"))
     other = Server()
     other.wait_for("workers are warm")
