@@ -36,10 +36,15 @@ class Points(NamedTuple):
 
 
 def read_profile(source: str | bytes | PathLike[str], width: float | None = None) -> Profile:
-    """The Profile in a CSV of x, z (nm): its mean line removed, made periodic, at equal distances; raises ProfileError.
+    """Reads a measured profile from a CSV of x and z (nm).
 
-    source: a path (os.PathLike), or the file's content as str or bytes, as of `read_table`; a heading may give units,
-    as in x [µm], z [nm]. width (nm): use only the middle part of that width.
+    Parameters: source: a path (os.PathLike), or the file's content as str or bytes; a heading may give units, as in
+    x [µm], z [nm]; width: use only the middle part of this width, nm.
+    Returns a Profile: the mean line is removed, the ends are joined, the points are at equal distances.
+    Raises ProfileError.
+
+    Example: `profile = read_profile(Path("profile.csv"))`, then
+    `Scene(surface="measured", measured=profile, width=profile.length)`
     """
     points, notes = _points(source)
     if width is not None:

@@ -34,7 +34,10 @@ SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A run of one scene: its Frames, and why it ended early (None: it reached the end of its path)."""
+    """A run of one scene: its Frames, and why it ended early (None: it reached the end of its path).
+
+    Example: `simulate(Scene()).slips`
+    """
 
     scene: Scene
     frames: Sequence[Frame] = field(repr=False)
@@ -120,8 +123,8 @@ def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
     """Computes one scene from approach to the end of its path.
 
     Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error.
-    Returns a Result. Where an increment has no equilibrium in reach, `failure` has the reason and a remedy, and the
-    Result ends before it.
+    Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, and `failure` has the
+    reason and a remedy.
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """

@@ -74,8 +74,12 @@ class Scene:
     """Parameters of one experiment, in nm, GPa and N/m (paper section 2.3; our own defaults where it gives none).
 
     A number is declared by its default, lowest and highest value, unit, meaning and group; a word by its default,
-    choices, meaning and group. Raises SceneError for a value of the wrong type or outside its range, and for an
-    impossible combination.
+    choices, meaning and group.
+
+    Parameters: those that `python -m solver parameters` lists, each with a default.
+    Raises SceneError for a value of the wrong type or outside its range, and for an impossible combination.
+
+    Example: `Scene(delta_bar=0.2, surface="wave")`
     """
 
     delta_bar: float = number(0.0, *DEPTHS, "indentation depth δ over δ₀ = 10 δₙ", LOADING)

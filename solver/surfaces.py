@@ -33,11 +33,14 @@ class ProfileError(TableError):
 
 @dataclass(frozen=True)
 class Profile:
-    """A measured profile: heights z (nm) at equal distances over one period (nm), kept as bytes of float64.
+    """A measured profile: heights z (nm) at equal distances over one period, kept as bytes of float64.
 
-    heights: any sequence of numbers, or those bytes, which are cheap to hash and to send. notes: how the data were
-    processed. Raises ProfileError unless they are FEWEST_POINTS or more finite numbers, the length is within LENGTHS,
-    and no slope exceeds STEEPEST, from the last point to the first of the next period either.
+    Parameters: length: the period, nm; heights: a sequence of numbers, nm, or these bytes; notes: how the data were
+    processed.
+    Raises ProfileError for fewer than FEWEST_POINTS heights, for one that is not finite, for a length outside LENGTHS,
+    and for a slope over STEEPEST, also across the end of the period.
+
+    Example: `Profile(100.0, np.sin(2 * np.pi * np.arange(200) / 200))`
     """
 
     length: float

@@ -51,10 +51,14 @@ def number_from_text(
 
 
 def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, notes: list[str] | None = None) -> Scene:
-    """A Scene from {'name': 'text'}, as the command line gives it; raises SceneError.
+    """Reads a scene from texts, as the command line and the address of the page have them.
 
-    profile: a measured Profile; the scene then has this surface and its length, unless `pairs` say otherwise.
-    notes: a list that collects how ambiguous texts were read.
+    Parameters: pairs: {'name': 'text'}; profile: a measured Profile, whose surface and length are used unless `pairs`
+    name others; notes: a list that collects how ambiguous texts were read.
+    Returns a Scene.
+    Raises SceneError.
+
+    Example: `scene_from_text({"E": "70 GPa", "delta_bar": "0.2"})`
     """
     values: dict[str, Any] = {"surface": "measured", "width": profile.length, "measured": profile} if profile else {}
     for name, text in pairs.items():

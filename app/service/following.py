@@ -1,7 +1,7 @@
 """Pictures of predicted runs while a visitor drags a slider.
 
 A worker continues the run on screen to the new parameters (this is called *following*), and packs the result. A picture
-has the curves and a map of the whole run, and two frames: the first in shear, and the one on screen. It takes 40 kB.
+has the curves and a map of the whole run, and two frames: the first in shear, and the one on screen.
 """
 
 import pickle

@@ -253,5 +253,5 @@ def file_of_run(legs, kind):
 
 
 def qr_code(link):
-    """Return the QR code of a link as the data URI of an SVG; this takes 60 ms."""
+    """Return the QR code of a link as the data URI of an SVG."""
     return segno.make(link, error="l").svg_data_uri(scale=4, border=2)

@@ -8,8 +8,8 @@ others it is a check: F and L, and the layer's reciprocity, must agree with T an
 
 A slip does not dissipate all that it releases, as the interface returns work that it took on the branch. Over a closed
 cycle, or a lattice period of steady sliding, E does not change: W = R - S is the cost of the cycle or of the slip. NP1
-has no potential, so that its tractions may do work along that closed path. With the defaults, the flow of a slip
-dissipates 2 % more than the stage's work (tests/solver/test_energy_balance.py).
+has no potential, so that its tractions may do work along that closed path: the flow of a slip then dissipates more than
+the stage's work (tests/solver/test_energy_balance.py).
 """
 
 from collections.abc import Sequence
@@ -31,6 +31,8 @@ class Work:
     the slope of the next increment. The error of W falls as the square of the increment. At the end of a branch F
     turns as a square root, and the error falls as the power 1.5. R is of a whole increment with a slip, and so depends
     on the increment; R - S does not.
+
+    Example: `work_of(Scene(), simulate(Scene()).frames).defect`
     """
 
     top: NDArray[np.float64]
@@ -45,7 +47,13 @@ class Work:
 
 
 def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
-    """The Work of a run's Frames in order, with their fields; of a run carried on, only `top` is meaningful."""
+    """Computes the energy balance of a run; with changed parameters only `top` is meaningful.
+
+    Parameters: scene; frames: all of the run, in order, with their fields.
+    Returns the Work.
+
+    Example: `work_of(Scene(), simulate(Scene()).frames).defect`
+    """
     top = np.zeros(len(frames))
     surface, released = np.zeros_like(top), np.zeros_like(top)
     energy = np.array([layer_energy(scene, frame) for frame in frames])

@@ -100,7 +100,7 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
     """Derivatives of the slips and curves of a run by its parameters.
 
     Parameters: skeleton: as of `skeleton_of`; names: parameters, all `continuous` ones by default; branches: False for
-    slips alone, in an eighth of the evaluations.
+    slips alone, which is far cheaper.
     Returns Sensitivities: of every slip up to u_x_max, and of every branch.
     Raises NotFollowed where Newton's steps do not solve a state or a fold.
 

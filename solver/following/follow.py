@@ -30,9 +30,13 @@ INTERVALS = 12  # of a lattice period, at first: the force is nearly a sine, and
 
 @one_thread()
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
-    """The Skeleton of a scene that differs from that of `skeleton` in continuous parameters.
+    """Continues a run to other parameters, for a small share of its cost; it does not check where slips land.
 
-    Raises NotFollowed where its run does not continue that of the skeleton. It does not check where slips land.
+    Parameters: skeleton: as of `skeleton_of`; scene: differs from its scene in continuous parameters only.
+    Returns the Skeleton of the scene.
+    Raises NotFollowed where the run of the scene does not continue that of the skeleton.
+
+    Example: `follow(skeleton_of(Scene()), Scene(E=72.0)).slips`
     """
     for name in SAME:
         if getattr(skeleton.scene, name) != getattr(scene, name):

@@ -29,9 +29,13 @@ CLEAR = 1e-4  # nm, the largest error of its slips: the accuracy that followed r
 
 
 def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
-    """The Skeleton of a scene, from a run.
+    """Computes a run and describes it by its branches, for `follow`, `sensitivities` and `spread`.
 
-    Raises NotFollowed where it has none, NotConverged as the run does, OutOfTime where the run takes over `limit` s.
+    Parameters: scene; limit: the longest time, s.
+    Returns the Skeleton of the run.
+    Raises NotFollowed where the run has none, NotConverged as the run does, OutOfTime over the limit.
+
+    Example: `skeleton_of(Scene()).slips`
     """
     spent, checkpoint = 0, Checkpoint()
     for frame, checkpoint in until(scene, lambda frame: frame.repeated, limit):  # noqa: B007  the last one counts
@@ -42,10 +46,13 @@ def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
 
 @one_thread()
 def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
-    """The Skeleton of a scene from a Checkpoint of its run.
+    """Describes a run by its branches: evaluates each state, and solves those that do not hold.
 
-    Evaluates each of its states, and solves those that do not hold. The run may stop where it begins to repeat itself.
-    Raises NotFollowed where it has no skeleton, or its skeleton does not describe it.
+    Parameters: scene; checkpoint: at the end of its run, or where the run begins to repeat itself.
+    Returns the Skeleton of the run.
+    Raises NotFollowed where the run has no skeleton, or one that does not describe it.
+
+    Example: `skeleton_from(Scene(), advance(Scene(), budget=60.0)[1])`
     """
     if scene.path != "shear":
         raise NotFollowed(f"path {scene.path!r} is computed")

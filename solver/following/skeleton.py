@@ -37,6 +37,8 @@ class Skeleton:
 
     sites: 0 where the run does not repeat itself; the branches then reach to u_x_max. Unknowns are those of a patch
     from node `first` on. jumps: Folds of the approach, loads delta (nm). Treat it as read-only.
+
+    Example: `skeleton_of(Scene()).slips`
     """
 
     scene: Scene = field(repr=False)

@@ -29,7 +29,7 @@ def law_constants(scene) -> np.ndarray:
     """`law` of the kernels, (7,): phi_n/delta_n, 2 phi_t/delta_t (GPa), delta_n, delta_t (nm), a/delta_t, window_t, c.
 
     T_x has the factor 1 + c dn: c is 0 for NP1, 1 for Xu-Needleman.
-    An array, as unpacking a NamedTuple takes numba as long as a tenth of an evaluation.
+    An array, because numba unpacks a NamedTuple slowly compared with an evaluation.
     """
     strengths = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t
     lengths = scene.delta_n, scene.delta_t, scene.spacing / scene.delta_t, scene.window_t

@@ -30,14 +30,20 @@ def checkpoint_at(frame: Frame, ahead: tuple[LoadStep, ...], **more: Any) -> Che
 
 
 def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
-    """The Checkpoint from which a run, now at a Frame, continues as a run of the Scene `changed`.
+    """Changes parameters in the middle of a run.
+
+    Parameters: frame: where the run stands, in shear or at the end of the approach; changed: the Scene from there on.
+    Returns the Checkpoint from which `advance` continues.
+    Raises SceneError where `changed` has another surface or a path that ends before this load; ValueError where the run
+    is not in shear.
+
+    Example: `advance(Scene(E=60.0), carry_on(simulate(Scene()).frames[-100], Scene(E=60.0)))`
 
     The top reaches a new indentation in steps of du_z at the same U_x (stage "press"). Other changes take effect at
     once, in an increment 0 at the same U_x. If the state is no equilibrium there, the transient leads to the next one,
     without a slip event: the parameters caused it. Then the load step continues to u_x_max. A held load keeps its value
     in N/m; after a new indentation it is the load there. For method fast only.
-    The last Frame of the approach is one of the shear at U_x = 0. Raises SceneError where `changed` has another surface
-    or a path that ends before this load; ValueError where the run is not in shear.
+    The last Frame of the approach counts as one of the shear at U_x = 0.
     """
     approach, following, *_ = load_steps_of(frame.scene)
     stage = following.stage if frame.stage == "approach" and frame.delta >= approach.end else frame.stage
@@ -51,9 +57,13 @@ def carry_on(frame: Frame, changed: Scene) -> Checkpoint:
 
 
 def carried_path(legs: Iterable[tuple[Scene, int | None]]) -> Iterator[Frame]:
-    """Yield the Frames of a run with changing parameters: [(Scene, frames), ..., (Scene, None: up to its end)].
+    """Computes a run during which parameters change.
 
+    Parameters: legs: (Scene, number of frames) each; None for the number leads to the end of the path.
+    Returns an iterator of Frames.
     Raises NotConverged as `load_path` does, the errors of `carry_on`, and ValueError where a leg ends too early.
+
+    Example: `frames = list(carried_path([(Scene(), 300), (Scene(E=60.0), None)]))`
     """
     frame, checkpoint = None, Checkpoint()
     for scene, count in legs:

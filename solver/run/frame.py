@@ -51,6 +51,8 @@ class SlipEvent:
     kind: as of `continuation.state.End`. located: whether the load is that of the end itself, to 1e-6 nm, or
     only that of the increment in which it lies. sensitive: motions with other time steps, or from another start, came
     to rest elsewhere.
+
+    Example: `[event.load for frame in simulate(Scene()).frames for event in frame.slips]`
     """
 
     load: float
@@ -72,6 +74,8 @@ class SlipEvent:
 @dataclass(frozen=True, eq=False)
 class Frame:
     """One converged increment (paper Eq. 6 for the forces). Frames are equal only if they are the same object.
+
+    Example: `simulate(Scene()).frames[-1].F`
 
     u, T: (2, m) displacement (nm) and traction on the layer (GPa) of the patch, whose first node is `first`; read-only.
     F_bar, L_bar: forces over w E; A_bar: length in contact over w.

@@ -32,7 +32,10 @@ BUSY = 10.0  # s beyond its limit of processor time that an increment may take, 
 
 
 class Checkpoint(NamedTuple):
-    """Where a run stands between two slices; picklable."""
+    """Where a run stands between two slices; picklable.
+
+    Example: `frames, checkpoint = advance(Scene())`
+    """
 
     stage: str = "approach"
     increment: int = 0  # the next one, within its stage
@@ -50,9 +53,14 @@ class Checkpoint(NamedTuple):
 def load_path(
     scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL
 ) -> Iterator[Frame]:
-    """Yield the Frames of a scene in order; raises NotConverged where an increment has no equilibrium in reach.
+    """Computes the increments of a scene, one by one.
 
-    leave_out: the rules of `shortcuts` that the fast method may use. Raises ValueError for a name not in METHODS.
+    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; leave_out: the rules of `shortcuts` that the fast
+    method may use.
+    Returns an iterator of Frames.
+    Raises NotConverged where an increment has no equilibrium in reach, ValueError for a name not in METHODS.
+
+    Example: `next(load_path(Scene())).L`
     """
     yield from (frame for frame, _ in Run(scene, method, leave_out).frames())
 

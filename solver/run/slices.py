@@ -21,11 +21,15 @@ def advance(
     leave_out: Collection[str] = ALL,
     limit: float = inf,
 ) -> tuple[list[Frame], Checkpoint]:
-    """(frames, checkpoint): the Frames that follow `checkpoint` (None: the first ones), for about `budget` seconds.
+    """Computes a slice of a run: a pure function of picklable arguments, for use in a worker.
 
-    A pure function of picklable arguments, for use in a worker; at least one frame, unless the increment fails:
-    then checkpoint.failure names the load and a remedy. limit: processor time for one increment, s.
-    Raises ValueError for a method that is not in METHODS, or is not one to carry a run on.
+    Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
+    method: a name in METHODS; leave_out: rules of `shortcuts` that may be used; limit: processor time of an increment.
+    Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
+    checkpoint.failure names the load and a remedy.
+    Raises ValueError for a method that is not in METHODS, or that cannot carry a run on.
+
+    Example: `frames, checkpoint = advance(Scene())`
     """
     checkpoint = checkpoint or Checkpoint()
     frames: list[Frame] = []

@@ -13,7 +13,13 @@ from .load_steps import load_steps_of
 
 
 def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
-    """Displacement of every surface node of the layer, (2, nodes) nm, from the traction on the patch."""
+    """Computes the displacement of the whole surface from the traction on the patch.
+
+    Parameters: scene: that of the frame; frame: with its fields.
+    Returns u (2, nodes), nm.
+
+    Example: `whole_surface(Scene(), simulate(Scene()).frames[-1])`
+    """
     layer = Convolution(Modes.of(scene), scene.nodes)
     layer.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
     layer.apply()
@@ -39,12 +45,17 @@ def changing(frames: Sequence[Frame]) -> tuple[str, ...]:
 
 
 def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
-    """A run in a few numbers: A_0 and slips after the approach; U_s (nm), F_s and A_s at the first slip in shear.
+    """Describes a run in a few numbers, as `run --json` writes them.
 
-    Each is None where it does not exist. A jump where a held load takes over ("control") counts among the slips, but
-    is not the first one. L_min, the least load during retraction, exists only with path 'unload'. Forces are over w E
-    of their own increment. scene: that of the end of the run. Of a run that was carried on, `events` give what changes
-    along it, `E_s` is the E of F_s, and `changes` lists the increments from which on parameters have other values.
+    Parameters: scene: that of the end of the run; frames: all of them, in order.
+    Returns a dict: A_0 and the number of slips after the approach, U_s (nm), F_s and A_s at the first slip in shear,
+    None where it does not exist. Forces are over w E of their own increment.
+
+    Example: `summarize(Scene(), simulate(Scene()).frames)["U_s"]`
+
+    A jump where a held load takes over ("control") counts among the slips, but
+    is not the first one. L_min, the least load during retraction, exists only with path 'unload'. In a run with changed
+    parameters `events` name them, `E_s` is the E of F_s, and `changes` lists the increments where they change.
     """
     names = changing(frames)
     events = [event.as_dict() | _values(f, names) for f in frames for event in f.slips]

@@ -17,8 +17,8 @@ from . import extended
 def growth(scene: Scene, frame: Frame, held: bool = False) -> float:
     """The largest Re(lambda) at a Frame, of mu where damping is infinite.
 
-    held: at constant normal load, under a top without mass. Eigenvalues of 1024 nodes take 4 s; of a uniform surface,
-    some milliseconds.
+    held: at constant normal load, under a top without mass. Eigenvalues of many nodes are expensive, except on a uniform
+    surface.
     """
     return float(rate(exponents(scene, frame, held), friction(scene)).max())
 

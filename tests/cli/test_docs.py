@@ -3,14 +3,19 @@
 The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
 """
 
+import inspect
 import re
 import shlex
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import solver
 from solver.cli import parser
 from solver.presets import presets
 
@@ -18,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [page for page in PAGES if "_build" not in page.parts]
+OPTIONAL = {"distributed", "xarray"}  # an extra, and what `Result.to_xarray` uses where it is installed
 CODE = re.compile(r"^```(?P<kind>\S*)[^\n]*\n(?P<text>.*?)^```", re.M | re.S)
 
 
@@ -51,6 +57,44 @@ def test_the_python_of_the_readme_runs(tmp_path, monkeypatch):
     for block in blocks:
         exec(block, {})
     assert (tmp_path / "run.html").is_file()
+
+
+FUNCTIONS = [name for name in solver.__all__ if inspect.isroutine(getattr(solver, name))]
+CLASSES = [name for name in solver.__all__ if inspect.isclass(getattr(solver, name))]
+CLASSES = [name for name in CLASSES if not issubclass(getattr(solver, name), Exception)]
+# They raise no error of their own.
+SAFE = {"simulate", "summarize", "whole_surface", "work_of"}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_docstrings_of_exported_functions_name_parameters_result_and_errors(name):
+    text = inspect.getdoc(getattr(solver, name))
+    assert "\nParameters: " in text and re.search(r"\nReturns ", text)
+    assert (" Raises " in text.replace("\n", " ")) != (name in SAFE)
+
+
+@pytest.mark.slow
+def test_examples_in_docstrings_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("profile.csv").write_text("x,z\n" + "\n".join(f"{x},{np.sin(x / 10):.6f}" for x in range(300)))
+    table = solver.simulate().table
+    table[table["stage"] == "shear"][["U_x (nm)", "F (N/m)"]].to_csv("measured.csv", index=False)
+    names = {name: getattr(solver, name) for name in solver.__all__} | {"np": np, "Path": Path}
+    for name in FUNCTIONS + CLASSES:
+        text = inspect.getdoc(getattr(solver, name))
+        (example,) = re.findall(r"\nExample: (.*?)(?:\n\n|\Z)", text, re.S)
+        for code in re.findall(r"`([^`]+)`", example):
+            exec(code, names)
+
+
+def test_every_imported_package_is_declared():
+    lines = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+    declared = {re.match(r"[\w.-]+", line)[0].lower().replace("_", "-") for line in lines}
+    found = packages_distributions()
+    for path in [*ROOT.glob("solver/**/*.py"), *ROOT.glob("app/**/*.py")]:
+        names = re.findall(r"^ *(?:import|from) (\w+)", path.read_text(encoding="utf-8"), re.M)
+        for name in set(names) - sys.stdlib_module_names - {"solver", "app"} - OPTIONAL:
+            assert {found_in.lower().replace("_", "-") for found_in in found[name]} & declared, (path, name)
 
 
 def commands(page):

@@ -42,9 +42,13 @@ Outcome = tuple[Point, Skeleton | None]
 
 @dataclass(frozen=True)
 class Axis:
-    """`count` values of a continuous parameter from `low` to `high`, its unit, even or even in the logarithm.
+    """Values of a continuous parameter for a Map.
 
-    Raises SceneError.
+    Parameters: name of the parameter; low, high: its range, in its unit; count: number of values; log: evenly spaced
+    in the logarithm.
+    Raises SceneError for a name or a range that is not allowed.
+
+    Example: `Axis("delta_bar", -0.2, 0.3, 6)`
     """
 
     name: str
@@ -178,6 +182,8 @@ class Map:
 
     Parameters: scene: the values of all other parameters; x, y: the Axes of the map.
     Raises SceneError where both Axes are of one parameter, or the path is one through points.
+
+    Example: `Map(Scene(), Axis("delta_bar", -0.2, 0.3, 6), Axis("phi_ratio", 0.05, 1.0, 5))`
 
     Level 0 covers the map with a few points; each other level halves their distance. A consumer computes the Tiles of a
     level in any order, in any process, and builds those of the next level from their results.
