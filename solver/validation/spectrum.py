@@ -17,8 +17,8 @@ from . import extended
 def growth(scene: Scene, frame: Frame, held: bool = False) -> float:
     """The largest Re(lambda) at a Frame, of mu where damping is infinite.
 
-    held: at constant normal load, under a top without mass. Eigenvalues of many nodes are expensive, except on a uniform
-    surface.
+    held: at constant normal load, under a top without mass. Eigenvalues of many nodes are expensive, but for
+    a uniform surface.
     """
     return float(rate(exponents(scene, frame, held), friction(scene)).max())
 

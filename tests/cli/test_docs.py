@@ -3,6 +3,7 @@
 The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
 """
 
+import ast
 import inspect
 import re
 import shlex
@@ -87,13 +88,21 @@ def test_examples_in_docstrings_run(tmp_path, monkeypatch):
             exec(code, names)
 
 
+def imported(tree):
+    """Top-level packages that a module imports, but for relative imports."""
+    nodes = list(ast.walk(tree))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.level == 0]
+    return {name.partition(".")[0] for name in names}
+
+
 def test_every_imported_package_is_declared():
     lines = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
     declared = {re.match(r"[\w.-]+", line)[0].lower().replace("_", "-") for line in lines}
     found = packages_distributions()
     for path in [*ROOT.glob("solver/**/*.py"), *ROOT.glob("app/**/*.py")]:
-        names = re.findall(r"^ *(?:import|from) (\w+)", path.read_text(encoding="utf-8"), re.M)
-        for name in set(names) - sys.stdlib_module_names - {"solver", "app"} - OPTIONAL:
+        names = imported(ast.parse(path.read_text(encoding="utf-8")))
+        for name in names - sys.stdlib_module_names - {"solver", "app"} - OPTIONAL:
             assert {found_in.lower().replace("_", "-") for found_in in found[name]} & declared, (path, name)
 
 
