@@ -137,7 +137,7 @@ def map_tile(tile, kept=()):
     """Return [(Point, its Skeleton as of `skeletons.pickled`, or None)] of a Tile with such `known`; or a Part."""
     begun, kept = perf_counter(), list(kept)
     there = {(point.i, point.j) for point, _ in kept}
-    asked = tuple(one for one in tile.asked if one[0] not in there)
+    asked = tuple(place for place in tile.asked if place not in there)
     known = tuple((point, skeleton and pickle.loads(skeleton)) for point, skeleton in (*tile.known, *kept))
     for point, skeleton in points_of(replace(tile, asked=asked, known=known, keep=True)):
         kept.append((point, skeleton and pickled(skeleton)))

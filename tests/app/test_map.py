@@ -12,6 +12,7 @@ from app.service import tasks
 from app.service.skeletons import Skeletons, pickled
 from solver import Scene, follow
 from solver.analysis.maps import REGIMES, Axis, Map, Point
+from solver.analysis.maps.grid import Cell
 from solver.analysis.maps.run import computed
 from solver.following.from_run import skeleton_of
 
@@ -45,7 +46,7 @@ def answered(session):
         for call in tasks_left:
             done += 1
             regime = lambda i: REGIMES[slips if i <= COLUMNS // 2 else slips - 2]  # noqa: E731
-            points = [Point(i=i, j=j, regime=regime(i), F_s=1e-4) for (i, j), _ in call[1].asked]
+            points = [Point(i=i, j=j, regime=regime(i), F_s=1e-4) for i, j in call[1].asked]
             page.sweep._answered(call, [(point, None) for point in points])
     return done
 
@@ -69,11 +70,11 @@ def test_a_click_on_the_map_starts_from_the_nearest_stored_skeleton(session, mon
     order(session, "page", page="regimes")
     page, scene = session.pages.page, session.scene
     places = {"far": (8, 12), "near": (28, 20), "dropped": (27, 21)}
-    scenes = {name: page.grid.tile(0, ((place, ()),), {}).scene_at(place) for name, place in places.items()}
+    scenes = {name: page.grid.tile(0, Cell((place,)), {}).scene_at(place) for name, place in places.items()}
     page.known = {places[name]: (Point(), scene) for name, scene in scenes.items()} | {(29, 20): (Point(), None)}
     kept = {scenes[name]: name.encode() for name in ("far", "near")}
     monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
-    there = page.grid.tile(0, (((27, 20), ()),), {}).scene_at((27, 20))
+    there = page.grid.tile(0, Cell(((27, 20),)), {}).scene_at((27, 20))
     assert page.nearer(there, scene) == page.nearer(there, None) == b"near"
     assert page.nearer(there, there) is None  # what is on screen is nearer
     assert page.nearer(there.changed(nodes=512), None) is None
@@ -87,7 +88,7 @@ def test_total_size_of_stored_skeletons_is_bounded(session, monkeypatch):
         order(session, "page", page="regimes")
         page = session.pages.page
         for task in [task for task in session.pool.tasks if task.call[0] is tasks.map_tile and not task.done()]:
-            task.set_result([(Point(i=i, j=j), bytes(1000)) for (i, j), _ in task.call[1].asked])
+            task.set_result([(Point(i=i, j=j), bytes(1000)) for i, j in task.call[1].asked])
         assert len(page.known) == 9
     assert kept.currsize <= 10_000
 

@@ -29,7 +29,7 @@ WARM = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0
 def explored(grid, workers):
     """(Points, seconds until each level was complete)."""
     known, seconds, level = {}, [], 0
-    warm = Tile(WARM, Axis("E", 60.0, 80.0, 3), Axis("nu", 0.4, 0.45, 2), tuple(((i, 0), {}) for i in range(3)))
+    warm = Tile(WARM, Axis("E", 60.0, 80.0, 3), Axis("nu", 0.4, 0.45, 2), tuple((i, 0) for i in range(3)))
     tiles = [warm] * workers
     for count, (k, outcome) in enumerate(outcomes(worked_off, tiles, workers, LIMIT), start=1):
         if count > workers:

@@ -47,13 +47,12 @@ def test_every_point_is_asked_for_once_and_lies_between_known_ones(counts):
         asked_now = {}
         for tile in grid.tiles(level, known):
             there = {(point.i, point.j) for point, _ in tile.known}
-            for place, weights in tile.asked:
+            assert {*tile.corners} <= there and (level == 0) == (not tile.corners)
+            for place in tile.asked:
                 assert place not in known and place not in asked_now
-                assert {other for other, _ in weights} <= there and (level == 0) == (not weights)
-                if weights:  # those of a linear function tell it
-                    assert sum(weight for _, weight in weights) == pytest.approx(1.0)
-                    for k in (0, 1):
-                        assert sum(weight * other[k] for other, weight in weights) == pytest.approx(place[k])
+                for k in range(2) if level else ():
+                    ends = [corner[k] for corner in tile.corners]
+                    assert min(ends) <= place[k] <= max(ends)
                 asked_now[place] = Point(i=place[0], j=place[1]), None
         assert level or 4 <= len(asked_now) <= 16
         known |= asked_now
@@ -115,8 +114,8 @@ def neighbours():
 
 
 def between(neighbours):
-    asked = (((1, 0), (((0, 0), 0.5), ((2, 0), 0.5))),)
-    return Tile(SMALL, Axis("delta_bar", 0.1, 0.14, 3), replace(RATIO, low=1.0), asked, tuple(neighbours))
+    axes = Axis("delta_bar", 0.1, 0.14, 3), replace(RATIO, low=1.0)
+    return Tile(SMALL, *axes, ((1, 0),), ((0, 0), (2, 0)), tuple(neighbours))
 
 
 def test_a_point_among_its_like_is_followed(neighbours):
@@ -150,7 +149,7 @@ def test_a_point_that_cannot_be_followed_is_run(neighbours, monkeypatch):
 
 
 def test_a_tile_can_be_left_between_two_points(grid):
-    asked = tuple(((i, 0), {}) for i in range(5))
+    asked = tuple((i, 0) for i in range(5))
     (first,) = islice(points_of(Tile(SMALL, grid.x, grid.y, asked)), 1)
     assert (first[0].i, first[0].regime) == (0, "slips by one site")
 
@@ -204,7 +203,7 @@ def test_a_contact_that_shrinks_in_its_slip_reattaches_nothing():
 
 def test_a_point_that_cannot_be_says_why():
     axis = Axis("height", 1.0, 100.0, 2)
-    ((point, _),) = points_of(Tile(SMALL.changed(E=0.05), axis, PRESS, (((1, 0), {}),)))
+    ((point, _),) = points_of(Tile(SMALL.changed(E=0.05), axis, PRESS, ((1, 0),)))
     assert point.regime == "no result" and "tolerance" in point.reason
 
 
@@ -230,7 +229,7 @@ def test_flats_have_their_closed_form():
 
 def test_pull_off_is_mapped_from_retractions():
     scene = SMALL.changed(path="unload", du_z=0.5, delta_bar=0.1)
-    asked = tuple(((0, j), {}) for j in (0, 1))
+    asked = tuple((0, j) for j in (0, 1))
     found = [point for point, _ in points_of(Tile(scene, PRESS, Axis("phi_n", 1.0, 2.0, 2), asked))]
     assert found[0].L_min > found[1].L_min == summarize(scene, list(load_path(scene)))["L_min"]  # less adhesion first
 

@@ -20,7 +20,6 @@ from app.service.skeletons import skeletons
 from app.views.plots import Quantity, curve, dots, picture, rendered, texts
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
-from solver.analysis.maps.grid import corners
 from solver.scene import PARAMETERS
 
 TITLE, ORDER, FIGURES = "Map", 6, ("map",)
@@ -81,7 +80,7 @@ class Page(Sheet):
         super().__init__(*given)
         self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
         self.grid, self.known = None, {}  # {(i, j): (Point, Scene of its cached Skeleton or None)}
-        self.left = []  # (level, cell, its corners) not requested yet
+        self.left = []  # (level, Cell) not requested yet
         self.asking = False
 
     def scene_changed(self):
@@ -144,19 +143,16 @@ class Page(Sheet):
     def _ask_anew(self):
         """Request all tiles with unknown points."""
         grid = self.grid
-        tiles = [(level, cell, corners(cell)) for level in range(grid.levels) for cell in grid.cells(level)]
-        self.left = [one for one in tiles if not self._is_known(*one[:2])]
+        cells = [(level, cell) for level in range(grid.levels) for cell in grid.cells(level)]
+        self.left = [one for one in cells if not self.known.keys() >= {*one[1].new}]
         self._ask()
-
-    def _is_known(self, level, cell):
-        return all(place in self.known for place, _ in self.grid.tile(level, cell, self.known).asked)
 
     def _ask(self):
         """Request tiles with known surroundings, repeatedly, as cached ones arrive at once."""
         self.asking = True
-        while ready := [one for one in self.left if one[2] <= self.known.keys()]:
+        while ready := [one for one in self.left if self.known.keys() >= {*one[1].corners}]:
             self.left = [one for one in self.left if one not in ready]
-            self.sweep.add([(tasks.map_tile, self._tile(level, cell)) for level, cell, _ in ready])
+            self.sweep.add([(tasks.map_tile, self._tile(level, cell)) for level, cell in ready])
         self.asking = False
 
     def _tile(self, level, cell):
