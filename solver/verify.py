@@ -3,7 +3,7 @@
 import argparse
 import json
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import inf, nan
 from typing import Any, NamedTuple
 
@@ -23,12 +23,13 @@ HOLDS = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote
 
 
 class Recorded(NamedTuple):
-    """What a file holds: legs as of `carried_path`, the method, what wrote it, and {quantity: values}."""
+    """What a file holds: legs as of `carried_path`, the method, what wrote it, {quantity: values}, and their kind."""
 
     legs: list[tuple[Scene, int | None]]
     method: str
     origin: str
     values: dict[str, Any]
+    fields: bool  # whether these are arrays of curves and fields, or the numbers of a summary
 
 
 class Difference(NamedTuple):
@@ -55,7 +56,8 @@ def verify(arguments: argparse.Namespace) -> int:
     run = carried_path(legs) if len(legs) > 1 else load_path(scene, method=recorded.method)
     frames, failure = collected(run)
     allowed = max(SAME, TOLERANCES * scene.tolerance / min(scene.delta_n, scene.delta_t))
-    differences = list(compared(recorded.values, values_of(scene, frames, recorded.values)))
+    computed = fields_and_curves(scene, frames) if recorded.fields else numbers_of(plain(summarize(scene, frames)))
+    differences = [_difference(name, values, computed[name]) for name, values in recorded.values.items()]
     residual = max((frame.residual for frame in frames), default=nan)
     print(f"file: {recorded.origin}; here: version {__version__}, commit {commit() or 'unknown'}")
     print(f"tolerance {scene.tolerance:.3g} nm, largest residual here {residual:.3g} nm")
@@ -75,19 +77,18 @@ def verify(arguments: argparse.Namespace) -> int:
 def read(file: str) -> Recorded:
     """What a file holds. Raises InputError for anything that `run` or the app did not write."""
     try:
-        if zipfile.is_zipfile(file):
+        if fields := zipfile.is_zipfile(file):
             with np.load(file) as held:
-                arrays = {name: held[name] for name in held.files}
-            report = json.loads(str(arrays.pop("report")))
-            values = {name: array for name, array in arrays.items() if name != "stage"}
+                report = json.loads(str(held["report"]))
+                values = {name: held[name] for name in (*NUMBERS, "u", "T")}
         else:
             with open(file, encoding="utf-8") as text:
                 report = json.load(text)
-            values = report
         if report["schema"] > SCHEMA:
             raise InputError(f"{file!r}: schema {report['schema']}; allowed: up to {SCHEMA}; use a newer version")
         origin = f"schema {report['schema']}, version {report['version']}, commit {report['commit'] or 'unknown'}"
-        return Recorded(_legs(report), report["method"], origin, values)
+        legs = _legs(report)
+        return Recorded(legs, report["method"], origin, values if fields else numbers_of(report), fields)
     except InputError:
         raise
     except OSError as error:
@@ -108,26 +109,16 @@ def _legs(report):
     return [(scene.changed(**parameters), count) for parameters, count in zip(names, counts, strict=True)]
 
 
-def values_of(scene: Scene, frames: Sequence[Frame], like: dict[str, Any]) -> dict[str, Any]:
-    """The values of Frames under the names of the file that they are compared with."""
-    if "events" in like:
-        return plain(summarize(scene, frames))
+def numbers_of(report: dict[str, Any]) -> dict[str, list[Any]]:
+    """{quantity: values} of a summary with its events."""
+    events = {f"events: {name}": [event[name] for event in report["events"] if name in event] for name in NUMBERS}
+    return {name: [report.get(name)] for name in FIRST} | events
+
+
+def fields_and_curves(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
+    """{quantity: array} of Frames, as an NPZ file holds them."""
     after = [frame for frame in frames if frame.stage != "approach"]
     return fields_of(scene, after) | {name: np.array([getattr(f, name) for f in after]) for name in NUMBERS}
-
-
-def compared(recorded: dict[str, Any], computed: dict[str, Any]) -> Iterator[Difference]:
-    """Yields a Difference for every number of a summary with its events, or every array of fields."""
-    if "events" not in recorded:
-        for name in (*NUMBERS, "u", "T"):
-            yield _difference(name, recorded[name], computed[name])
-        return
-    for name in FIRST:
-        if recorded.get(name) is not None or computed.get(name) is not None:
-            yield _difference(name, [recorded.get(name)], [computed.get(name)])
-    for name in NUMBERS:
-        pair = ([event[name] for event in each["events"] if name in event] for each in (recorded, computed))
-        yield _difference(f"events: {name}", *pair)
 
 
 def _difference(name, recorded, computed):
