@@ -16,8 +16,6 @@ from .sensitivities import Sensitivities, sensitivities
 
 WIDE = 1.96  # standard deviations on both sides of the mean: 95 % of a normal distribution
 ENDS = (2.5, 97.5)  # per cent, of the draws, for the same
-QUANTILE = 2.67  # standard error of these ends in standard deviations, times the root of the number of draws
-SURE = 3.0  # standard errors between the ends from draws and the linear ones, from which on the report shows both
 SLIP = ("U_s", "F_s", "L_s", "A_s")
 
 
@@ -51,25 +49,16 @@ class Spread:
         low, high = np.percentile(self.drawn[:, SLIP.index(name)], ENDS)
         return float(low), float(high)
 
-    def differs(self, name: str) -> bool:
-        """Whether the intervals from draws and from derivatives differ by more than chance."""
-        drawn = self.drawn_interval(name)
-        if drawn is None:
-            return False
-        error = QUANTILE * float(self.slips[0][SLIP.index(name)]) / len(self.drawn) ** 0.5
-        return any(abs(a - b) > SURE * error for a, b in zip(drawn, self.interval(name), strict=True))
-
     def sentences(self) -> list[str]:
-        """The intervals of the first slip; those by the draws too where they differ."""
+        """The intervals of the first slip, by the derivatives and by the draws if there are any."""
         if not self.slips:
             return ["It slides smoothly, without a slip"]
         lines = []
         for name in SLIP:
             low, high = self.interval(name)
             lines.append(f"{name} of the first slip: {low:.6g} .. {high:.6g} (95 %, linear)")
-            if self.differs(name):
-                low, high = self.drawn_interval(name) or (low, high)
-                lines.append(f"  by {len(self.drawn)} draws: {low:.6g} .. {high:.6g}")
+            if drawn := self.drawn_interval(name):
+                lines.append(f"  by {len(self.drawn)} draws: {drawn[0]:.6g} .. {drawn[1]:.6g}")
         if self.lost:
             lines.append(f"{self.lost} draws are runs of another kind, and not among these")
         return lines
