@@ -2,8 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from math import exp, isfinite
 from time import perf_counter
 from traceback import extract_tb
@@ -13,9 +12,10 @@ import numpy as np
 
 from ..continuation.state import NotConverged, PulledOff
 from ..isolated import Lost, outcomes
+from ..run.frame import Frame
 from ..run.load_steps import load_steps_of
 from ..run.loadpath import load_path
-from ..scene import SceneError
+from ..scene import Scene, SceneError
 from .atlas import Case
 from .recheck import Recheck, recheck
 from .spectrum import growth
@@ -43,30 +43,12 @@ class Verdict(NamedTuple):
     reason: str = ""
 
 
-class Sample:
-    """Some of a run's frames, spread evenly, the last one included; and the first ones with slips. Counts all."""
-
-    def __init__(self):
-        self.frames, self.slipped, self.last, self._stride = [], [], None, 1
-        self.counts = {"frames": 0, "evaluations": 0, "slips": 0}
-        self.work = 0  # node evaluations
-
-    def take(self, frame) -> None:
-        """Count the next frame; keep at most 2 SAMPLES + SLIPS + 1 of them, because they may be large."""
-        if (frame.T.any() or not self.frames) and self.counts["frames"] % self._stride == 0:
-            self.frames.append(frame)
-        if len(self.frames) > 2 * SAMPLES:
-            self.frames, self._stride = self.frames[::2], 2 * self._stride
-        if frame.slip and len(self.slipped) < SLIPS:
-            self.slipped.append(frame)
-        self.last, self.work = frame, self.work + frame.evaluations * frame.u.shape[1]
-        for name, count in zip(self.counts, (1, frame.evaluations, len(frame.slips)), strict=True):
-            self.counts[name] += count
-
-    def some(self, most=None) -> list:
-        """The frames that were kept, at most so many and those with slips and the last."""
-        frames = self.frames[:: max(1, len(self.frames) // most)] if most else self.frames
-        return list({(f.stage, f.index): f for f in [*frames, *self.slipped, self.last] if f is not None}.values())
+def sampled(frames: Sequence[Frame], most: int) -> list[Frame]:
+    """Some `most` frames in contact, spread evenly; the first one, the last one, and the first few with slips."""
+    touching = [frame for frame in frames if frame.T.any()]
+    even = touching[:: max(1, len(touching) // most)]
+    slipped = [frame for frame in frames if frame.slip][:SLIPS]
+    return list({id(frame): frame for frame in [*frames[:1], *even, *slipped, *frames[-1:]]}.values())
 
 
 def assess(case: Case) -> dict:
@@ -99,43 +81,54 @@ def _assessed(case):
         scene = case.scene()
     except SceneError as error:
         return Verdict("refused", str(error)), {}
-    sample = Sample()
-    verdict = run(scene, sample)
-    numbers = sample.counts | {"asked": sum(step.increments + 1 for step in load_steps_of(scene))}
+    verdict, frames = run(scene)
+    numbers = {
+        "frames": len(frames),
+        "evaluations": sum(frame.evaluations for frame in frames),
+        "slips": sum(len(frame.slips) for frame in frames),
+        "asked": sum(step.increments + 1 for step in load_steps_of(scene)),
+    }
     for check in (rechecked, stable):
         if verdict.verdict in BAD:
             break
-        wrong, measured = check(scene, sample)
+        wrong, measured = check(scene, frames)
         numbers |= measured
         verdict = wrong or verdict
     return verdict, numbers
 
 
-def run(scene, sample: Sample) -> Verdict:
-    """The Verdict on a run by its frames alone; `sample` takes them."""
-    frames = load_path(scene)
-    with suppress(StopIteration):
-        while sample.work < WORK:
-            try:
-                frame = next(frames)
-            except PulledOff as end:  # a soft machine under tension: no failure of the solver
-                return Verdict("converged", str(end))
-            except NotConverged as failure:
-                return Verdict("gave up", str(failure))
-            numbers = frame.F_bar, frame.L_bar, frame.A_bar, frame.residual, frame.U_x, frame.delta
-            if not (all(map(isfinite, numbers)) and np.isfinite(frame.u).all() and np.isfinite(frame.T).all()):
-                return Verdict("non-finite", f"{frame.stage} increment {frame.index}")
-            if not frame.residual <= scene.tolerance:
-                text = f"{frame.stage} increment {frame.index} returned at residual {frame.residual:.3g} nm"
-                return Verdict("wrong", text)
-            sample.take(frame)
-    return Verdict("converged")
+def run(scene: Scene) -> tuple[Verdict, list[Frame]]:
+    """(the Verdict on a run by its frames alone, the frames)."""
+    frames, work = [], 0
+    try:
+        for frame in load_path(scene):
+            if wrong := _wrong(scene, frame):
+                return wrong, frames
+            frames.append(frame)
+            work += frame.evaluations * frame.u.shape[1]
+            if work > WORK:
+                break
+    except PulledOff as end:  # a soft machine under tension: no failure of the solver
+        return Verdict("converged", str(end)), frames
+    except NotConverged as failure:
+        return Verdict("gave up", str(failure)), frames
+    return Verdict("converged"), frames
 
 
-def rechecked(scene, sample: Sample) -> tuple[Verdict | None, dict]:
-    """(what is wrong with the sampled frames by `recheck`, the largest deviations)."""
+def _wrong(scene, frame):
+    """The Verdict on a frame that is not finite or not within the tolerance, or None."""
+    numbers = frame.F_bar, frame.L_bar, frame.A_bar, frame.residual, frame.U_x, frame.delta
+    if not (all(map(isfinite, numbers)) and np.isfinite(frame.u).all() and np.isfinite(frame.T).all()):
+        return Verdict("non-finite", f"{frame.stage} increment {frame.index}")
+    if not frame.residual <= scene.tolerance:
+        return Verdict("wrong", f"{frame.stage} increment {frame.index} returned at residual {frame.residual:.3g} nm")
+    return None
+
+
+def rechecked(scene: Scene, frames: Sequence[Frame]) -> tuple[Verdict | None, dict]:
+    """(what is wrong with a sample of the frames by `recheck`, the largest deviations)."""
     largest = dict.fromkeys(("checked", "residual", "floor", "traction", "forces", "window"), 0.0) | {"checked": 0}
-    for frame in sample.some():
+    for frame in sampled(frames, SAMPLES):
         second = recheck(scene, frame)
         largest |= {
             name: max(largest[name], getattr(second, name)) for name in ("floor", "traction", "forces", "window")
@@ -162,14 +155,14 @@ def _deviation(scene, frame, second: Recheck):
     return None
 
 
-def stable(scene, sample: Sample) -> tuple[Verdict | None, dict]:
-    """(which sampled frame is unstable, the largest growth and the counts), by the spectrum of the whole surface.
+def stable(scene: Scene, frames: Sequence[Frame]) -> tuple[Verdict | None, dict]:
+    """(which of a sample of frames is unstable, the largest growth and the counts), by the whole surface's spectrum.
 
     Only where dense eigenvalues are cheap. A frame that reports possible flutter counts as `said`, not as wrong.
     """
     rates, counts, wrong = [], {"spectra": 0, "unstable": 0, "said": 0}, None
-    frames = sample.some(SPECTRA) if scene.nodes <= DENSE or scene.surface == "flat" else []
-    for frame in frames:
+    judged = sampled(frames, SPECTRA) if scene.nodes <= DENSE or scene.surface == "flat" else []
+    for frame in judged:
         held = scene.hold == "load" and frame.stage in SIDEWAYS
         rates.append(growth(scene, frame, held))
         if rates[-1] > UNSTABLE and frame.may_flutter:
@@ -178,7 +171,7 @@ def stable(scene, sample: Sample) -> tuple[Verdict | None, dict]:
             counts["unstable"] += 1
             text = f"{frame.stage} increment {frame.index}: unstable, disturbances grow as exp({rates[-1]:.3g} t)"
             wrong = Verdict("wrong", text)
-    return wrong, counts | {"spectra": len(frames), "growth": max(rates, default=None)}
+    return wrong, counts | {"spectra": len(judged), "growth": max(rates, default=None)}
 
 
 def atlas(

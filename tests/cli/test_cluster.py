@@ -15,7 +15,7 @@ from solver.isolated import outcomes
 
 pytestmark = pytest.mark.slow
 distributed = pytest.importorskip("distributed", reason="needs the extra `cluster`")
-SCENES = ["300", "800", "1500"]  # of the atlas: few nodes, and one that is refused
+SCENES = ["616", "726", "968"]  # of the atlas: few nodes, and one that is refused
 SMALL = ["nodes=64", "width=160"]
 
 

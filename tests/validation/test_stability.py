@@ -231,17 +231,13 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     scene = Scene(surface="flat", nodes=16, width=40.0, height=20.0)
     u = np.array([np.full(16, 0.5 * scene.spacing), np.zeros(16)])
     saddle = replace(frame, first=0, u=u, T=np.ones((2, 16)), U_x=0.5 * scene.spacing, delta=0.0, slips=())
-    sample = stability.Sample()
-    sample.take(saddle)
-    wrong, numbers = stability.stable(scene, sample)
+    wrong, numbers = stability.stable(scene, [saddle])
     assert "unstable, disturbances grow" in wrong.reason
     report = Report([{"probed": ["nodes"]} | wrong._asdict() | numbers], [], [])
     assert [report.counts[name] for name in ("unstable", "said", "judged")] == [1, 0, 1] and report.failed
     assert report.data()["regions"]["nodes"]["unstable"] == 1
-    sample = stability.Sample()
     vars(saddle)["safe_damping"] = 2.0 * scene.damping  # a frame that reports possible flutter itself
-    sample.take(saddle)
-    wrong, numbers = stability.stable(scene, sample)
+    wrong, numbers = stability.stable(scene, [saddle])
     assert wrong is None and (numbers["unstable"], numbers["said"]) == (0, 1)
 
 
