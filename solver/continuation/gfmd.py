@@ -27,8 +27,6 @@ OPTIONS = GfmdOptions()
 class Gfmd:
     """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    pace = 1.0  # time step, in units of the usual one
-
     def __init__(self, problem, damping, closed):
         self.problem, self.damping, self.closed = problem, damping, closed
 
@@ -59,7 +57,7 @@ class Gfmd:
         problem, dynamics, r = self.problem, self.problem.motion(), np.empty(self.problem.size)
         motion = self._motion(dynamics, dynamics.start(v, active, load), target)
         for _ in range(0, OPTIONS.budget, OPTIONS.check):
-            motion.soften(self._stiffness(dynamics, v, active), self.pace)
+            motion.soften(self._stiffness(dynamics, v, active))
             motion.advance(active, OPTIONS.check)
             v = dynamics.unknowns(motion.y)
             residual = problem.residual(v, active, target, r)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ..run.frame import SlipEvent, largest_safe_damping
 from ..run.loadpath import load_path
 from ..scene import Scene
-from .compare import Point, SlipError, compare, in_range, perform, reference
+from .compare import Point, compare, in_range, perform, reference
 from .landings import landings
 from .methods import SERIES
 
@@ -30,12 +30,11 @@ class Effort(NamedTuple):
 
     slips: int  # in shear, after which the runs end
     longest: float  # s for one run
-    finer: bool  # whether landings are compared with those at half the time step
     slow: dict  # as SWEEPS, of the methods other than fast
 
 
-FULL = Effort(2, 20.0, True, {"tolerance": (1e-3, 1e-4, 1e-6, 1e-8), "du_x": (1.0, 2.0, 5.0)})
-QUICK = Effort(1, 4.0, False, {"tolerance": (1e-4, 1e-6)})
+FULL = Effort(2, 20.0, {"tolerance": (1e-3, 1e-4, 1e-6, 1e-8), "du_x": (1.0, 2.0, 5.0)})
+QUICK = Effort(1, 4.0, {"tolerance": (1e-4, 1e-6)})
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,6 @@ class Report:
     seconds: float  # of the reference
     known_slips: tuple[SlipEvent, ...]  # of the reference
     judged: Point  # GFMD's landings against the reference
-    changed: tuple[SlipError, ...]  # slips after which GFMD is elsewhere with half its time step: no branch is right
     safe_damping: float = 0.0  # the largest of the reference's frames
     points: tuple[Point, ...] = ()
 
@@ -67,11 +65,11 @@ def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iter
     effort = QUICK if quick else FULL
     slips = slips or effort.slips
     short = shortened(scene.changed(path="shear", hold="delta"), slips)  # every method knows these
-    right, changed = landings(short, 2.0 * effort.longest, effort.finer)
+    right = landings(short, 2.0 * effort.longest)
     known = reference(short, right.states)
     judged = compare(Point("tolerance", "gfmd", right.scene.tolerance), right, known, known)
     safe = largest_safe_damping(list(known.states.values()))
-    report = Report(scene, quick, slips, known.scene, known.seconds, tuple(known.slips), judged, changed, safe)
+    report = Report(scene, quick, slips, known.scene, known.seconds, tuple(known.slips), judged, safe)
     planned, finished, stopped = plan(short, effort), {}, set()
     for done, point in enumerate(planned, 1):
         run, kin = (point.series, short.changed(**{point.sweep: point.value})), (point.sweep, point.series)

@@ -108,10 +108,11 @@ def _landed(report):
         f" increments halved to {SHORT:g} nm where the surface slips, {judged.seconds:.2g} s. The reference follows it"
         f" through {judged.branches[0]} of {len(slips)} slips; both agree on {' and '.join(near) or 'nothing'}."
     ]
-    if not report.quick:
-        elsewhere = f"lands elsewhere{_places(report.changed)}: not counted"
-        lines.append(f"With half its time step gfmd {elsewhere if report.changed else 'lands in the same states'}.")
-    if unknown := _places([slip for slip in slips if slip.same_branch is None]):
+    sensitive = [event for event in report.known_slips if event.sensitive]
+    if places := _places(sensitive):
+        lines.append(f"Which equilibrium is reached{places} is sensitive: not counted.")
+    loads = {event.load for event in sensitive}
+    if unknown := _places([slip for slip in slips if slip.same_branch is None and slip.load not in loads]):
         lines.append(f"Unknown{unknown}: {judged.failure or 'the next slip follows too soon'}.")
     return lines
 
@@ -244,15 +245,16 @@ def _diagram(report, sweep, work):
 def data(report: Report) -> dict[str, Any]:
     """The report as plain data, for JSON."""
     fine = {name: getattr(report.reference, name) for name in ("tolerance", "du_x", "du_z")}
-    slips = [{"stage": slip.stage, "load": slip.load, "F_bar": slip.F_bar} for slip in report.known_slips]
-    judged = _plain(report.judged) | {"changed": [asdict(slip) for slip in report.changed]}
+    slips = [
+        {name: getattr(slip, name) for name in ("stage", "load", "F_bar", "sensitive")} for slip in report.known_slips
+    ]
     return {
         "command": command(report),
         "scene": asdict(report.scene),
         "quick": report.quick,
         "U_x_end": report.reference.u_x_max,
         "slips_wanted": report.slips,
-        "reference": fine | {"seconds": report.seconds, "slips": slips, "judged": judged},
+        "reference": fine | {"seconds": report.seconds, "slips": slips, "judged": _plain(report.judged)},
         "same_branch_within": SAME_BRANCH,
         "points": [_plain(p) for p in report.points],
         "sentence": sentence(report),

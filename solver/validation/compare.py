@@ -26,7 +26,9 @@ REFINED = (10, 5, 2, 1)  # divisors of the scene's increments for the reference:
 TIGHTEST = (1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # nm: tolerances tried for the reference, where round-off allows
 SAME_BRANCH = 0.1  # of min(delta_n, delta_t): equilibria farther apart are two; a node that slips moves farther
 NOTHING = np.array([1e-30, 1e-30, 1e-6])  # of F_bar, L_bar, A_bar: the least scale of an error, where all is zero
-SMALLEST = 0.01  # of the larger of F and L: the least scale of the error of a force that stays below (L on the flat)
+# of the larger of F and L: the least scale of the error of a force that stays below, as L on the flat does. So its
+# relative error is at most 100 times that of the other force
+SMALLEST = 0.01
 
 
 @dataclass
@@ -50,7 +52,7 @@ class Curves:
 
 @dataclass(frozen=True)
 class SlipError:
-    """One slip of the reference and its error in a run; None: unknown (no slip, or no increment there)."""
+    """One slip of the reference and its error in a run; None: unknown (no slip, no increment there, or sensitive)."""
 
     stage: str
     load: float  # nm, in the reference
@@ -201,7 +203,8 @@ def slip_errors(curves: Curves, known: Curves, right: Curves) -> list[SlipError]
         position = nearest and abs(nearest.load - event.load)
         force = nearest and abs(nearest.F_bar - event.F_bar) / largest
         end = after.load if after and after.stage == event.stage else inf
-        errors.append(SlipError(event.stage, event.load, position, force, same_branch(curves, right, event, end)))
+        same = None if event.sensitive else same_branch(curves, right, event, end)
+        errors.append(SlipError(event.stage, event.load, position, force, same))
     return errors
 
 

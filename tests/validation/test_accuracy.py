@@ -17,7 +17,7 @@ from solver.continuation.gfmd import Gfmd
 from solver.files import plain
 from solver.validation.accuracy import SWEEPS, measure
 from solver.validation.accuracy_report import branches, choice, data, document, notes, sentence
-from solver.validation.compare import Point, SlipError, compare, perform, reference, refined
+from solver.validation.compare import Point, compare, perform, reference, refined
 from solver.validation.landings import SHORT, landings
 from solver.validation.methods import SERIES
 
@@ -36,10 +36,10 @@ def report(measured):
     return measured[-1][1]
 
 
-def references(scene, finer=False):
-    """(the reference of a scene, GFMD's Curves, slips that half its time step changes)."""
-    right, changed = landings(scene, 60.0, finer)
-    return reference(scene, right.states), right, changed
+def references(scene):
+    """(the reference of a scene, GFMD's Curves)."""
+    right = landings(scene, 60.0)
+    return reference(scene, right.states), right
 
 
 def shear_frames(scene, series):
@@ -91,21 +91,25 @@ def test_the_reference_is_confirmed_by_gfmd():
 
 
 def test_landings_are_those_of_gfmd_alone():
-    """It locates the slips of the reference to its shortest increment, and lands where that does at half its step."""
+    """It locates the slips of the reference to its shortest increment."""
     scene = SMALL.changed(u_x_max=8.0)
-    known, right, changed = references(scene, finer=True)
+    known, right = references(scene)
     judged = compare(Point("tolerance", "gfmd", 1e-5), right, known, known)
-    assert judged.branches == (2, 2) == (len(known.slips),) * 2 and not changed
+    assert judged.branches == (2, 2) == (len(known.slips),) * 2
     assert judged.worst("position") < 2.0 * SHORT and judged.branch_error < 1e-4
     assert right.scene.tolerance == 1e-5 and len(right.states) >= 4
 
 
-@pytest.mark.thorough
 @pytest.mark.slow
-def test_slips_that_land_elsewhere_at_half_the_time_step_are_not_counted(report):
-    changed = (SlipError("shear", 8.5, None, None, False),)
-    lines = notes(replace(report, quick=False, changed=changed))
-    assert "With half its time step gfmd lands elsewhere after the slip at U_x = 8.5 nm: not counted." in lines
+def test_sensitive_slips_of_the_reference_are_not_counted(report):
+    known = references(SMALL.changed(u_x_max=8.0))[0]
+    known.slips = [replace(event, sensitive=True) for event in known.slips]
+    point = compare(report.judged, known, known, known)
+    assert point.branches == (0, 0) and all(slip.same_branch is None for slip in point.slips)
+    lines = notes(replace(report, judged=point, known_slips=tuple(known.slips)))
+    first = known.slips[0].load
+    assert any(f"after the slip at U_x = {first:.5g} nm" in line and line.endswith("not counted.") for line in lines)
+    assert not any(line.startswith("Unknown") for line in lines)
 
 
 @pytest.mark.parametrize("series", ["gfmd mass-weighted", "gfmd"])
@@ -124,7 +128,7 @@ def underdamped():
             super().__init__(problem, 0.1 * damping, closed)
 
     scene = SMALL.changed(E=30.0, u_x_max=9.6, tolerance=1e-6)
-    known, right, _ = references(scene)
+    known, right = references(scene)
     return known, right, perform(scene, Underdamped, known.states, 60.0)
 
 
