@@ -20,8 +20,8 @@ from .measurement import JUMP, Measurement
 from .partial import DRIVE, continuous
 from .trial import AXES, NO_RUN, Model, TimeUp, Trial
 
-APART = 0.99  # correlation beyond which two parameters cannot be told apart
-VAGUE = 0.5  # standard error over value, beyond which the data do not determine a parameter
+APART = 0.99  # correlation beyond which two parameters count as one: each has 7 times the error it has alone
+VAGUE = 0.5  # standard error over value, beyond which a 95 % interval contains 0: the data do not determine it
 UNLIKELY = 5.0  # standard deviations of chi^2 above what noise makes, beyond which the curve does not fit
 TOO_GOOD = 0.25  # chi^2 that noise does not make: even of 40 points it is known to a third
 FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
@@ -35,8 +35,14 @@ class FitOptions:
     """How a fit searches."""
 
     starts: int = 3  # the scene itself and random ones near it, as long as none fits
-    steps: int = 30  # trials from one start, at most; a cap against wandering
-    rounds: int = 4  # optima from one start: each is compared with an exact run, and left from there if it differs
+    steps: int = 30  # trials from one start, at most: a search that converges takes some 6 (tests/bench/fit.py)
+    # optima from one start: each is compared with an exact run, and left from there if it differs. A search that has
+    # not settled after two such corrections goes to and fro
+    rounds: int = 4
+    # relative changes of the parameters and of chi^2 that end a search. With 400 points the latter is a change by 0.003
+    # standard errors
+    xtol: float = 1e-7
+    ftol: float = 1e-8
     limit: float = 60.0  # s, of the whole fit: about as long as somebody waits
     run_limit: float = 20.0  # s, of one exact run: 30 times that of the default scene
 
@@ -128,7 +134,7 @@ def _optimum(model, x, options):
         for _ in range(options.rounds):
             least_squares(
                 model.residuals, x, model.jacobian, model.bounds(),
-                x_scale=model.sizes(), max_nfev=options.steps, xtol=1e-7, ftol=1e-8,
+                x_scale=model.sizes(), max_nfev=options.steps, xtol=options.xtol, ftol=options.ftol,
             )  # fmt: skip
             trial = model.best
             x, exact = trial.x, model.exact(model.scene_of(trial.x))

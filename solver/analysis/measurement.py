@@ -15,11 +15,13 @@ from .outputs import NAMES
 
 FEWEST = 8  # points; third differences of fewer leave no estimate of the noise
 JUMP = 5.0 * 2.0**0.5  # least drop of a slip over the noise of a point; noise alone makes one in 3 million points
-STEEP = 8.0  # least drop of a slip over the median step, on a finely sampled curve
+# least drop of a slip over the median step, on a finely sampled curve. Where steps are noise alone, their median is
+# 0.95 deviations, and this is about JUMP
+STEEP = 8.0
 # Least drop of a slip over the steps beside it and over the 90 % quantile of rises, on a sparse curve. 24 scenes at 5
 # to 8 points a period with 1.2 % noise (tests/bench/fit.py, BASE): 1.7 took smooth sliding for slips, 2.5 missed 6 %.
 ALONE = 2.0
-RISING = 0.9
+RISING = 0.9  # the largest rises may be noise
 FLOOR = 2e-4  # least noise over the largest value: a curve interpolated between states is right to some 1e-4
 NORMAL = 0.6745  # median of |x| of a normal distribution of unit deviation
 CALM = 4.0  # deviations; noise alone exceeds it once in 16,000 differences

@@ -18,7 +18,7 @@ from ..scene import LIMITS, SURFACES, Scene, SceneError
 
 Floats = NDArray[np.float64]
 STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
-ONE_SIDED = 1e-7  # the same at the end of a range
+ONE_SIDED = 1e-7  # the same at the end of a range, where truncation is of first order: both errors are some 1e-8
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
 DRIVE = ("drive_t", "drive_n")  # that of a rigid drive, inf, has no values beside it
 LAYER = ("E", "nu", "height", "width", *DRIVE)  # parameters of the compliance of layer and drive

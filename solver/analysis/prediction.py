@@ -12,8 +12,12 @@ from .sensitivities import Sensitivities, passed
 
 Floats = NDArray[np.float64]
 END = 1e-3  # of t from 0 and 1; nearer, dF/dU is 0/0 or infinite, and F changes by the square of that
-PART = 0.9  # of the largest drop of F: drops that are all too small to be visible may grow in later trials
-AHEAD = 2.0  # times the measured range, up to which slips are listed: parameters move them into and out of the range
+# of the largest drop of F, below 1 so that it is visible itself: where all drops are too small to be visible, they may
+# grow in later trials
+PART = 0.9
+# times the measured range, up to which slips are listed: scale_U or parameters move them into and out of the range. A
+# trial beyond is rejected as one with too few slips
+AHEAD = 2.0
 
 
 class Curve(NamedTuple):

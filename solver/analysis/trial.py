@@ -21,8 +21,10 @@ Floats = NDArray[np.float64]
 SCALES = (0.1, 10.0)  # range of scale_U and scale_F: a factor beyond is a wrong unit
 PERIOD = {"scale_U", "width"}  # parameters that change the distance between slips
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
-APART_BY = 1.5  # largest factor between the first start and a random one
-WORSE = 10.0  # factor on the last residuals, for a trial without a run: the optimiser turns back
+APART_BY = 1.5  # largest factor between the first start and a random one: from so far, fits reach the truth
+# factor on the last residuals, for a trial without a run: where residuals grow, the optimiser goes back, and a quarter
+# as far. Any factor well above 1 does so
+WORSE = 10.0
 NO_RUN = NotFollowed, NotConverged, SceneError
 
 

@@ -23,7 +23,7 @@ from .run import computed
 if TYPE_CHECKING:
     import pandas as pd
 
-COUNT = 2, 400  # values of an axis; 400 x 400 points take hours
+COUNT = 2, 400  # values of an axis: one value is no axis, and 400 x 400 points take hours
 FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of these"
 CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in SAME and not limits.whole)
 COARSEST = 16  # most points of the first level, all of them runs: a picture within about 2 s on two cores

@@ -16,7 +16,9 @@ from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton,
 
 LATER = 2  # slips after the first, while the run does not repeat itself: of sliding runs, 3 in 4 repeat after one, and
 # nearly all others after two or three
-ALIKE = 1e-3  # nm, within which a skeleton must agree with its run on the first slip
+# nm, within which a skeleton must agree with its run on the first slip: both are right to some 1e-5 nm, and other slips
+# lie lattice periods away
+ALIKE = 1e-3
 MOST = 300_000  # force evaluations, a hundred times those of the default: beyond, a point is given up
 
 
