@@ -63,7 +63,7 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], metho
 
 
 def origin() -> dict[str, Any]:
-    """What writes a file: schema, version and commit."""
+    """Schema, version and commit of the program that writes a file."""
     return {"schema": SCHEMA, "version": __version__, "commit": commit()}
 
 
@@ -88,7 +88,7 @@ def commit() -> str | None:
 
 
 def plain(value: Any) -> Any:
-    """The same in the types of JSON."""
+    """A value in the types of JSON: nan becomes null, infinity "inf"."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):

@@ -57,8 +57,8 @@ class Caller:
     ) -> Any:
         """function(*arguments), computed in the process. Raises Lost; except for kind 'error' the process has ended.
 
-        Function, arguments and result must be picklable. limit: s until the result is here. Of a generator, hear(item)
-        is called here for all it yields, and the result is what it returns.
+        Function, arguments and result must be picklable. limit: s until the result arrives. If the function returns a
+        generator, hear(item) is called in this process with each item, and the result is the generator's return value.
         """
         due = monotonic() + limit
         try:

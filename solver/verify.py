@@ -75,7 +75,7 @@ def verify(arguments: argparse.Namespace) -> int:
 
 
 def read(file: str) -> Recorded:
-    """What a file holds. Raises InputError for anything that `run` or the app did not write."""
+    """Reads a file. Raises InputError for anything that `run` or the app did not write."""
     try:
         if fields := zipfile.is_zipfile(file):
             with np.load(file) as held:

@@ -35,13 +35,13 @@ def edges(scene, frame) -> NDArray[np.float64]:
 def peel_asymmetry(scene, before, after) -> float:
     """(back - front)/(|back| + |front|), how far the trailing and the leading edges of all patches moved inward.
 
-    before, after: Frames. 1: all at the trailing edges, or these inward and the leading ones outward; 0: symmetric; -1:
-    all at the leading edges. nan where nothing moved, or where patches came, went, parted or met: unless each overlaps
-    one of the other frame, modulo w.
+    before, after: Frames. 1: only trailing edges peel, or leading ones grow at the same time; 0: symmetric; -1: only
+    leading edges peel. nan if nothing moved. Also nan if patches appeared, vanished, split or merged: each patch must
+    overlap exactly one of the other frame, modulo w.
     """
     then, now = (edges(scene, frame) for frame in (before, after))
     half_then, half_now = (0.5 * (edges[:, 1] - edges[:, 0]) for edges in (then, now))
-    # of every patch then to every one now, by way of the nearest ends of the cell
+    # from every patch before to every patch after, the shorter way round the cell
     moved = now.mean(axis=1) - then.mean(axis=1)[:, None]
     moved = (moved + 0.5 * scene.width) % scene.width - 0.5 * scene.width
     pairs = np.abs(moved) < half_now + half_then[:, None]

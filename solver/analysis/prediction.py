@@ -29,7 +29,7 @@ class Curve(NamedTuple):
 
 
 class Slips(NamedTuple):
-    """loads (n,) nm; by (names, n) per unit; branch (n,) that ends; moved (n,) nm since its first pass."""
+    """loads (n,) nm; by (names, n) per unit; branch (n,) that ends there; moved (n,) nm, its shift by whole periods."""
 
     loads: Floats
     by: Floats
@@ -38,12 +38,12 @@ class Slips(NamedTuple):
 
 
 class Predicted:
-    """A run, known by its Sensitivities, cut into segments at its visible slips.
+    """The curve of a run from its Sensitivities, cut into segments at its visible slips.
 
-    A slip is visible where F_bar drops by more than `seen`, or by PART of its largest drop. A measured point belongs to
-    the segment with as many visible slips before it as in the data, and there to the branch at its U_x. Beyond the end
-    of a branch its last value counts, so that predictions are continuous in the parameters. start, reach: the measured
-    range of U_x, nm.
+    A slip is visible if F_bar drops by more than `seen`, or by more than PART of its largest drop. The k-th measured
+    segment is compared with the k-th predicted one, each point with the branch at its U_x. Beyond the end of a branch
+    its last value counts, so that predictions are continuous in the parameters. start, reach: the measured range of
+    U_x, nm.
     """
 
     def __init__(self, sensitivities: Sensitivities, seen: float, start: float, reach: float):
@@ -52,7 +52,7 @@ class Predicted:
 
     @cached_property
     def drops(self) -> list[float]:
-        """By how much F_bar drops at the end of each branch; 0 without a slip there."""
+        """The drop of F_bar at the end of each branch; 0 without a slip there."""
         last = len(self.branches) - 1
         after = [*range(1, last + 1), self.skeleton.home]
         slips = [branch.branch.fold is not None for branch in self.branches]
@@ -79,7 +79,7 @@ class Predicted:
         return len(self.segments) > 1
 
     def count(self, drop: float) -> int:
-        """How many slips between start and reach let F_bar drop by more than `drop`."""
+        """The number of slips between start and reach with a drop of F_bar above `drop`."""
         ends = ((index, self._end(index, turns)) for index, turns in chain(*self.segments))
         return sum(self.start < end < self.reach and self.drops[index] > drop for index, end in ends)
 

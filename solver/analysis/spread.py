@@ -104,7 +104,7 @@ def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
 
 
 def spread(skeleton: Skeleton, of: Mapping[str, float], draws: int = 0) -> Spread:
-    """The Spread of a run with uncertain parameters, from its derivatives.
+    """The Spread of a run with uncertain parameters, by its derivatives.
 
     Parameters: skeleton: as of `skeleton_of`; of: {parameter: standard deviation, in its unit}; draws: the number of
     runs followed to parameters drawn at random, which check the derivatives.

@@ -86,7 +86,7 @@ class Model:
         self.best, self.last, self.skeleton = None, None, skeleton
 
     def start(self, rng: np.random.Generator | None = None) -> Floats:
-        """Parameters x (n,) of the scene, or random ones within APART_BY of them."""
+        """Parameters x (n,) of the scene, or random ones within a factor APART_BY of them."""
         x = np.array([self._first(name) for name in self.free])
         if rng is not None:
             factor = APART_BY ** rng.uniform(-1.0, 1.0, x.size)
@@ -107,7 +107,7 @@ class Model:
         return np.array([own.get(name) or abs(self._first(name)) or 1.0 for name in self.free])
 
     def residuals(self, x: Floats) -> Floats:
-        """(k,) over the noise; WORSE times the last ones where x has no run, unless x is the first."""
+        """Residuals (k,) over the noise. Where x has no run: WORSE times the last ones; raises if x is the first."""
         try:
             return self._trial(x).residuals
         except NO_RUN:
@@ -116,7 +116,7 @@ class Model:
             return WORSE * (np.abs(self.last.residuals) + 1.0)
 
     def jacobian(self, x: Floats) -> Floats:
-        """(k, n)."""
+        """Derivatives (k, n) of the residuals by x."""
         return self._trial(x).jacobian
 
     def _trial(self, x):

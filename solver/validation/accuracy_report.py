@@ -39,7 +39,7 @@ FINER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
 
 def sentence(report: Report) -> str:
-    """What a tolerance buys in this scene, and whether every method ended on the same branches; one line."""
+    """The effect of the tolerance in this scene, and whether every method ended on the same branches; one line."""
     return " ".join(filter(None, (choice(report, "tolerance"), _price(report), branches(report))))
 
 
@@ -98,7 +98,7 @@ def branches(report: Report) -> str:
 
 
 def _landed(report):
-    """The method that decides about branches, and its doubts; lines of text."""
+    """How branches are compared, and which slips are left out; lines of text."""
     judged, slips = report.judged, report.judged.slips
     near = [] if judged.branch_error is None else [f"F, L, A before the first slip to {judged.branch_error:.0e}"]
     apart = judged.worst("position")

@@ -2,9 +2,9 @@
 
     python tests/bench/map.py [--x AXIS] [--y AXIS] [--set NAME=VALUE ...] [--workers N] [--checks N] [--json FILE]
 
-Prints when each level was complete, the share of points followed, and force evaluations. Random points are then run
-from their start: how many are of another regime, the largest error of U_s (nm), how many followed points are wrong.
-Processes start and kernels compile before the clock starts.
+Prints the share of points followed and force evaluations; on stderr, when each level was complete. Random points are
+then run from their start: how many are of another regime, the largest error of U_s (nm), how many followed points are
+wrong. Processes start and kernels compile before the clock starts.
 """
 
 import sys
@@ -88,6 +88,7 @@ def summary(points, seconds, rows):
         "followed": len(followed) / len(points),
         "followed_of_touching": sum(p.followed for p in touching) / max(1, len(touching)),
         "evaluations": {name: [int(sum(n)), float(np.median(n or [0]))] for name, n in spent.items()},
+        "cost": sum(p.evaluations for p in points) / (len(points) * float(np.median(spent["run"] or [np.nan]))),
         "no_result": sum(bool(p.reason) for p in points),
         "checked": len(rows),
         "other_regime": sum(not row["alike"] for row in rows),
@@ -98,10 +99,11 @@ def summary(points, seconds, rows):
 
 
 def report(found, rows):
-    print("levels complete after " + ", ".join(f"{s:.1f}" for s in found["seconds"]) + " s")
+    print("levels complete after " + ", ".join(f"{s:.1f}" for s in found["seconds"]) + " s", file=sys.stderr)
     print("{points} points, followed {followed:.1%}, of those that touch {followed_of_touching:.1%}".format(**found))
     for name, (total, median) in found["evaluations"].items():
         print(f"evaluations, {name}: {total}, median {median:g}")
+    print(f"evaluations of the map over those of a run of this median at every point: {found['cost']:.2f}")
     print(
         "{checked} checked: {other_regime} of another regime, U_s off by {U_s_worst:.1e} nm at most;"
         " {wrong_follows} of {followed_checked} followed are wrong".format(**found)

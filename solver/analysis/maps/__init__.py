@@ -1,6 +1,6 @@
 """The first slip over two parameters: each point is followed from its neighbours, or run where that is not safe.
 
-point    what a map holds of a scene up to just beyond its first slip, and its regime
+point    the regime of a scene and numbers of its first slip
 run      such a point from a run
 grid     axes, the map from coarse to fine, and its tiles
 explore  all points of a map, computed in processes

@@ -123,7 +123,7 @@ def worked_off(tile: Tile) -> list[Outcome]:
 
 
 def points_of(tile: Tile) -> Iterator[Outcome]:
-    """Yields (Point, Skeleton or None) in order; a consumer may stop after any of them."""
+    """Yields (Point, Skeleton or None) of the points that a Tile asks for, in order; may be left after any of them."""
     known = {(point.i, point.j): (point, skeleton) for point, skeleton in tile.known}
     for place in tile.asked:
         in_line = [corner for corner in tile.corners if corner[0] == place[0] or corner[1] == place[1]]

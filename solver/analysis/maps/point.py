@@ -1,4 +1,4 @@
-"""What a map holds of a scene up to just beyond its first slip: numbers and a regime."""
+"""A point of a map: the regime of a scene and numbers of its first slip."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
@@ -59,7 +59,7 @@ class Point:
 
     @property
     def kind(self) -> tuple:
-        """What points share if one can be followed from the others."""
+        """Regime, sites and branches: only points of one kind are continued from each other."""
         return self.regime, self.sites, self.branches
 
     def as_row(self) -> dict[str, Any]:
