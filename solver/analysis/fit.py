@@ -236,7 +236,7 @@ def _of_parameters(model, trial, errors, correlations):
     for i, name in enumerate(free):
         if size[i] <= 1e-300 or (errors[i] > VAGUE * abs(x[i]) and name not in ("offset_U", "offset_F", "delta_bar")):
             warnings.append(f"the data do not determine {name}: {x[i]:.3g} +- {errors[i]:.2g}; fix it, or measure more")
-        if min(x[i] - low[i], high[i] - x[i]) <= 1e-9 * max(1.0, abs(x[i])):
+        if min(x[i] - low[i], high[i] - x[i]) <= 1e-9 * max(1.0, abs(x[i])):  # scipy stays 1e-10 of it inside
             warnings.append(f"{name} = {x[i]:.4g} is at the end of its range; its error means nothing")
         for j in range(i):
             if abs(correlations[i, j]) > APART:

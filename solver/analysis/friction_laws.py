@@ -142,7 +142,7 @@ def friction_force(scene, frames) -> Friction:
     if start is None:
         raise ValueError(f"the contact has not slid by U_x = {scene.u_x_max:g} nm: enlarge u_x_max")
     begin, seen = shear[start].U_slip if shear[start].slip else shear[start].U_x, shear[-1].U_x
-    if seen - begin < (1.0 - 1e-9) * scene.spacing:
+    if seen - begin < (1.0 - 1e-9) * scene.spacing:  # less than it by more than the round-off of increments
         raise ValueError(
             f"sliding from U_x = {begin:.4g} to {seen:.4g} nm, less than a lattice period of {scene.spacing:.4g} nm:"
             f" enlarge u_x_max to {begin + scene.spacing + scene.du_x * scene.delta_t:.4g} nm"

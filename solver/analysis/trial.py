@@ -38,6 +38,8 @@ class Axes(NamedTuple):
 
 
 AXES = Axes._fields
+# of parameters that may be 0: an indentation of delta_n, a part of a lattice period in nm; offset_F: of the range of F
+SIZES = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1}
 
 
 class TimeUp(Exception):
@@ -90,7 +92,8 @@ class Model:
         x = np.array([self._first(name) for name in self.free])
         if rng is not None:
             factor = APART_BY ** rng.uniform(-1.0, 1.0, x.size)
-            x = np.where(x != 0.0, x * factor, 0.1 * np.log(factor) * (np.array(self.free) == "delta_bar"))
+            pressed = SIZES["delta_bar"] * np.log(factor) * (np.array(self.free) == "delta_bar")
+            x = np.where(x != 0.0, x * factor, pressed)
         return np.clip(x, *self.bounds())
 
     def _first(self, name):
@@ -103,7 +106,7 @@ class Model:
 
     def sizes(self) -> Floats:
         """Typical sizes (n,) of the parameters, in which steps are measured."""
-        own = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1 * float(np.ptp(self.measured.values["F_bar"]))}
+        own = SIZES | {"offset_F": SIZES["offset_F"] * float(np.ptp(self.measured.values["F_bar"]))}
         return np.array([own.get(name) or abs(self._first(name)) or 1.0 for name in self.free])
 
     def residuals(self, x: Floats) -> Floats:

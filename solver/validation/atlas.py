@@ -129,7 +129,7 @@ def cases(quick: bool = False) -> list[Case]:
 def _random(number):
     """(names, point) of a random scene: few coordinates away from the centre, or most, and some of the VARIANTS."""
     random = np.random.default_rng((SEED, number))
-    share, point = random.uniform(0.0, 0.8), {}
+    share, point = random.uniform(0.0, 0.8), {}  # beyond, most scenes are refused for their combination
     for variants in VARIANTS:
         if random.random() < 1.0 / 3.0:
             point |= variants[random.integers(len(variants))]
@@ -158,9 +158,10 @@ def _remedied(points):
 
 
 def _steep(point):
-    """The point with the amplitude of a wave whose steepest `slope` is given."""
+    """The point with the amplitude of a wave whose steepest `slope` is given: a little less, as 0.3 is the largest."""
     if "slope" not in point:
         return point
-    wavelength = point.get("nodes", CENTRE["nodes"]) * CENTRE["spacing"] / point["waves"]
+    nodes, spacing = (point.get(name, CENTRE[name]) for name in ("nodes", "spacing"))
+    wavelength = nodes * spacing * point.get("scale", 1.0) / point["waves"]
     amplitude = float(f"{0.999 * point['slope'] * wavelength / (2.0 * np.pi):.4g}")
     return {name: value for name, value in point.items() if name != "slope"} | {"amplitude": amplitude}
