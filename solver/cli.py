@@ -116,7 +116,7 @@ def preset_table() -> str:
 
 def add_run(commands: Any) -> None:
     """Adds `run` to the subcommands."""
-    text = "Computes one experiment along its path, approach and then shear, and prints a summary."
+    text = "Computes one experiment along its path and prints a summary."
     parser = add_command(commands, "run", run, "compute one experiment", text)
     parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
     add_file(parser, "csv", "the curves, a row per increment after the approach")

@@ -44,7 +44,7 @@ def _add(commands: Any, name: str, run: Callable, summary: str, text: str) -> ar
 def add_sensitivities(commands: Any) -> None:
     """Adds `sensitivities` to the subcommands."""
     text = "Derivatives of every slip's U_s, F_s, L_s and A_s by every continuous parameter of an experiment."
-    _add(commands, "sensitivities", sensitivities, "what matters for when and how it slips", text)
+    _add(commands, "sensitivities", sensitivities, "derivatives of slips by all parameters", text)
 
 
 def sensitivities(arguments: argparse.Namespace) -> int:
@@ -113,10 +113,10 @@ def fit(arguments: argparse.Namespace) -> int:
 
 def add_spread(commands: Any) -> None:
     """Adds `spread` to the subcommands."""
-    text = "How uncertain parameters spread the curves and the static friction force."
-    parser = _add(commands, "spread", spread, "curves of parameters that are not known exactly", text)
+    text = "Spread of the curves and of the first slip where parameters are uncertain."
+    parser = _add(commands, "spread", spread, "bands and intervals for uncertain parameters", text)
     parser.add_argument("--of", nargs="+", required=True, metavar="NAME=SHARE", help="standard deviation: phi_n=10%%")
-    draws = "check by this many random draws, default 0"
+    draws = "compare with intervals from this many random draws, default 0"
     parser.add_argument("--draws", type=within(0), default=0, metavar="N", help=draws)
 
 

@@ -60,7 +60,7 @@ def choice(report: Report, sweep: str) -> str:
     place = "" if slip is None else f", slips to {slip:.0e} nm"
     rest = [p for p in points if p.value < cheap.value]
     worse = [f"{p.value:g} leaves {p.branch_error:.0e}" for p in rest if p not in good]
-    more = f"{FINER[sweep]} buys nothing visible" if rest else f"{FINER[sweep]} was not tried"
+    more = f"{FINER[sweep]} has no visible effect" if rest else f"{FINER[sweep]} was not tried"
     more = f"yet {FINER[sweep]} is not always better: {', '.join(worse)}" if worse else more
     return (
         f"{sweep} {cheap.value:g} gives F to {cheap.F:.0e}, L to {cheap.L:.0e}, A to {cheap.A:.0e}{place}"
