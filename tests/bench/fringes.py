@@ -25,8 +25,8 @@ def busy(session):
 
 
 COUNT = """async () => {
-    const { onFrame } = await import(new URL("./app/static/js/state.js", document.baseURI))
-    window.counter ??= onFrame(() => { window.drawn++ })
+    const { cover } = await import(new URL("./app/static/js/store.js", document.baseURI))
+    window.counter ??= cover(["picture"], () => { window.drawn++ }) ?? true
     window.drawn = 0
 }"""
 

@@ -13,7 +13,7 @@ PIXELS = """() => [...function* find(node) {
 def still(look):
     """The app, paused, with `bokeh` (the module) and `figures`, `parts` of figures.js as globals."""
     page = look()
-    page.evaluate("punch.fresh = true")  # drawn anew, whatever another test has filled in
+    page.evaluate("punch.look++")  # drawn anew, whatever another test has filled in
     page.wait_for_function("() => !punch.fresh && punch.mapped")
     page.evaluate(
         f"""async () => {{

@@ -71,7 +71,7 @@ def test_increments_without_an_equilibrium_are_hatched_and_labelled(visit):
         """() => { // as if the surface had not come to rest in the three increments before its last slip
             const k = punch.run.curves.slip.lastIndexOf(1)
             for (const list of [punch.run.places, ...Object.values(punch.run.curves)]) list.splice(k - 3, 3)
-            punch.fresh = true
+            punch.look++
         }"""
     )
     page.locator("#unrested").wait_for(state="visible")

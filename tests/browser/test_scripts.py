@@ -210,7 +210,7 @@ def test_stress_inside_the_layer_equals_the_sum_over_all_modes(tab, scene):
 
 
 def test_page_state_rejects_undeclared_fields(tab):
-    refused = """import("http://scripts/js/state.js").then(({ me }) => {
+    refused = """import("http://scripts/js/store.js").then(({ me }) => {
         me.at = 3
         try { me.att = 3 } catch (error) { return [me.at, error.name] }
     })"""

@@ -5,7 +5,7 @@ import { by, on } from "../../static/js/dom.js"
 import { extent, figures, fill } from "../../static/js/figures.js"
 import { download } from "../../static/js/share.js"
 import { clear, collect, points } from "../../static/js/slips.js"
-import { me } from "../../static/js/state.js"
+import { me } from "../../static/js/store.js"
 import { value } from "../../static/js/words.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point

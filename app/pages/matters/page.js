@@ -6,7 +6,7 @@ import { by, make, makeButton, minus, on } from "../../static/js/dom.js"
 import { figures } from "../../static/js/figures.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
-import { anew, leaveBehind, me } from "../../static/js/state.js"
+import { leaveBehind, me, redraw } from "../../static/js/store.js"
 import { inWords } from "../../static/js/words.js"
 
 const MORE = 1.05 // times the value, after a click
@@ -22,7 +22,7 @@ export function told({ matters }) {
   if (matters === result) return
   result = matters ?? null
   drawBars()
-  anew()
+  redraw()
 }
 
 export function closed() {
@@ -54,7 +54,7 @@ function raise(name) {
 }
 
 // Below the punch, with every frame: how much each node holds
-export function frame(run, k) {
+export function over(run, k) {
   const box = result && !run.head.flat ? frameBox(figures.punch) : null
   if (!box) return
   const { drawn: x } = drawnFrame(run, k), { first } = run.headOf(k), { nodes } = result, ink = inks()

@@ -3,11 +3,9 @@
 import { set } from "../../static/js/bokeh.js"
 import { nice, rampIn, shades } from "../../static/js/colours.js"
 import { by, on } from "../../static/js/dom.js"
-import {
-  extent, figures, fillImage, painted as together, parts, stretchSaid, tellLimits,
-} from "../../static/js/figures.js"
+import { extent, figures, fillImage, parts, stretchSaid, tellLimits } from "../../static/js/figures.js"
 import { APART, mean, middles, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
-import { me } from "../../static/js/state.js"
+import { redraw } from "../../static/js/store.js"
 
 const COLUMNS = 400, ROWS = 100 // of the picture
 const MODES = 1024 // at most: of more nodes than twice that the finest waves are left out
@@ -63,18 +61,12 @@ function shade(quantity, run, image) {
   tellLimits("solid_field", -top, top)
 }
 
-function anew() {
-  drawn = ""
-  if (!parts.solid_field || !me.run?.length || me.drawn < 0) return // chosen before the figure is there
-  together(() => frame(me.run, Math.min(me.drawn, me.run.length - 1)))
-}
-
 export function told(news) {
   if (news.palette) ({ palette, stresses } = news)
 }
 
-export const painted = anew
+export const painted = () => { drawn = "" }
 
 export const opened = () => { drawn = "" }
 
-export const connect = () => on("solid-quantity", "input", anew)
+export const connect = () => on("solid-quantity", "input", redraw)

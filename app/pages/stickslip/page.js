@@ -3,7 +3,7 @@
 import { onEvent } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"
 import { figures } from "../../static/js/figures.js"
-import { leaveBehind } from "../../static/js/state.js"
+import { leaveBehind } from "../../static/js/store.js"
 
 export function opened() {
   onEvent(figures.stickslip_map, "tap", ({ x, y }) => {

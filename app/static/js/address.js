@@ -3,18 +3,17 @@
 
 import { order } from "./channel.js"
 import { by, lastSearch, on, readdress } from "./dom.js"
-import { leaveBehind, me, onFrame } from "./state.js"
+import { goto } from "./player.js"
+import { leaveBehind, me, view } from "./store.js"
 
 const VERSION = "1" // of what the names in an address mean
-const BURST = 900 // ms: changes of one parameter by hand that are closer than this to each other are one
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
 
 let written = null // the scene in the address, as text; null before it is known to be that of the status
-// what it changed last, when, whether the address has something of this move
-let hand = { name: "", at: -BURST, written: true }
+let writtenOf = null // the move of which the address has something
 let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
-let resting = 0, goto = null, showAddressed = null
+let resting = 0
 let wanted = asked() // the increment to go to once the run is there
 
 function asked() {
@@ -35,17 +34,11 @@ function difference(a, b) {
   return [...new Set([...Object.keys(a), ...Object.keys(b)])].filter((name) => a[name] !== b[name]).toSorted().join()
 }
 
-// A parameter is being changed by hand
-export function moved(name) {
-  const at = performance.now(), same = name === hand.name && at - hand.at <= BURST
-  hand = { name, at, written: same && hand.written }
-}
-
 export function writeAddress() {
   if (!me.status.values) return
   const { address } = me.status, text = JSON.stringify(address)
   if (text === written) return
-  const sameMove = written && difference(JSON.parse(written), address) === hand.name && hand.written
+  const sameMove = written && writtenOf === me.move && difference(JSON.parse(written), address) === me.move.name
   const push = written !== null && !sameMove
     && !["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
   if (push) top = ++entry
@@ -54,7 +47,7 @@ export function writeAddress() {
     for (const name in address) now.set(name, address[name])
   }, push ? { entry } : { ...history.state, entry }, push)
   written = text
-  hand.written = true
+  writtenOf = me.move
   tellHistory()
 }
 
@@ -77,7 +70,7 @@ function tellHistory() {
 export function restore(scene, k = null) {
   leaveBehind()
   me.entered = null
-  hand.name = ""
+  me.move = { name: "" }
   wanted = k
   order("restore", scene)
 }
@@ -95,7 +88,6 @@ function popped(event) {
     for (const name of kept) now.delete(name)
     for (const [name, text] of seen) if (kept.includes(name)) now.append(name, text)
   })
-  showAddressed()
   if (!same) {
     written = null
     restore(sceneOf(location.search), k)
@@ -103,8 +95,10 @@ function popped(event) {
   tellHistory()
 }
 
-// With every frame that is drawn: the increment at rest goes into the address
-function drawn(run, k) {
+// The increment at rest goes into the address
+function tellIncrement() {
+  const { run, drawn: k } = me
+  if (k < 0) return
   const url = new URLSearchParams(location.search)
   clearTimeout(resting)
   if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
@@ -134,13 +128,11 @@ export function linkTo(more = []) {
   return url.href
 }
 
-export function connect(player, pages) {
-  ({ goto } = player);
-  ({ showAddressed } = pages)
+export function connect() {
   readdress(() => {}, { ...history.state, entry }) // so that Back comes to it
   const version = new URLSearchParams(location.search).get("v")
   if (version && version !== VERSION) console.info(`an address of version ${version}, read as version ${VERSION}`)
-  onFrame(drawn)
+  view(["drawn", "run", "playing", "following", "preview", "status"], tellIncrement)
   addEventListener("popstate", popped)
   on("undo", "click", undo)
   on("redo", "click", redo)

@@ -3,6 +3,7 @@
 
 const here = { sync: false }
 let index = null // of the views of all models
+let changed = false // whether Bokeh has something to paint
 
 export const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 export const useIndex = (given) => { index = given }
@@ -21,7 +22,10 @@ export function viewOf(model) {
 export const isDrawn = (model) => Boolean(viewOf(model)?.has_finished())
 
 // Change properties in this browser only
-export const set = (model, values) => model.setv(values, here)
+export function set(model, values) {
+  changed = true
+  model.setv(values, here)
+}
 export const onChange = (model, property, call) => model.properties[property].change.connect(call)
 export const onEvent = (model, name, call) => model.on_event(name, call)
 
@@ -33,6 +37,7 @@ export function namedParts(figure) {
 
 // Columns of a renderer's data, in this browser only
 export function fill(renderer, columns) {
+  changed = true
   Object.assign(dataOf(renderer.data_source), columns)
   renderer.data_source.change.emit()
 }
@@ -105,6 +110,13 @@ function own(object, method) {
 // comes after the promises in which Bokeh takes data in. (`view.ready` would do, but it never resolves again once a
 // late timer has made Bokeh's throttle drop a promise, as happens on a busy machine.)
 export const bokehPainted = () => new Promise((resolve) => setTimeout(() => requestAnimationFrame(resolve)))
+
+// Wait until Bokeh has painted what was changed, if anything was
+export async function painted() {
+  if (!changed) return
+  changed = false
+  await bokehPainted()
+}
 
 // The colour of what a renderer, a band or a line draws
 export function tint(part, value) {

@@ -3,14 +3,12 @@
 import { onChange } from "./bokeh.js"
 import { by, on } from "./dom.js"
 import { opened } from "./packed.js"
-import { me } from "./state.js"
+import { me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LARGEST = 2e6 // bytes of a file, as the server
 let wire = null
 let orders = 0, asks = 0
-let hears = () => {} // what is done with every answer
-let unheard = [] // {n, what, values, at} of those not yet answered
 
 // Messages of bytes go to what takes their kind
 export function connect(given) {
@@ -26,8 +24,7 @@ const takers = {} // {kind: [call, unpack]}
 // Call `call` with every message of a kind; unpack: makes a promise of what is in it, where that takes time
 export const take = (kind, call, unpack) => { takers[kind] = [call, unpack] }
 export const listen = (what, call, unpack) => onChange(wire, what, () => arrived(wire[what], call, unpack))
-export const waiting = () => unheard
-export const silence = () => (unheard.length ? performance.now() - unheard[0].at : 0) // ms
+export const silence = () => (me.waiting.length ? performance.now() - me.waiting[0].at : 0) // ms
 
 const arrivals = [] // {message, call, ready}, oldest first: each waits until those before it have been passed on
 function arrived(message, call, unpack) {
@@ -53,7 +50,7 @@ function passOn() {
 
 export function order(what, values, more) {
   const n = orders++
-  if (ANSWERED.includes(what)) unheard.push({ n, what, values, at: performance.now() })
+  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values, at: performance.now() }]
   if (!me.lost) wire.order = JSON.stringify({ do: what, values, n, ...more })
 }
 
@@ -68,12 +65,10 @@ async function orderFile(entry, file) {
   if (!me.lost) wire.order = message.buffer
 }
 
+// The server has heard the orders up to a number
 export function heard(n) {
-  unheard = unheard.filter((sent) => !(sent.n <= n))
-  hears()
+  if (me.waiting.some((sent) => sent.n <= n)) me.waiting = me.waiting.filter((sent) => !(sent.n <= n))
 }
-
-export const onHeard = (call) => { hears = call }
 
 // Ask the page that is open for something
 export function ask(values) {

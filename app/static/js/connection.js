@@ -2,11 +2,10 @@
 // answers the page is loaded again as it was: parameters and what was asked for since in its address, the increment
 // shown beside it.
 
-import { silence, waiting } from "./channel.js"
+import { silence } from "./channel.js"
 import { by } from "./dom.js"
 import { warn } from "./opening.js"
-import { me, now } from "./state.js"
-import { checkTruth } from "./status.js"
+import { me, now } from "./store.js"
 import { keepForTab, takeFromTab } from "./storage.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
@@ -45,7 +44,6 @@ async function lost() {
   me.lost = true
   // the server makes pages
   for (const button of document.querySelectorAll("nav button, [data-ask]")) button.disabled = true
-  checkTruth()
   let attempts = 0
   do await pause(PAUSES[attempts++] ?? PAUSES.at(-1))
   while (!(await answers()))
@@ -63,7 +61,7 @@ const pause = (time) => new Promise((go) => {
 function openAnew() {
   const address = new URL(location.href)
   let wanted = { ...me.status.address }
-  for (const { what, values } of waiting()) {
+  for (const { what, values } of me.waiting) {
     if (what === "scene") Object.assign(wanted, values)
     else wanted = { ...values } // of "preset" and "restore"; "reset" has none
   }

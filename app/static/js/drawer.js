@@ -1,8 +1,7 @@
 // The drawer of all parameters: shows those that apply to the surface and the path on screen, finds, and restores.
 
-import { listen } from "./channel.js"
 import { by, on } from "./dom.js"
-import { declared, me } from "./state.js"
+import { declared, me, view } from "./store.js"
 
 let connected = false
 
@@ -17,7 +16,7 @@ export function openDrawer() {
 
 function connect() {
   connected = true
-  listen("status", refresh)
+  view(["status"], refresh)
   on("find", "input", refresh)
   on("drawer", "close", () => by(by("more").checkVisibility() ? "more" : "menu").focus())
   for (const button of document.querySelectorAll(".restore")) {

@@ -1,11 +1,11 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
 import {
-  bokehPainted, fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
+  fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
 import { by, digits, minus, say, tell } from "./dom.js"
-import { me } from "./state.js"
+import { me } from "./store.js"
 import { explain } from "./terms.js"
 import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
 
@@ -36,12 +36,6 @@ export const fill = (view, label, columns) => fillRenderer(parts[view][label], c
 export const fillImage = (view, label, values, shape, place) => (
   fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place }))
 
-// Make changes, and wait until Bokeh has painted them
-export async function painted(change) {
-  change()
-  await bokehPainted()
-}
-
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
 // A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once
@@ -65,15 +59,18 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
   return [a, b]
 }, [0, 0])
 
-// What is drawn of other runs: values of their curves, for the ranges; what draws these; whether a run is among these
-export const overlays = { curves: () => [], drawn: () => {}, has: () => false }
+// Pins whose runs are drawn along the same path as a run
+export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
+  shown && pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
+
 let curvesDrawn = { label: "F, L (N/m)", text: "N/m" } // {ghost, label, text, approach} as they were drawn
 const NOTHING = { along: [], value: [] }
 const APART = "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. "
   + "Press the punch farther down."
 export function drawCurves(run, ghost, approach) {
   // along something else, or drawn already
-  if (ghost?.head.abscissa !== run.head.abscissa || overlays.has(ghost)) ghost = null
+  const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
+  if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
   const unit = forceUnit([run, ghost]), label = labelOf(unit), { names: { F, L }, factor } = unit
   const part = (of, name) => of?.drawn(name, approach, name === "A" ? 1 : factor) ?? NOTHING
   const same = ghost === curvesDrawn.ghost && label === curvesDrawn.label && approach === curvesDrawn.approach
@@ -101,14 +98,14 @@ export function drawCurves(run, ghost, approach) {
     pointAlong(run, view, run.curves[way], times)
   }
   say("apart", run.apart ? APART : "")
-  const shown = (name) => [run, ghost].map((of) => part(of, name).value).concat(overlays.curves(run, part, name))
+  const runs = [run, ghost, ...beside(run).map((pin) => pin.run)]
+  const shown = (name) => runs.map((of) => part(of, name).value)
   const bounds = [F, L].map((name) => part(run, name).value).filter((list) => list.length)
     .map((list) => [Math.min(...list), Math.max(...list)])
   fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F), ...shown(L)), bounds)
   const areas = shown("A").flatMap((list) => [...list])
   const least = Math.min(...areas), most = Math.max(...areas, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
-  overlays.drawn(run, part, unit, approach)
   fit(figures.area.y_range, from, most)
   tellStart(from && figures.area.y_range.start)
 }

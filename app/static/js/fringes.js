@@ -8,6 +8,7 @@ import { APART, middles, SHEARED, sumsIn, tableFor } from "./inside.js"
 import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { keep, kept } from "./storage.js"
+import { redraw } from "./store.js"
 
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
 const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels each
@@ -20,7 +21,7 @@ const CHANNELS = [1.1, 1, 0.91]
 const sheet = document.createElement("canvas")
 let image = null
 
-export function connectFringes(redraw) {
+export function connectFringes() {
   by("fringes-on").checked = kept("fringes") !== "plain"
   on("fringes-on", "change", ({ target }) => {
     keep("fringes", target.checked ? "on" : "plain")

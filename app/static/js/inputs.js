@@ -5,12 +5,11 @@ import { onEvent } from "./bokeh.js"
 import { order, sendFile } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, on, onDrag, readdress, say } from "./dom.js"
-import { CURVES, figures, paint, shadeMap } from "./figures.js"
-import { closePage, openPage, paintPage } from "./pages.js"
-import { goto, move, play, reset, show, toggle, toSlip } from "./player.js"
-import { declared, exact, leaveBehind, me, reduced } from "./state.js"
+import { CURVES, figures } from "./figures.js"
+import { closePage, openPage } from "./pages.js"
+import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, nudge, steer } from "./steer.js"
-import { checkTruth } from "./status.js"
+import { declared, exact, leaveBehind, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, project, useTools } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -68,9 +67,7 @@ function connectHand() {
 function switchTheme() {
   document.documentElement.dataset.theme = theme() === "dark" ? "light" : "dark"
   readdress((asked) => asked.set("theme", theme()))
-  paint()
-  paintPage()
-  shadeMap(me.run)
+  redraw()
 }
 
 const KEYS = {
@@ -106,8 +103,8 @@ async function slowMotion() {
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
 function connectCurve(figure) {
-  onEvent(figure, "mousemove", (event) => { if (!me.playing) { me.preview = there(event); show() } })
-  onEvent(figure, "mouseleave", () => { if (me.preview !== null) { me.preview = null; show() } })
+  onEvent(figure, "mousemove", (event) => { if (!me.playing) me.preview = there(event) })
+  onEvent(figure, "mouseleave", () => { me.preview = null })
   onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
 }
 
@@ -116,10 +113,9 @@ const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
   leaveBehind(false)
-  Object.assign(me, { following: true, preview: null, place: null, at: 0 })
+  set({ following: true, preview: null, place: null, at: 0 })
   order("restore", { preset })
   if (!reduced) play(true)
-  checkTruth()
 }
 
 export function connect() {

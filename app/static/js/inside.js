@@ -2,6 +2,7 @@
 // (solver/analysis/interior.py), sent once for a geometry.
 
 import { order, take } from "./channel.js"
+import { redraw } from "./store.js"
 
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/aside.py
 const KEPT = 3 // of each
@@ -21,7 +22,7 @@ const keep = (map, key, value) => {
 }
 let asked = "", since = 0
 
-export function connectInside(redraw) {
+export function connectInside() {
   take("layer", (message) => {
     const table = tableOf(message)
     keep(tables, keyOf(table.geometry, table.asked), table)

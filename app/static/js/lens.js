@@ -3,7 +3,7 @@
 import { by, closest, fixed, on, onDrag } from "./dom.js"
 import { figures } from "./figures.js"
 import { line, size, write } from "./pen.js"
-import { me } from "./state.js"
+import { me, redraw } from "./store.js"
 
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
@@ -143,7 +143,7 @@ export function drawLattice(view) {
   write(view, said, box.left + 0.5 * box.width, box.top + 0.4 * box.height)
 }
 
-export function connectLens(redraw) {
+export function connectLens() {
   const grip = by("lens")
   const move = (nm) => {
     const { start, end } = figures.punch.x_range
@@ -169,5 +169,5 @@ export function connectLens(redraw) {
     event.stopPropagation()
     move(steps[event.key])
   })
-  on("lens-on", "change", () => redraw())
+  on("lens-on", "change", redraw)
 }

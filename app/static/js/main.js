@@ -5,6 +5,7 @@ import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
+import * as draw from "./draw.js"
 import { adopt, paint } from "./figures.js"
 import { connectFringes } from "./fringes.js"
 import { connectInside } from "./inside.js"
@@ -14,9 +15,10 @@ import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
 import { opened } from "./opening.js"
 import * as player from "./player.js"
+import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
-import { declared, embedded, me } from "./state.js"
 import * as status from "./status.js"
+import { declared, embedded, me, redraw, view } from "./store.js"
 import * as glossary from "./terms.js"
 import { connectStored } from "./stored.js"
 import * as units from "./words.js"
@@ -31,14 +33,18 @@ export function start({ wire, figures, slots, told, index }) {
   for (const name in figures) adopt(name, figures[name])
   channel.connect(wire)
   glossary.connect()
-  status.connect()
-  pages.connect(plain(slots))
+  address.connect()
   inputs.connect()
-  connectLens(player.show)
-  connectFringes(player.show)
-  connectInside(player.show)
+  units.connect()
+  connectLens()
+  connectFringes()
+  connectInside()
+  view(["look"], paint)
+  status.connect()
+  player.connect()
+  draw.connect()
+  pages.connect(plain(slots)) // their figures are painted with the same picture
   connectSlips()
-  address.connect(player, pages)
   channel.take("run", player.receive, unpackLater)
   channel.take("picture", player.follow)
   channel.listen("status", status.heard)
@@ -47,17 +53,13 @@ export function start({ wire, figures, slots, told, index }) {
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {
     clearTimeout(resized)
-    resized = setTimeout(() => { paint(); player.show() }, 100)
+    resized = setTimeout(redraw, 100)
   }).observe(document.querySelector("figure"))
-  paint()
-  for (const name in declared.positions) status.place(name, Number(by(`${name}-entry`).value))
+  for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
-  player.play(me.playing)
-  units.connect()
   connection.connect()
   opened()
-  requestAnimationFrame(player.tick)
   channel.order("hello")
   pages.openAsked()
   if (embedded) import("./later/embed.js")

@@ -1,7 +1,7 @@
 // Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py); a click goes there.
 
 import { by, closest, digits, make, makeButton } from "./dom.js"
-import { declared } from "./state.js"
+import { declared } from "./store.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there

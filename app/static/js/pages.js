@@ -1,12 +1,12 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
 // app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), told(news),
-// frame(run, k), painted(), closed().
+// frame(run, k) with every frame before Bokeh paints, over(run, k) after that, painted() in other colours, closed().
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
 import { by, makeButton, makeRow, minus, readdress } from "./dom.js"
-import { adopt, drawn, forget, paint, shade } from "./figures.js"
-import { anew, declared, me } from "./state.js"
+import { adopt, drawn, forget, shade } from "./figures.js"
+import { cover, declared, me, redraw, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
@@ -22,6 +22,10 @@ export function connect(given) {
   for (const button of document.querySelectorAll(".sheet [data-ask]")) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
+  addEventListener("popstate", showAddressed)
+  view(["look"], () => { shadeImages(); call("painted") })
+  view(["picture"], () => framePage("frame"))
+  cover(["picture"], () => framePage("over"))
 }
 
 export function openAsked() {
@@ -44,7 +48,7 @@ export function openPage(name) {
 export const closePage = () => (history.state?.opened ? history.back() : openPage(""))
 
 // The page that the address names, after Back
-export function showAddressed() {
+function showAddressed() {
   const name = new URLSearchParams(location.search).get("page") ?? ""
   if (name !== shown()) show(by(name)?.classList.contains("sheet") ? name : "")
 }
@@ -82,11 +86,10 @@ export async function read(text) {
 export function told(news) {
   if (sheet.open !== news.open) {
     call("closed")
-    anew() // without what the page has drawn over the punch
+    redraw() // in this theme, and without what the page has drawn over the punch
     sheet.figures.forEach(forget)
     sheet = news
     for (const name of sheet.figures) adopt(name, slots[name].children[0])
-    paint()
     call("opened")
     awaitFigures(sheet.open)
   }
@@ -100,7 +103,7 @@ export function told(news) {
     part.value = sheet.busy ?? 0
   }
   call("told", sheet)
-  framePage()
+  framePage("frame")
 }
 
 const cellOf = (cell) => (typeof cell === "string" ? minus(cell)
@@ -118,11 +121,7 @@ function shadeImages() {
 }
 
 // The increment on screen, for the page
-export function framePage() {
-  if (me.run?.length && me.drawn >= 0) call("frame", me.run, Math.min(me.drawn, me.run.length - 1))
-}
-
-export function paintPage() {
-  shadeImages()
-  call("painted")
+function framePage(what) {
+  const { run, k } = me.picture ?? {}
+  if (run && run === me.run) call(what, run, k)
 }

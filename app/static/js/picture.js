@@ -17,7 +17,6 @@ export class Picture extends Run {
     const cells = start + 4 * columns.length * frames, end = cells + map.rows * map.columns
     const chunk = unpack(buffer, end + (-end & 3))
     super(--count, chunk.head)
-    this.heard = head.heard // number of the order that it answers
     this.followed = this.whole = true
     this.sheared = 0
     this.shown = head.shown

@@ -6,7 +6,7 @@ import { by } from "./dom.js"
 import {
   CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, shareAxis, stretchSaid,
 } from "./figures.js"
-import { declared, me } from "./state.js"
+import { declared, me } from "./store.js"
 
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
 const FAR_LESS = 0.6 // of an axis: where a run needs less of it, the axis shrinks

@@ -7,7 +7,7 @@ import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { sharpen } from "./pen.js"
-import { me } from "./state.js"
+import { me } from "./store.js"
 import { drawStory } from "./story.js"
 import { described, parameters } from "./words.js"
 

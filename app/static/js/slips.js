@@ -1,13 +1,13 @@
 // Friction over load: the first slip of every computed run that this visitor has seen.
 
 import { firstSlip } from "./sentence.js"
-import { exact, onFrame } from "./state.js"
+import { exact, me, view } from "./store.js"
 
 export const points = [] // {key, U (nm), F, L (N/m), scene, changed: the one parameter that differs, or null}
 let last = null // the point of the run seen last
 let read = null // the run read last
 
-export const connectSlips = () => onFrame(collect)
+export const connectSlips = () => view(["run", "status"], () => { if (me.run) collect(me.run) })
 
 // Take in the first slip of a run, unless its scene has a point
 export function collect(run) {

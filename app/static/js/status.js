@@ -2,90 +2,70 @@
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
 import { goToAsked, writeAddress } from "./address.js"
-import { heard as acknowledged, order, waiting } from "./channel.js"
-import { by, closest, digits, fixed, minus, on, say } from "./dom.js"
+import { heard as acknowledged, order } from "./channel.js"
+import { by, fixed, minus, on, say } from "./dom.js"
 import { drawMarks } from "./marks.js"
-import { declared, me } from "./state.js"
+import { describeAll } from "./sliders.js"
+import { sendNext } from "./steer.js"
+import { declared, me, view } from "./store.js"
 import { explain } from "./terms.js"
 import { inWords, symbol } from "./words.js"
 
 export function connect() {
   on("skip", "click", () => order("skip"))
   setInterval(() => { if (me.status.state === "running") tellState() }, 1000)
+  view(["run", "status", "waiting", "entered", "dragging", "lost", "anchor", "begun", "drawn"], checkTruth)
+  view(["status", "dragging", "waiting", "entered"], tellScene)
+  view(["run", "status", "playing", "lost"], tellState)
 }
 
 export function heard(text) {
   const old = me.status
   me.status = JSON.parse(text)
   acknowledged(me.status.heard)
+  sendNext()
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
   if (me.run?.number === me.status.run) me.run.scene = me.status.scene
-  const { state, values, errors, notes, cautions, frames } = me.status
+  const { state, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
     if (me.following && me.playing) me.at = me.run.beginning
     me.following = false
   }
-  if (!waiting().length && !me.entered) { // not the echo of a position the slider has left
-    for (const name in values) describe(name, values[name], errors[name], old.values?.[name])
-    for (const id of ["delta_bar", "delta_bar-entry"]) by(id).disabled = values.path === "points" // they set the depth
-    if (frames > 0 && !me.dragging) writeAddress()
-    say("profile-error", errors.profile)
+  goToAsked()
+}
+
+let described = null // the status that the controls show
+function tellScene() {
+  const { status } = me
+  if (!status.values) return
+  if (!me.waiting.length && !me.entered) { // not the echo of a position the slider has left
+    if (described !== status) describeAll(status, described?.values)
+    described = status
+    if (status.frames > 0 && !me.dragging) writeAddress()
     namePreset()
     const look = presetSaid()
     if (by("look").textContent !== look) explain(by("look"), look)
   }
-  checkTruth()
-  drawMarks(me.status.marks)
-  say("notes", notes.join(" "))
-  say("cautions", cautions.join(" "))
-  by("caution").hidden = !cautions.length
-  tellState()
-  goToAsked()
-}
-
-function describe(name, value, error, before) {
-  const entry = by(`${name}-entry`)
-  // what was typed stays to be mended, or while it is being typed; a refused choice falls back
-  const settled = document.activeElement !== entry || entry.value === entry.dataset.given
-  if (entry.matches("select") || !error && settled || value !== before) entry.value = value
-  entry.setAttribute("aria-invalid", Boolean(error))
-  const fresh = error && by(`${name}-error`).textContent !== error
-  say(`${name}-error`, error)
-  if (fresh) entry.closest(".row")?.scrollIntoView({ block: "nearest" })
-  if (!me.dragging && declared.positions[name]) place(name, value)
-  if (name === "delta_bar") tellDepth(value, error)
-}
-
-// The depth itself, beside its part of delta_0, unless that was refused
-export function tellDepth(value, refused) {
-  const depth = Number(value) * 10 * (me.status.values?.delta_n ?? 1)
-  document.querySelector("[data-name=delta_bar] .unit").textContent = refused ? "" : `= ${digits(depth)} nm`
-}
-
-// A slider at the position nearest to a value
-export function place(name, value) {
-  const slider = by(name), { [name]: values } = declared.positions
-  slider.value = closest(values, value)
-  slider.dataset.meaning ??= slider.title
-  const beyond = value < values[0] || value > values.at(-1)
-  slider.title = beyond ? `${minus(value)} lies beyond this slider` : slider.dataset.meaning
-  slider.setAttribute("aria-valuetext", `${value}`)
+  drawMarks(status.marks)
+  say("notes", status.notes.join(" "))
+  say("cautions", status.cautions.join(" "))
+  by("caution").hidden = !status.cautions.length
 }
 
 const SAID = 4 // parameters at most
 
 // {parameter: value} as the controls have it: what the server told, and what was asked for since
 function asked() {
-  const changes = waiting().filter(({ what }) => what === "scene").map(({ values }) => values)
+  const changes = me.waiting.filter(({ what }) => what === "scene").map(({ values }) => values)
   return Object.assign({}, me.status.values, ...changes, me.entered)
 }
 
-export function checkTruth() {
+function checkTruth() {
   const scene = me.run?.scene, wanted = asked()
   const names = Object.keys(scene ?? {}).filter((name) => name in wanted && String(scene[name]) !== String(wanted[name])
     && Number(scene[name]) !== Number(wanted[name]))
-  me.stale = Boolean(scene) && (names.length > 0 || waiting().some(({ what }) => what !== "scene"))
+  me.stale = Boolean(scene) && (names.length > 0 || me.waiting.some(({ what }) => what !== "scene"))
   const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(scene[name])}`).join(", ")
   // curves come with the shear
   const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following
@@ -144,7 +124,7 @@ function gettingReady() {
   return done ? `compiling: ${done} of ${all} kernels` : "the solver gets ready"
 }
 
-export function tellState() {
+function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
   const { followed, stored } = me.run ?? {}
   if (stored && state !== "failed") return tellStored(state)

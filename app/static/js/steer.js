@@ -1,16 +1,15 @@
 // Parameters changed by hand: with a slider, the punch, a map or an entry. While a hand moves them the server hears of
 // the latest only; one drag has what was on screen before it behind all of its pictures.
 
-import { moved, writeAddress } from "./address.js"
-import { onHeard, order, waiting } from "./channel.js"
+import { order } from "./channel.js"
 import { by } from "./dom.js"
-import { anew, declared, exact, leaveBehind, me, now, QUIET } from "./state.js"
-import { checkTruth, place, tellDepth } from "./status.js"
+import { place, tellDepth } from "./sliders.js"
+import { declared, exact, leaveBehind, me, now, redraw } from "./store.js"
 
 const PACE = 30 // ms: at most one message in this time, always the latest
 const BURST = 900 // ms between two moves of one slider that are one drag
 
-let drag = { name: "", ended: 0 } // what was moved last, and when it was let go, ms
+let ended = 0 // ms, when what was moved last was let go; 0: it is held
 let last = 0 // when something was sent
 let resting = 0
 let from = null // [number of a run, its frame] that a change carries on from
@@ -18,15 +17,13 @@ let from = null // [number of a run, its frame] that a change carries on from
 // Changes parameters {name: text}, one or those of a place of a map
 export function enter(values) {
   const name = Object.keys(values).toSorted().join()
-  if (name !== drag.name || (drag.ended && performance.now() - drag.ended > BURST)) {
+  if (name !== me.move.name || (ended && performance.now() - ended > BURST)) {
+    me.move = { name }
     leaveBehind()
     goOnFrom()
   }
-  drag = { name, ended: me.dragging ? 0 : -BURST }
-  moved(name)
+  ended = me.dragging ? 0 : -BURST
   me.entered = { ...me.entered, ...values }
-  me.quiet = performance.now() + QUIET
-  checkTruth()
   const rest = PACE - (performance.now() - last)
   if (rest > 0) setTimeout(sendNext, rest)
   else sendNext()
@@ -44,8 +41,7 @@ function goOnFrom() {
 const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
 
 // While a hand moves, where it is by the time that the last position has been answered: nothing queues
-const sendNext = () => { if (!me.dragging || !waiting().length) send(me.dragging) }
-onHeard(sendNext)
+export const sendNext = () => { if (!me.dragging || !me.waiting.length) send(me.dragging) }
 
 function send(held) {
   if (!me.entered) return
@@ -69,7 +65,7 @@ export function steer(values) {
 }
 
 export function letGo() {
-  if (!drag.ended) drag.ended = performance.now()
+  ended ||= performance.now()
   rests()
 }
 
@@ -80,12 +76,11 @@ function rests() {
   me.dragging = false
   send(true)
   order("rest")
-  anew()
-  writeAddress()
+  redraw()
 }
 
 // As steer does, by a wheel, of which nobody knows when it is let go
 export function nudge(values) {
   steer(values)
-  drag.ended = performance.now()
+  ended = performance.now()
 }

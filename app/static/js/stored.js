@@ -1,10 +1,9 @@
 // Stored runs of the row's experiments (app/service/stored.py): on screen until the computed run has come.
 
-import { listen } from "./channel.js"
 import { by } from "./dom.js"
 import { unpackLater } from "./packed.js"
 import { Run } from "./run.js"
-import { declared, me } from "./state.js"
+import { declared, me, view } from "./store.js"
 
 let asked = "" // address of the last one
 
@@ -22,7 +21,7 @@ export function connectStored(show) {
     show(run)
   }
   load(by("stored")?.getAttribute("href"))
-  listen("status", () => {
+  view(["status"], () => {
     const { state, preset } = me.status
     if (state === "warming") load(declared.stored[preset] ?? Object.values(declared.stored)[0])
   })

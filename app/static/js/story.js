@@ -7,7 +7,7 @@ import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { changeSaid, nowSaid, phaseSaid } from "./sentence.js"
-import { exact, me } from "./state.js"
+import { exact, me } from "./store.js"
 import { explain } from "./terms.js"
 
 const REST = 46 // px, a drive that is not stretched

@@ -3,7 +3,7 @@
 import { drawnBy } from "./bokeh.js"
 import { by, digits, fixed, make, makeRow } from "./dom.js"
 import { figures, parts } from "./figures.js"
-import { me } from "./state.js"
+import { me } from "./store.js"
 
 // A number in some four digits
 const short = (value) => (Number.isFinite(value) ? digits(value, 4) : "–")

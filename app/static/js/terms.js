@@ -1,7 +1,7 @@
 // Terms of the field in the texts of the page: underlined; a click shows the explanation in a popover of the browser.
 
 import { by, make, makeButton } from "./dom.js"
-import { declared } from "./state.js"
+import { declared } from "./store.js"
 
 let forms = null // what finds forms of terms in a text
 

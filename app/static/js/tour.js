@@ -9,7 +9,7 @@ import { openPage } from "./pages.js"
 import { cleared, line } from "./pen.js"
 import { goto, play } from "./player.js"
 import { firstSlip } from "./sentence.js"
-import { exact, me } from "./state.js"
+import { cover, exact, me, set, view } from "./store.js"
 import { explain } from "./terms.js"
 import { PICTURES } from "./tour/pictures.js"
 import { STOPS } from "./tour/stops.js"
@@ -17,7 +17,7 @@ import { choose } from "./view.js"
 
 let before = null // {U, F} of the first slip of the usual scene, to compare with
 let unseen = null, hands = [0, 0, 0] // the scene that nobody has seen; hands raised for each answer
-let at = 0, phase = "ask", chosen = null, sketch = [], card = null, watching = 0
+let at = 0, phase = "ask", chosen = null, sketch = [], card = null
 
 export function openTour(stop = 1) {
   readdress((asked) => asked.delete("tour")) // it opens the tour, and whoever gets a link from here would be in it
@@ -27,15 +27,12 @@ export function openTour(stop = 1) {
   card.hidden = false
   if (document.querySelector(".page").dataset.page) openPage("")
   begin()
-  cancelAnimationFrame(watching)
-  watching = requestAnimationFrame(watch)
 }
 
 function close() {
-  cancelAnimationFrame(watching)
   card.hidden = true
   delete document.documentElement.dataset.tour
-  for (const view of CURVES) cover(view).hidden = true
+  for (const name of CURVES) curtain(name).hidden = true
   by("tour-sketch").hidden = true
   removeEventListener("popstate", close)
   by("tour").focus()
@@ -49,10 +46,12 @@ function makeCard() {
   const canvas = make("canvas", { id: "tour-sketch", hidden: true })
   figureOf("area").append(canvas)
   connectSketch(canvas)
+  view(["status", "run", "lost", "stale", "drawn"], watch)
+  cover(["picture", "run", "look"], coverFigures)
   return made
 }
 
-const figureOf = (view) => document.querySelector(`.view[data-view="${view}"]`)
+const figureOf = (name) => document.querySelector(`.view[data-view="${name}"]`)
 
 // A scene is asked for, and its future hidden until the prediction is made
 function begin() {
@@ -112,7 +111,7 @@ const waiting = () => (me.lost ? "The tour continues when the server answers aga
   : failed() ? `The run of this stop failed: ${me.status.why} Go to another stop.` : "getting ready …")
 
 function watch() {
-  watching = requestAnimationFrame(watch)
+  if (!card || card.hidden) return
   if (phase === "wait") tell(card.querySelector("p"), waiting())
   if (phase === "wait" && ready()) {
     if (learn()) return begin()
@@ -127,6 +126,10 @@ function watch() {
     phase = "why"
     write()
   }
+}
+
+function coverFigures() {
+  if (!card || card.hidden) return
   hideFuture()
   drawSketch()
 }
@@ -134,24 +137,23 @@ function watch() {
 function answer(index) {
   chosen = index
   phase = "show"
-  me.at = Math.max(0, me.run.sheared)
-  me.following = false
+  set({ at: Math.max(0, me.run.sheared), following: false })
   play(true)
   write()
 }
 
-const covers = {}
-const cover = (view) => covers[view] ??= figureOf(view).appendChild(make("div", { className: "future" }))
+const curtains = {}
+const curtain = (name) => curtains[name] ??= figureOf(name).appendChild(make("div", { className: "future" }))
 
 // What lies ahead of the increment shown stays hidden until it is the visitor's turn: it answers later stops
 function hideFuture() {
-  for (const view of CURVES) {
-    const box = frameBox(figures[view]), hidden = phase === "turn" || !box || !me.run
-    cover(view).hidden = hidden
+  for (const name of CURVES) {
+    const box = frameBox(figures[name]), hidden = phase === "turn" || !box || !me.run
+    curtain(name).hidden = hidden
     if (hidden) continue
     const ahead = phase === "wait" || me.run.sheared < 0, far = box.left + box.width + 2
     const x = (ahead ? box.left : box.X(me.run.along[Math.max(me.run.sheared, me.drawn)])) + 1
-    Object.assign(cover(view).style,
+    Object.assign(curtain(name).style,
       { left: `${x}px`, top: `${box.top}px`, width: `${Math.max(0, far - x)}px`, height: `${box.height}px` })
   }
 }
@@ -176,6 +178,7 @@ function write() {
   if (phase === "why") writeReason(stop)
   if (phase !== "show" && phase !== "ask") card.append(make("div", { className: "answers ways" }, ...ways()))
   if (phase === "why") card.querySelector(".ways").lastElementChild.focus({ preventScroll: true })
+  coverFigures()
 }
 
 function writeQuestion(stop) {
@@ -241,6 +244,7 @@ function connectSketch(canvas) {
   }, (event) => {
     const box = canvas.getBoundingClientRect()
     sketch.push([(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height])
+    drawSketch()
   })
 }
 

@@ -1,10 +1,9 @@
 // The ways to look at the experiment: as it opens, in large for a lecture hall, and with all tools in sight.
 
 import { by, on, readdress } from "./dom.js"
-import { CURVES, paint } from "./figures.js"
+import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
-import { show } from "./player.js"
-import { embedded } from "./state.js"
+import { embedded, redraw } from "./store.js"
 import { keep } from "./storage.js"
 
 const { dataset } = document.documentElement
@@ -27,8 +26,7 @@ function settle() {
   const asked = dataset.view === "projector" ? "projector" : "tools" in dataset ? "lab" : null
   readdress((address) => (asked ? address.set("view", asked) : address.delete("view")))
   tellButtons()
-  paint()
-  setTimeout(show, 100) // once the figures have their new size
+  redraw()
 }
 
 function tellButtons() {
@@ -58,7 +56,7 @@ export function connectViews() {
 export function choose(curve) {
   document.querySelector("main").dataset.chosen = curve
   document.querySelector(`#chosen [value="${curve}"]`).checked = true
-  paint()
+  redraw()
 }
 
 export function chooseNext() {

@@ -2,7 +2,7 @@
 // request (?force=bar); nm, or over w. Parameters by the symbols and words of their controls, or in short.
 
 import { by, digits, fixed, minus, on, readdress } from "./dom.js"
-import { anew, me } from "./state.js"
+import { me, redraw } from "./store.js"
 
 const FORCES = [[1e3, "kN/m", 1e4], [1, "N/m", 0.5], [1e-3, "mN/m", 0]] // of forces: size, name, from which force on
 const BAR = { names: { F: "F_bar", L: "L_bar" }, factor: 1000, text: "10⁻³", symbols: { F: "F̄", L: "L̄" } }
@@ -36,7 +36,7 @@ export function connect() {
   by("bar").checked = new URLSearchParams(location.search).get("force") === "bar"
   on("bar", "change", () => {
     readdress((asked) => (overE() ? asked.set("force", "bar") : asked.delete("force")))
-    anew()
+    redraw()
   })
 }
 

@@ -5,29 +5,29 @@ import { order, take } from "../channel.js"
 import { by, make } from "../dom.js"
 import { figures } from "../figures.js"
 import { cleared, inks, line, over, size, write } from "../pen.js"
-import { drawIncrement, drawPicture, goto, isPainting, setReel, show, toggle } from "../player.js"
+import { goto, toggle } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
-import { me, now, onFrame } from "../state.js"
+import { cover, me, now, redraw, view } from "../store.js"
 import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
-// {run, k: the frame that the slip led to, frames: a Run once they come, at, clock: s of playing, before: ms, paused,
-// range: of tractions before}
+// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, range: of
+// tractions before}; the state on screen is `me.film`
 let film = null
 
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
-  if (film) return end()
+  if (film) return leave()
   const { run } = me, at = now(), k = at < 0 ? null : run.slipBefore(at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
   if (k === null)
     return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   goto(k)
-  film = { run, k, frames: null, at: -1, clock: 0, before: 0, paused: false }
+  film = { run, k, frames: null, clock: 0, before: 0 }
   tell("solving the motion …")
   order("film", { run: run.number, frame: k })
 }
@@ -58,7 +58,7 @@ function receive(chunk) {
   film.before = performance.now()
   scrub.max = film.frames.length - 1 - film.k
   swapScrubs(true)
-  setReel(film)
+  me.film = { run: film.frames, k: film.k, paused: false }
   const range = figures.traction.y_range, { T_least, T_most } = film.frames // of the motion as well, which is rougher
   film.range = { start: range.start, end: range.end }
   set(range, { start: Math.min(range.start, 1.1 * T_least), end: Math.max(range.end, 1.1 * T_most) })
@@ -68,21 +68,12 @@ function receive(chunk) {
 
 function step(time) {
   if (!film?.frames) return
-  const { frames, k } = film, last = frames.length - 1
-  if (!film.paused) film.clock += Math.max(0, time - film.before) / 1000
+  const { frames, k } = film, { paused } = me.film
+  if (!paused) film.clock += Math.max(0, time - film.before) / 1000
   film.before = time
-  if (film.clock > SECONDS + REST) return end()
-  const at = Math.min(last, k + Math.floor((film.clock / SECONDS) * (frames.length - k)))
-  if (at !== film.at && !isPainting()) {
-    film.at = at
-    scrub.value = at - k
-    drawPicture(() => drawIncrement(frames, at)).then(() => {
-      if (film?.frames !== frames) return
-      drawTrace(frames, k, at)
-      tell("slow motion")
-      by("slip").hidden = true
-    })
-  }
+  if (film.clock > SECONDS + REST) return leave()
+  const at = Math.min(frames.length - 1, k + Math.floor((film.clock / SECONDS) * (frames.length - k)))
+  if (at !== me.film.k) me.film = { run: frames, k: at, paused }
   requestAnimationFrame(step)
 }
 
@@ -90,7 +81,7 @@ function step(time) {
 const scrub = make("input", { type: "range", value: 0, id: "film-scrub", "aria-label": "State of the slip shown" })
 scrub.addEventListener("input", () => {
   film.clock = ((Number(scrub.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
-  if (!film.paused) toggle()
+  if (!me.film.paused) toggle()
 })
 
 function swapScrubs(filmed) {
@@ -100,13 +91,17 @@ function swapScrubs(filmed) {
 }
 
 // F of the motion, up and down at the one place of the top: how far it has swung, and where it is now
-function drawTrace(frames, k, at) {
-  const box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
+function drawTrace() {
+  if (!film?.frames) return
+  const { frames, k } = film, box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
+  scrub.value = me.film.k - k
+  tell("slow motion")
+  by("slip").hidden = true
   if (!pen) return
   const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
   const x = box.X(frames.along[k - 1]), align = x > box.left + 0.5 * box.width ? "right" : "left"
   const inside = (y) => Math.max(box.top, Math.min(y, box.top + box.height))
-  const heights = F.slice(k - 1, at + 1).map((value) => inside(box.Y(value * factor)))
+  const heights = F.slice(k - 1, me.film.k + 1).map((value) => inside(box.Y(value * factor)))
   line(pen, [Math.min(...heights), Math.max(...heights)].map((y) => [x, y]), ink.slip, 3)
   pen.fillStyle = ink.slip
   pen.beginPath()
@@ -121,17 +116,12 @@ function leave() {
   if (film.range) set(figures.traction.y_range, film.range)
   film = null
   swapScrubs(false)
-  setReel(null)
   tell("")
-}
-
-function end() {
-  leave()
-  show()
+  me.film = null
+  redraw()
 }
 
 take("film", receive, unpackLater)
 take("film failed", ({ head: { why } }) => { if (film && !film.frames) refuse(`Slow motion: ${why}.`) })
-onFrame(() => { // another increment is drawn: it goes on from there; the same one, where the page has changed its size
-  if (film && (me.run !== film.run || Math.floor(me.at) !== film.k)) leave()
-})
+cover(["picture"], drawTrace)
+view(["run", "at"], () => { if (film && (me.run !== film.run || now() !== film.k)) leave() })

@@ -2,10 +2,10 @@
 // increment.
 
 import { by, fixed, make, makeButton } from "../dom.js"
-import { load, onPins, pins, swatch, titleOf } from "./pins.js"
+import { load, swatch, titleOf } from "./pins.js"
 import { goto } from "../player.js"
 import { firstSlip } from "../sentence.js"
-import { me } from "../state.js"
+import { me, view } from "../store.js"
 
 const NONE = "–"
 const MEASURES = { // measure: [heading, unit, what it is]
@@ -59,12 +59,12 @@ function fill() {
   const head = make("tr", {}, make("th", { scope: "col" }, "run"),
     ...Object.values(MEASURES).map(([text, unit, title]) =>
       make("th", { scope: "col", title }, text, make("small", {}, unit))))
-  const rows = pins.map((pin) => row(titleOf(pin), swatch(pin.slot), pin.run, (k) => load(pin, k)))
+  const rows = me.pins.map((pin) => row(titleOf(pin), swatch(pin.slot), pin.run, (k) => load(pin, k)))
   const own = row("on screen", null, me.run, goto)
   by("numbers-table").replaceChildren(make("thead", {}, head), make("tbody", {}, own, ...rows))
 }
 
-onPins(() => { if (by("numbers").open) fill() })
+view(["pins", "run"], () => { if (by("numbers")?.open) fill() })
 
 export function open() {
   fill()

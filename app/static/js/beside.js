@@ -1,0 +1,58 @@
+// Pinned runs, drawn behind the run on screen.
+
+import { colour } from "./colours.js"
+import { beside, fill } from "./figures.js"
+import { drawnFrame, sideways } from "./punch.js"
+import { forceUnit } from "./words.js"
+
+const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
+
+export const style = (slot) => ({ ink: colour(`--pin-${slot}`), dash: colour(`--pin-${slot}-dash`) })
+
+// What the lines of some runs have in common: colours and dashes in columns
+function columns(lines) {
+  const looks = lines.map(({ pin }) => style(pin.slot))
+  return {
+    xs: lines.map(({ x }) => x), ys: lines.map(({ y }) => y), width: lines.map(({ width }) => width ?? WIDE),
+    colour: looks.map(({ ink }) => ink), dash: looks.map(({ dash }) => dash),
+  }
+}
+
+let lines = 0, surfaces = 0 // how many are drawn
+
+// Curves and outlines in the map
+export function drawLines(run, ghost, approach) {
+  const pins = beside(run), { names, factor } = forceUnit([run, ghost])
+  if (!pins.length && !lines) return
+  lines = pins.length
+  const line = (pin, name, times, width) => {
+    const { along: x, value: y } = pin.run.drawn(name, approach, times)
+    return { pin, width, x, y }
+  }
+  const forces = (pin) => [line(pin, names.F, factor), line(pin, names.L, factor, THIN)]
+  fill("forces", "pins", columns(pins.flatMap(forces)))
+  fill("area", "pins", columns(pins.map((pin) => line(pin, "A", 1))))
+  fill("map", "pins", columns(approach ? [] : pins.flatMap(outline)))
+}
+
+// Both edges of contact over the path, until a leg turns; gaps where nothing is repelled
+function outline(pin) {
+  const { run } = pin, { stage } = run.curves
+  const frames = run.frames((k) => k >= run.sheared && stage[k] === stage[run.sheared])
+  const x = frames.map((k) => run.along[k])
+  return run.head.flat ? [] : run.edgesOver(frames).map((y) => ({ pin, x, y, width: 2 }))
+}
+
+// The frame of a pinned run whose top has been pulled, or pressed, as far as that of the run on screen
+const matched = ({ run: pinned }, run, k) =>
+  (k < run.sheared ? Math.min(k, pinned.sheared) : pinned.nearest(run.along[k], Math.max(k, pinned.sheared)))
+
+export function drawSurfaces(run, k) {
+  const pins = beside(run).filter((pin) => !pin.run.head.flat)
+  if (!pins.length && !surfaces) return
+  surfaces = pins.length
+  fill("punch", "pins", columns(pins.map((pin) => {
+    const { drawn: x, gap: y } = drawnFrame(pin.run, matched(pin, run, k), sideways(run))
+    return { pin, x, y, width: 2 }
+  })))
+}

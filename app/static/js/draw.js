@@ -1,0 +1,93 @@
+// Draws the picture: a frame, the curves and the map of the run on screen. Nothing is drawn again that is as it was.
+
+import { drawBands } from "./bands.js"
+import { drawLines, drawSurfaces } from "./beside.js"
+import { by } from "./dom.js"
+import { drawCurves, drawMap } from "./figures.js"
+import { drawFringes } from "./fringes.js"
+import { isPlayed } from "./player.js"
+import { drawFrame, fitFrames } from "./punch.js"
+import { tellFrame } from "./readout.js"
+import { cost, cover, me, memory, touch, view } from "./store.js"
+import { drawStory, tellNow } from "./story.js"
+
+const QUIET = 150 // ms between two drawings of a growing run: it needs the processor itself
+const HELD = 250 // ms between two drawings of the map while a slider is held: the curves come first
+const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
+
+const frame = memory(), curves = memory(), map = memory()
+let curvesAt = 0, mapAt = 0 // ms, when they were drawn
+let timer = 0
+
+export function connect() {
+  view(["run", "ghost", "pins", "at", "preview", "film", "playing", "dragging", "following", "look"], draw)
+  cover(["picture"], drawCanvases)
+}
+
+// The increment to show: that pointed at, or played at
+const shown = () => Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
+
+function draw() {
+  const { run, film } = me, time = performance.now()
+  if (film) return drawIncrement(film.run, film.k)
+  if (!run?.length || (run.sheared < 0 && !me.following && me.at > run.length - 1)) return
+  const k = shown()
+  if (run.sheared >= 0) {
+    drawPart(run, k, time)
+    drawStage(run, k, time)
+  }
+  if (isPlayed() && time < cost.ended + REST * cost.of && me.picture?.run === run) return
+  if (!frame(run, k, run.whole, run.scene, me.ghost, me.pins, me.playing, me.dragging, me.look)) return
+  drawIncrement(run, k)
+  by("scrub").max = Math.max(run.length - 1, Number(by("scrub").max) || 0)
+  by("scrub").value = k
+}
+
+// The curves of the part of the path that frame k belongs to
+function drawPart(run, k, time) {
+  const approach = run.approaching(k), grows = run.number === me.begun && !run.whole && approach === me.approach
+  if (grows && time - curvesAt < QUIET) return again(QUIET)
+  if (!curves(run, run.length, run.whole, me.ghost, me.pins, approach, me.look)) return
+  curvesAt = time
+  fitFrames(run)
+  drawCurves(run, me.ghost, approach)
+  drawLines(run, me.ghost, approach)
+  me.approach = approach
+  me.begun = run.number
+}
+
+// The map of the stage that frame k belongs to
+function drawStage(run, k, time) {
+  if (map(run, run.length, run.stageOfMap(k), me.look)) me.mapped = false
+  const pause = me.dragging ? HELD : run.whole ? 0 : QUIET
+  if (me.mapped) return
+  if (time - mapAt < pause) return again(pause)
+  mapAt = time
+  drawMap(run, k)
+  me.mapped = true
+}
+
+function again(pause) {
+  clearTimeout(timer)
+  timer = setTimeout(() => touch("run"), pause)
+}
+
+// All that shows frame k of a run, or of a motion through a slip
+function drawIncrement(run, k) {
+  drawFrame(run, k)
+  drawSurfaces(run, k)
+  tellNow(run, k)
+  tellFrame(run, k)
+  me.picture = { run, k }
+}
+
+function drawCanvases() {
+  if (!me.picture) return
+  const { run, k } = me.picture
+  drawFringes(run, k)
+  drawStory(run, k)
+  drawBands(run, k)
+  if (run !== me.run) return
+  if (me.drawn < 0) document.querySelector(".page").dataset.drawn = "" // figures come into sight
+  me.drawn = k
+}

@@ -1,0 +1,128 @@
+// What this visitor sees, in declared fields, and the views of it. Setting a field marks the views that watch it; all
+// that are marked draw together, once in an animation frame.
+
+import { painted } from "./bokeh.js"
+
+export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
+export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
+export const declared = {} // what Python declares, as main.js is told
+
+const fields = {
+  // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
+  run: null, ghost: null, behind: null, anchor: null,
+  origin: null, // the run that a change carries on from
+  pins: [], // see later/pins.js
+  at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
+  picture: null, // {run, k, own: whether of the run on screen} as drawn last
+  film: null, // {run, k, paused}: a state of a slow motion, drawn in place of the frame
+  playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
+  status: {}, waiting: [], // what the server said last; {n, what, values, at} of orders without an answer
+  // no server; the sliders say another scene; the place of the path to go to once it is there
+  lost: false, stale: false, place: null,
+  entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
+  move: { name: "" }, // parameters changed by hand: one object for as long as it is one movement
+  rests: 400, // ms without a move, after which a hand rests although it holds on
+  begun: null, mapped: true, approach: false, // number of the run whose curves are drawn; map up to date; which part
+  look: 0, // counts changes of size, colours, units or options: everything is drawn anew
+}
+
+const views = [], covers = [] // {draw, due}
+const watchers = Object.fromEntries(Object.keys(fields).map((name) => [name, []])) // {field: those that watch it}
+
+function watch(list, names, draw) {
+  const made = { draw, due: true }
+  for (const name of names) watchers[name].push(made)
+  list.push(made)
+  schedule()
+}
+
+// Call `draw` before Bokeh paints, now and whenever one of these fields was set
+export const view = (names, draw) => watch(views, names, draw)
+// Call `draw` once Bokeh has painted: for canvases that lie over its figures
+export const cover = (names, draw) => watch(covers, names, draw)
+
+// Mark what watches these fields, as their contents have changed
+export function touch(...names) {
+  for (const name of names) for (const one of watchers[name]) one.due = true
+  schedule()
+}
+
+export function set(values) {
+  for (const name in values) {
+    if (!(name in fields)) throw new TypeError(`${name} is no field of the store`)
+    if (fields[name] === values[name]) continue
+    fields[name] = values[name]
+    touch(name)
+  }
+}
+
+export const me = {}
+for (const name in fields) {
+  Object.defineProperty(me, name, { get: () => fields[name], set: (value) => { set({ [name]: value }) },
+    enumerable: true })
+}
+// whether something is not drawn yet, for tests
+Object.defineProperty(me, "fresh", { get: () => rendering })
+Object.seal(me)
+globalThis.punch = me // for the console, and for tests
+
+let rendering = false
+function schedule() {
+  if (rendering) return
+  rendering = true
+  queueMicrotask(render)
+}
+
+export const cost = { of: 0, ended: 0 } // ms that the last picture took, and when it was done
+
+async function render() {
+  const begun = performance.now()
+  let woken = begun // when Bokeh began to paint
+  requestAnimationFrame(() => { woken = performance.now() })
+  drawAll(views)
+  const changed = performance.now()
+  await painted()
+  drawAll(covers)
+  cost.ended = performance.now()
+  cost.of = changed - begun + cost.ended - woken
+  rendering = false
+  if ([...views, ...covers].some(({ due }) => due)) schedule()
+}
+
+function drawAll(list) {
+  for (const one of list) {
+    if (!one.due) continue
+    one.due = false
+    try {
+      one.draw()
+    } catch (error) {
+      reportError(error) // the other views are drawn
+    }
+  }
+}
+
+// Draw everything anew
+export const redraw = () => { fields.look++; touch("look") }
+
+// Whether any of some values is another than before
+export function memory() {
+  let before = []
+  return (...values) => {
+    const other = values.some((value, i) => value !== before[i])
+    before = values
+    return other
+  }
+}
+
+// The increment played at, of the run on screen; -1 before there is any
+export const now = () => Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
+
+// Whether a run was computed, and does not follow a held slider
+export const exact = (run) => Boolean(run) && !run.followed && !run.stored
+
+// A change begins: what is on screen stays behind it, pale, unless there is nothing to compare
+export function leaveBehind(compare = true) {
+  me.anchor = me.run
+  if (!compare) me.behind = null
+  else if (exact(me.run)) me.behind = me.run
+}
