@@ -13,6 +13,7 @@ import numpy as np
 
 from app.service.packing import FREE, ORDER, columns, headed, middle, pack
 from solver import NotFollowed, follow
+from solver.run.frame import contact_area, forces
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_L", "slip_A")  # of a picture, per load
 MOST = 500  # loads of a curve, without the loads right before and after every slip
@@ -68,21 +69,17 @@ def compared(skeleton, blocks):
 def picture(skeleton, at, number=None):
     """Return the message of a picture: JSON header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
     scene = skeleton.scene
-    loads = _loads(scene, [slip.load for slip in skeleton.slips])
-    curves = np.zeros((len(CURVES), loads.size), "<f4")
-    curves[0], curves[1:4] = loads, skeleton.curve(loads)
-    curves[5:] = curves[:4]
-    for slip in reversed(skeleton.slips):  # in reverse: the first of several slips wins
-        k = np.searchsorted(loads, slip.load)
-        if k < loads.size:
-            curves[4, k] += 1
-            curves[5:, k] = slip.load, slip.F_bar, slip.L_bar, slip.A_bar
+    steps, every = _increments(scene, [slip.load for slip in skeleton.slips])
+    loads = scene.shear_at(steps)
+    v = skeleton.unknowns(loads)
+    T = skeleton.tractions(v)
     shown = int(np.abs(loads - at).argmin())
     frames = skeleton.frames(loads[[0, shown]])
     if scene.surface == "flat":
         frames, cells, place = [middle(scene, frame) for frame in frames], np.zeros((0, 0), np.int8), {}
     else:
-        cells, place = _map(skeleton)
+        even = np.flatnonzero(steps % every == 0)
+        cells, place = _map(skeleton, v[even], T[even], every)
     header = {
         "kind": "picture",
         "heard": number,
@@ -92,39 +89,47 @@ def picture(skeleton, at, number=None):
         "values": {name: getattr(scene, name) for name in SHOWN},
         "map": {"rows": cells.shape[0], "columns": cells.shape[1], **place},
     }
-    body = np.ascontiguousarray(curves).tobytes() + cells.tobytes()
+    body = _curves(skeleton, loads, T).tobytes() + cells.tobytes()
     block = pack(scene, [(frame, 0.0) for frame in frames], True)
     return headed(header, body + b"\0" * (-len(body) % 4) + block)
 
 
-def _loads(scene, slips):
-    """U_x (k,), nm, of the increments of a scene. Long runs are thinned, except beside slips."""
-    step = scene.du_x * scene.delta_t
-    every = np.arange(scene.shear_increments + 1)
-    few = every[:: ceil(every.size / MOST)]
-    beside = [np.floor(np.divide(slips, step)), np.ceil(np.divide(slips, step)), [every[-1]]]
-    return scene.shear_at(np.unique(np.concatenate([few, *beside]).astype(int)).clip(0, every[-1]))
+def _increments(scene, slips):
+    """Return the increments in a picture (k,), and the distance of those that are evenly spaced; slips: loads, nm."""
+    step, last = scene.du_x * scene.delta_t, scene.shear_increments
+    every = ceil((last + 1) / MOST)
+    beside = [np.floor(np.divide(slips, step)), np.ceil(np.divide(slips, step)), [last]]
+    return np.unique(np.concatenate([np.arange(0, last + 1, every), *beside]).astype(int)).clip(0, last), every
 
 
-def _map(skeleton):
-    """Map of T_z over nodes and loads, int8 (rows, columns), and its place; without nodes that nothing acts on."""
-    scene, step = skeleton.scene, skeleton.scene.du_x * skeleton.scene.delta_t
-    every = max(1, ceil(scene.shear_increments * _acting_width(skeleton) / CELLS))
-    loads = scene.shear_at(np.arange(0, scene.shear_increments + 1, every))
-    frames = skeleton.frames(loads, residuals=False)
-    T = np.array([frame.T[1] for frame in frames])
-    first, nodes = frames[0].first, T.shape[1]
-    gap = scene.profile[np.arange(first, first + nodes) % scene.nodes] + np.array([frame.u[1] for frame in frames])
+def _curves(skeleton, loads, T):
+    """Return CURVES (columns, k), float32, from the tractions T (k, 2, m) at loads (k,)."""
+    curves = np.zeros((len(CURVES), loads.size), "<f4")
+    curves[0], curves[1:3] = loads, forces(skeleton.scene, T)
+    curves[3] = [contact_area(skeleton.scene, T_at) for T_at in T]
+    curves[5:] = curves[:4]
+    for slip in reversed(skeleton.slips):  # in reverse: the first of several slips wins
+        k = np.searchsorted(loads, slip.load)
+        if k < loads.size:
+            curves[4, k] += 1
+            curves[5:, k] = slip.load, slip.F_bar, slip.L_bar, slip.A_bar
+    return curves
+
+
+def _map(skeleton, v, T, every):
+    """Return the map of T_z, int8 (rows, columns), and its place; without nodes that nothing acts on.
+
+    v (k, size), T (k, 2, m): at every `every`-th increment. Columns are left out while there are more than CELLS.
+    """
+    scene, first, T = skeleton.scene, skeleton.first, T[:, 1]
+    nodes = T.shape[1]
+    gap = scene.profile[np.arange(first, first + nodes) % scene.nodes] + v[:, nodes : 2 * nodes]
     acts = (gap <= scene.delta_n) | (T / scene.phi_n <= -FREE / (e * scene.delta_n))
     within = np.flatnonzero(acts.any(axis=0))
     part = slice(within[0], within[-1] + 1) if within.size else slice(0, 1)
-    T, acts = T[:, part], acts[:, part]
+    thin = max(1, ceil(len(T) * (part.stop - part.start) / CELLS))
+    T, acts = T[::thin, part], acts[::thin, part]
     high, low = max(T.max(), 1e-12), max(-T.min(), 1e-12)
     cells = np.where(acts, np.rint(SHADES * np.where(T > 0.0, T / high, T / low)), NOTHING).astype(np.int8)
-    return cells.T, {"first": int(first + part.start), "step": every * step, "high": float(high), "low": float(low)}
-
-
-def _acting_width(skeleton):
-    """Number of nodes with traction when shear begins, plus a margin."""
-    (frame,) = skeleton.frames([0.0], residuals=False)
-    return 1.3 * np.count_nonzero(frame.T[1]) if frame.T.shape[1] else 1
+    place = {"first": int(first + part.start), "step": thin * every * scene.du_x * scene.delta_t}
+    return cells.T, place | {"high": float(high), "low": float(low)}
