@@ -18,8 +18,6 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(visit):
     # nothing but the question: neither words nor a preset's name answer it beforehand
     for what in ("#scrub", "#said", "#row", "#menu"):
         assert page.locator(what).is_hidden()
-    page.keyboard.press("Shift+Digit3")
-    assert page.locator(".hands").inner_text().strip() == "1 hand"
     page.evaluate("punch.speed = 20")
     page.locator("button.answer", has_text="leading edge").click()
     page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
@@ -91,25 +89,6 @@ def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(visit):
     )
     usual = 10.8  # nm, of the first slip at the default: of the paper's Fig. 6
     assert ("shorter" in right) == (slip < usual - 0.1) and ("longer" in right) == (slip > usual + 0.1)
-
-
-@pytest.mark.thorough
-def test_visitors_can_sketch_a_curve_before_it_is_drawn(visit):
-    page = visit("?tour=3&view=hero")
-    asked(page)
-    box = page.locator("#tour-sketch").bounding_box()
-    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
-    page.mouse.down()
-    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"], steps=8)
-    page.mouse.up()
-    inked = (
-        "(() => { const c = document.getElementById('tour-sketch');"
-        " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v) })()"
-    )
-    page.wait_for_function(inked)
-    page.get_by_role("button", name="End tour").click()
-    page.locator("#tour-card").wait_for(state="hidden")
-    assert "tour=" not in page.url and page.locator(".future:visible").count() == 0
 
 
 SEEN = """(curve) => {

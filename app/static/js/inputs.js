@@ -8,7 +8,7 @@ import { by, closest, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
-import { enter, letGo, nudge, steer } from "./steer.js"
+import { enter, letGo, steer } from "./steer.js"
 import { declared, exact, leaveBehind, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, project, useTools } from "./view.js"
 
@@ -22,12 +22,6 @@ function connectSlider(name, values) {
   const slider = by(name), there = (position) => ({ [name]: `${values[position]}` })
   slider.addEventListener("input", () => steer(there(slider.value)))
   for (const end of ["pointerup", "pointercancel", "keyup", "blur"]) slider.addEventListener(end, letGo)
-  slider.addEventListener("wheel", (event) => { // of the slider that has the focus: elsewhere the page scrolls
-    if (document.activeElement !== slider) return
-    event.preventDefault()
-    slider.value = Number(slider.value) - Math.sign(event.deltaY)
-    nudge(there(slider.value))
-  })
 }
 
 // Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation
@@ -160,9 +154,6 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
-  for (const dialog of document.querySelectorAll("dialog:not(#drawer)")) {
-    dialog.addEventListener("click", ({ target }) => { if (target === dialog) dialog.close() }) // beside it
-  }
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

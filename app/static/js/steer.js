@@ -78,9 +78,3 @@ function rests() {
   order("rest")
   redraw()
 }
-
-// As steer does, by a wheel, of which nobody knows when it is let go
-export function nudge(values) {
-  steer(values)
-  ended = performance.now()
-}

@@ -2,11 +2,9 @@
 
 import { frameBox } from "./bokeh.js"
 import { order } from "./channel.js"
-import { colour } from "./colours.js"
-import { by, fixed, make, makeButton, minus, onDrag, readdress, tell } from "./dom.js"
+import { by, fixed, make, makeButton, minus, readdress, tell } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
-import { cleared, line } from "./pen.js"
 import { goto, play } from "./player.js"
 import { firstSlip } from "./sentence.js"
 import { cover, exact, me, set, view } from "./store.js"
@@ -16,8 +14,8 @@ import { STOPS } from "./tour/stops.js"
 import { choose } from "./view.js"
 
 let before = null // {U, F} of the first slip of the usual scene, to compare with
-let unseen = null, hands = [0, 0, 0] // the scene that nobody has seen; hands raised for each answer
-let at = 0, phase = "ask", chosen = null, sketch = [], card = null
+let unseen = null // the scene that nobody has seen
+let at = 0, phase = "ask", chosen = null, card = null
 
 export function openTour(stop = 1) {
   readdress((asked) => asked.delete("tour")) // it opens the tour, and whoever gets a link from here would be in it
@@ -33,7 +31,6 @@ function close() {
   card.hidden = true
   delete document.documentElement.dataset.tour
   for (const name of CURVES) curtain(name).hidden = true
-  by("tour-sketch").hidden = true
   removeEventListener("popstate", close)
   by("tour").focus()
 }
@@ -43,11 +40,8 @@ function makeCard() {
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
   document.addEventListener("keydown", onDigit)
   document.querySelector("main").append(made)
-  const canvas = make("canvas", { id: "tour-sketch", hidden: true })
-  figureOf("area").append(canvas)
-  connectSketch(canvas)
   view(["status", "run", "lost", "stale", "drawn"], watch)
-  cover(["picture", "run", "look"], coverFigures)
+  cover(["picture", "run", "look"], hideFuture)
   return made
 }
 
@@ -58,8 +52,6 @@ function begin() {
   const stop = STOPS[at]
   phase = "wait"
   chosen = null
-  sketch = []
-  hands = [0, 0, 0]
   unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : null
   choose(stop.curve)
   order("restore", { preset: stop.preset })
@@ -128,12 +120,6 @@ function watch() {
   }
 }
 
-function coverFigures() {
-  if (!card || card.hidden) return
-  hideFuture()
-  drawSketch()
-}
-
 function answer(index) {
   chosen = index
   phase = "show"
@@ -147,6 +133,7 @@ const curtain = (name) => curtains[name] ??= figureOf(name).appendChild(make("di
 
 // What lies ahead of the increment shown stays hidden until it is the visitor's turn: it answers later stops
 function hideFuture() {
+  if (!card || card.hidden) return
   for (const name of CURVES) {
     const box = frameBox(figures[name]), hidden = phase === "turn" || !box || !me.run
     curtain(name).hidden = hidden
@@ -178,15 +165,13 @@ function write() {
   if (phase === "why") writeReason(stop)
   if (phase !== "show" && phase !== "ask") card.append(make("div", { className: "answers ways" }, ...ways()))
   if (phase === "why") card.querySelector(".ways").lastElementChild.focus({ preventScroll: true })
-  coverFigures()
+  hideFuture()
 }
 
 function writeQuestion(stop) {
   const asking = phase === "ask"
   if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
   card.append(told("p", "question", stop.question))
-  if (asking && stop.sketch)
-    card.append(paragraph("said", "Draw the curve you expect into the plot if you like, then choose:"))
   card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
   if (phase === "show") card.append(paragraph("said", "Watch …"))
 }
@@ -208,25 +193,22 @@ function ways() {
   return buttons
 }
 
-// An answer with the hands raised for it; once the reason is told, only that chosen and the right one
+// An answer; once the reason is told, only that chosen and the right one
 function answerButton(i) {
   const reason = i === right() ? "right" : i === chosen && "wrong"
   const mark = { show: i === chosen && "chosen", why: reason }[phase]
   if (phase === "why" && !mark) return null
-  const raised = hands[i] ? [make("span", { className: "hands" }, ` ${hands[i]} hand${hands[i] > 1 ? "s" : ""}`)] : []
   const given = { className: "answer", disabled: phase !== "ask", onclick: () => answer(i), data: mark ? { mark } : {} }
-  return makeButton(given, STOPS[at].answers[i], ...raised)
+  return makeButton(given, STOPS[at].answers[i])
 }
 
-// 1 to 3 choose an answer; with Shift they count a class's raised hands
+// 1 to 3 choose an answer
 function onDigit(event) {
   const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = STOPS[at].order[place]
   if (place < 0 || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
     || event.target.matches?.("input[type=text]")) return
   event.preventDefault()
-  if (!event.shiftKey) return answer(i)
-  hands[i]++
-  write()
+  answer(i)
 }
 
 // Sliders and player are the visitor's, who begins at that of the stop
@@ -234,26 +216,4 @@ function takeTurn() {
   phase = "turn"
   write()
   by(STOPS[at].turn).focus()
-}
-
-// A curve drawn by hand over the view, kept while the run draws itself beside it
-function connectSketch(canvas) {
-  onDrag(canvas, ({ pointerId }) => {
-    canvas.setPointerCapture(pointerId)
-    return (sketch = [])
-  }, (event) => {
-    const box = canvas.getBoundingClientRect()
-    sketch.push([(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height])
-    drawSketch()
-  })
-}
-
-function drawSketch() {
-  const canvas = by("tour-sketch"), open = STOPS[at].sketch
-  canvas.hidden = !open || phase === "wait"
-  canvas.dataset.open = phase === "ask"
-  const pen = canvas.hidden ? null : cleared(canvas)
-  if (!pen) return
-  pen.lineCap = pen.lineJoin = "round"
-  line(pen, sketch.map(([x, y]) => [x * canvas.clientWidth, y * canvas.clientHeight]), colour("--slip"), 4)
 }

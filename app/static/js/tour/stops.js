@@ -21,8 +21,7 @@ export const STOPS = [
     turn: "delta_bar", ask: "Pull instead of pushing (press depth below zero): are the edges more alike?",
   },
   {
-    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area", sketch: true,
-    picture: "areas",
+    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area", picture: "areas",
     question: "The pull goes on until the punch slips. What will the contact area do at the slip?",
     answers: ["grow: contact comes back", "fall", "stay as it is"],
     why: "A slip by one lattice site releases most of the lean that had peeled the edges: they close again, "
