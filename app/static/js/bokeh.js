@@ -68,14 +68,18 @@ export function image(renderer, values, shape) {
 
 // At every painting Bokeh does work that changes nothing here. For each colour, font and width it looks for a style
 // --bk-* of the page, but this page has none. For each thing drawn it rewrites the same style sheet, so that the
-// browser computes all styles again. Together that was most of a painting. Bokeh also leaves half a pixel at the top
-// and the left as it was, and strokes the ticks painted last with the outline.
+// browser computes all styles again. For each axis it asks for a size of the page's text, which only sizes in em need.
+// Together that was most of a painting. Bokeh also leaves half a pixel at the top and the left as it was, and strokes
+// the ticks painted last with the outline.
 // methods of a visual, a style sheet, a plot
-const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary"
+const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary", SIZE = "base_font_size"
 let unburdened = false
 function prepare(view) {
   skip(view)
   if (!unburdened) unburden(view)
+  // an empty canvas over a figure is a layer that the browser puts together with all others for every picture
+  const overlaid = [...view.renderer_views.keys()].some(({ level }) => level === "overlay")
+  if (!overlaid) view.canvas_view.overlays.el.style.display = "none"
 }
 
 // No key does anything in a figure, so that the Tab key passes it; a canvas of a new size is a stop again
@@ -93,6 +97,7 @@ function unburden(view) {
   const rewrite = sheet[REWRITE]
   sheet[REWRITE] = function (css) { if (this.el.textContent !== css) rewrite.call(this, css) }
   const plot = own(view, PAINT), paint = plot?.[PAINT]
+  if (plot) Object.defineProperty(own(plot, SIZE) ?? plot, SIZE, { get: () => 13 }) // px
   if (plot) plot[PAINT] = function (pen) {
     pen.beginPath()
     pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)

@@ -6,11 +6,9 @@ import { by } from "./dom.js"
 import { place, tellDepth } from "./sliders.js"
 import { declared, exact, leaveBehind, me, now, redraw } from "./store.js"
 
-const PACE = 30 // ms: at most one message in this time, always the latest
 const BURST = 900 // ms between two moves of one slider that are one drag
 
 let ended = 0 // ms, when what was moved last was let go; 0: it is held
-let last = 0 // when something was sent
 let resting = 0
 let from = null // [number of a run, its frame] that a change carries on from
 
@@ -24,9 +22,7 @@ export function enter(values) {
   }
   ended = me.dragging ? 0 : -BURST
   me.entered = { ...me.entered, ...values }
-  const rest = PACE - (performance.now() - last)
-  if (rest > 0) setTimeout(sendNext, rest)
-  else sendNext()
+  sendNext()
 }
 
 // With "carry on" a change takes effect at the increment shown, and the run goes on from there
@@ -40,12 +36,10 @@ function goOnFrom() {
 // Whether the top has been pulled at the increment on screen
 const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
 
-// While a hand moves, where it is by the time that the last position has been answered: nothing queues
-export const sendNext = () => { if (!me.dragging || !me.waiting.length) send(me.dragging) }
-
-function send(held) {
-  if (!me.entered) return
-  last = performance.now()
+// Send what was entered; of a hand that moves, where it is by the time that its last position has been answered, so that
+// nothing queues
+export function sendNext(held = me.dragging) {
+  if (!me.entered || (me.dragging && me.waiting.length)) return
   const at = sheared() ? me.run.curves.U_x[now()] : 0
   order("scene", me.entered, { ...(from && { after: from }), ...(held && { held, at }) })
   me.entered = null
@@ -74,7 +68,7 @@ function rests() {
   clearTimeout(resting)
   if (!me.dragging) return
   me.dragging = false
-  send(true)
+  sendNext(true)
   order("rest")
   redraw()
 }
