@@ -116,11 +116,11 @@ function own(object, method) {
 // late timer has made Bokeh's throttle drop a promise, as happens on a busy machine.)
 export const bokehPainted = () => new Promise((resolve) => setTimeout(() => requestAnimationFrame(resolve)))
 
-// Wait until Bokeh has painted what was changed, if anything was
+// Wait until Bokeh has painted what was changed; when that frame began, ms, or null if nothing was
 export async function painted() {
-  if (!changed) return
+  if (!changed) return null
   changed = false
-  await bokehPainted()
+  return bokehPainted()
 }
 
 // The colour of what a renderer, a band or a line draws

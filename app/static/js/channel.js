@@ -26,26 +26,11 @@ export const take = (kind, call, unpack) => { takers[kind] = [call, unpack] }
 export const listen = (what, call, unpack) => onChange(wire, what, () => arrived(wire[what], call, unpack))
 export const silence = () => (me.waiting.length ? performance.now() - me.waiting[0].at : 0) // ms
 
-const arrivals = [] // {message, call, ready}, oldest first: each waits until those before it have been passed on
+let before = Promise.resolve() // done once all messages until now are passed on
+// Pass a message on after those before it, also where these take longer to unpack or fail
 function arrived(message, call, unpack) {
-  const arrival = { message, call, ready: !unpack }
-  arrivals.push(arrival)
-  unpack?.(message).then(
-    (content) => { arrival.message = content },
-    (error) => { Object.assign(arrival, { call: () => { throw error } }) },
-  ).then(() => { arrival.ready = true; passOn() })
-  passOn()
-}
-
-function passOn() {
-  while (arrivals[0]?.ready) {
-    const { message, call } = arrivals.shift()
-    try {
-      call(message)
-    } catch (error) {
-      reportError(error) // those behind it must not wait for ever
-    }
-  }
+  const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
+  before = Promise.allSettled([unpack ? unpack(message) : message, before]).then(pass).catch(reportError)
 }
 
 export function order(what, values, more) {

@@ -21,14 +21,14 @@ export function onDrag(element, begin, move, end = () => {}) {
   for (const name of ["pointerup", "pointercancel"]) element.addEventListener(name, drop)
 }
 
+// Write what an element says, if it says another thing
+export const tell = (element, text) => { if (element.textContent !== text) element.textContent = text }
+
 // Text with a paragraph of its own, which is there only while there is something to say
 export function say(id, text) {
   by(id).hidden = !text
-  by(id).textContent = text || ""
+  tell(by(id), text || "")
 }
-
-// Write what an element says, if it says another thing
-export const tell = (element, text) => { if (element.textContent !== text) element.textContent = text }
 
 // Change the parameters of the address in the browser's bar; push: as another entry of its history
 let written = location.search

@@ -32,6 +32,7 @@ function draw() {
   if (film) return drawIncrement(film.run, film.k)
   if (!run?.length || (run.sheared < 0 && !me.following && me.at > run.length - 1)) return
   const k = shown()
+  by("scrub").max = Math.max(run.length - 1, Number(by("scrub").max) || 0)
   if (run.sheared >= 0) {
     drawPart(run, k, time)
     drawStage(run, k, time)
@@ -39,7 +40,6 @@ function draw() {
   if (isPlayed() && time < cost.ended + REST * cost.of && me.picture?.run === run) return
   if (!frame(run, k, run.whole, run.scene, me.ghost, me.pins, me.playing, me.dragging, me.look)) return
   drawIncrement(run, k)
-  by("scrub").max = Math.max(run.length - 1, Number(by("scrub").max) || 0)
   by("scrub").value = k
 }
 
@@ -47,7 +47,7 @@ function draw() {
 function drawPart(run, k, time) {
   const approach = run.approaching(k), grows = run.number === me.begun && !run.whole && approach === me.approach
   if (grows && time - curvesAt < QUIET) return again(QUIET)
-  if (!curves(run, run.length, run.whole, me.ghost, me.pins, approach, me.look)) return
+  if (!curves(run, run.length, run.whole, run.scene, me.ghost, me.pins, approach, me.look)) return
   curvesAt = time
   fitFrames(run)
   drawCurves(run, me.ghost, approach)

@@ -171,8 +171,8 @@ function nameAxis(abscissa) {
 
 // The limits of the colours of a view, in its key
 export function tellLimits(view, low, high) {
-  by(`${view}-low`).textContent = digits(low, 2)
-  by(`${view}-high`).textContent = `+${digits(high, 2)} GPa`
+  tell(by(`${view}-low`), digits(low, 2))
+  tell(by(`${view}-high`), `+${digits(high, 2)} GPa`)
 }
 
 export function drawMap(run, shown) {

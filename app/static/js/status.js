@@ -3,11 +3,11 @@
 
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order } from "./channel.js"
-import { by, fixed, minus, on, say } from "./dom.js"
+import { by, fixed, minus, on, say, tell } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
-import { declared, me, view } from "./store.js"
+import { declared, me, touch, view } from "./store.js"
 import { explain } from "./terms.js"
 import { inWords, symbol } from "./words.js"
 
@@ -25,7 +25,10 @@ export function heard(text) {
   acknowledged(me.status.heard)
   sendNext()
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
-  if (me.run?.number === me.status.run) me.run.scene = me.status.scene
+  if (me.run?.number === me.status.run && !me.run.scene) {
+    me.run.scene = me.status.scene
+    touch("run")
+  }
   const { state, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
@@ -144,15 +147,15 @@ function tellState() {
   }[state]()
   by("skip").hidden = !(state === "running" && seconds + waited() > LONG && me.run?.sheared >= 0)
   showState(shown, text)
-  by("computed").textContent = `${frames} of ${total} increments, ${evaluations} force evaluations, `
+  tell(by("computed"), `${frames} of ${total} increments, ${evaluations} force evaluations, `
     + `${known ? "computed before" : `${seconds} s`}; largest residual ${residual.toExponential(0)} nm`
-    + (state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : ".")
+    + (state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : "."))
 }
 
 function showState(shown, text) {
   by("status").dataset.state = shown
-  by("status").firstElementChild.textContent = { warming: "warming up", finished: "computed" }[shown] ?? shown
-  by("status").querySelector("span").textContent = text
+  tell(by("status").firstElementChild, { warming: "warming up", finished: "computed" }[shown] ?? shown)
+  tell(by("status").querySelector("span"), text)
 }
 
 // A run that was computed in advance stands in for the one to come

@@ -77,14 +77,11 @@ export const cost = { of: 0, ended: 0 } // ms that the last picture took, and wh
 
 async function render() {
   const begun = performance.now()
-  let woken = begun // when Bokeh began to paint
-  requestAnimationFrame(() => { woken = performance.now() })
   drawAll(views)
-  const changed = performance.now()
-  await painted()
+  const changed = performance.now(), woken = await painted()
   drawAll(covers)
-  cost.ended = performance.now()
-  cost.of = changed - begun + cost.ended - woken
+  const ended = performance.now()
+  if (woken !== null) Object.assign(cost, { of: changed - begun + ended - woken, ended })
   rendering = false
   if ([...views, ...covers].some(({ due }) => due)) schedule()
 }
