@@ -6,7 +6,6 @@ import { by, lastSearch, on, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { leaveBehind, me, view } from "./store.js"
 
-const VERSION = "1" // of what the names in an address mean
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
 
@@ -120,7 +119,6 @@ export function goToAsked() {
 // The address of what is on screen now, for others; more: further parameters [[name, text], ...]
 export function linkTo(more = []) {
   const url = new URL(location.pathname, location.origin), page = document.querySelector(".page").dataset.page
-  url.searchParams.set("v", VERSION)
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)
@@ -130,8 +128,6 @@ export function linkTo(more = []) {
 
 export function connect() {
   readdress(() => {}, { ...history.state, entry }) // so that Back comes to it
-  const version = new URLSearchParams(location.search).get("v")
-  if (version && version !== VERSION) console.info(`an address of version ${version}, read as version ${VERSION}`)
   view(["drawn", "run", "playing", "following", "preview", "status"], tellIncrement)
   addEventListener("popstate", popped)
   on("undo", "click", undo)

@@ -35,10 +35,12 @@ export function namedParts(figure) {
   return Object.fromEntries(named.map((part) => [part.name.slice(figure.name.length + 1), part]))
 }
 
-// Columns of a renderer's data, in this browser only
+// Columns of a renderer's data, in this browser only; what is empty and stays so is not painted again
 export function fill(renderer, columns) {
+  const data = dataOf(renderer.data_source)
+  if (Object.keys(columns).every((name) => columns[name].length === 0 && data[name]?.length === 0)) return
   changed = true
-  Object.assign(dataOf(renderer.data_source), columns)
+  Object.assign(data, columns)
   renderer.data_source.change.emit()
 }
 

@@ -73,38 +73,44 @@ export function drawCurves(run, ghost, approach) {
   if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
   const unit = forceUnit([run, ghost]), label = labelOf(unit), { names: { F, L }, factor } = unit
   const part = (of, name) => of?.drawn(name, approach, name === "A" ? 1 : factor) ?? NOTHING
-  const same = ghost === curvesDrawn.ghost && label === curvesDrawn.label && approach === curvesDrawn.approach
-  const curve = (view, line, of, name) => {
-    const { along, value } = part(of, name)
-    fill(view, line, { U_x: along, value })
-  }
-  for (const [view, line, name] of [["forces", "F", F], ["forces", "L", L], ["area", "A", "A"]]) {
-    if (!same) curve(view, `ghost_${line}`, ghost, name)
-    curve(view, line, run, name)
+  const { look } = me, was = curvesDrawn
+  const same = ghost === was.ghost && label === was.label && approach === was.approach && look === was.look
+  for (const [figure, line, name] of [["forces", "F", F], ["forces", "L", L], ["area", "A", "A"]]) {
+    if (!figureShown(figure)) continue
+    for (const [prefix, of] of same ? [["", run]] : [["ghost_", ghost], ["", run]]) {
+      const { along, value } = part(of, name)
+      fill(figure, `${prefix}${line}`, { U_x: along, value })
+    }
   }
   document.querySelector(".page").dataset.ghost = ghost !== null
   nameGhost(run, ghost)
-  const renamed = label !== curvesDrawn.label
-  curvesDrawn = { ghost, label, text: unit.text, approach }
-  if (renamed) nameForces(unit)
-  const along = run.normal || approach, [start, end] = run.extent(approach)
-  const room = start < end ? 0 : 1 // nm, where nothing is walked
-  set(figures.forces.x_range, { start: start - room, end: end + room })
+  curvesDrawn = { ghost, label, text: unit.text, approach, look }
+  if (label !== was.label) nameForces(unit)
   nameAxis(approach ? "delta" : run.head.abscissa)
-  const marked = [["forces", along ? L : F, run.normal ? L : F, factor], ["area", "A", "A", 1]]
-  for (const [view, name, way, times] of marked) {
-    const [U_x, value] = run.slips(name, times, null, approach)
-    fill(view, `slips_${view === "area" ? "A" : "F"}`, { U_x, value })
-    pointAlong(run, view, run.curves[way], times)
-  }
+  markSlips(run, unit, approach)
   say("apart", run.apart ? APART : "")
-  const runs = [run, ghost, ...beside(run).map((pin) => pin.run)]
-  const shown = (name) => runs.map((of) => part(of, name).value)
-  const bounds = [F, L].map((name) => part(run, name).value).filter((list) => list.length)
-    .map((list) => [Math.min(...list), Math.max(...list)])
-  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...shown(F), ...shown(L)), bounds)
-  const areas = shown("A").flatMap((list) => [...list])
-  const least = Math.min(...areas), most = Math.max(...areas, run.head.spacing)
+  const values = (name) => [run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => part(of, name).value)
+  fitCurves(run, approach, [F, L].map(values), values("A"), [F, L].map((name) => part(run, name).value))
+}
+
+// Slips, and which way each part of a loop is walked
+function markSlips(run, { names: { F, L }, factor }, approach) {
+  const along = run.normal || approach
+  const marked = [["forces", along ? L : F, run.normal ? L : F, factor], ["area", "A", "A", 1]]
+  for (const [figure, name, way, times] of marked.filter(([each]) => figureShown(each))) {
+    const [U_x, value] = run.slips(name, times, null, approach)
+    fill(figure, `slips_${figure === "area" ? "A" : "F"}`, { U_x, value })
+    pointAlong(run, figure, run.curves[way], times)
+  }
+}
+
+// Axes that hold the forces and areas of all runs drawn; own: the forces of the run, which must stay in sight
+function fitCurves(run, approach, forces, areas, own) {
+  const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
+  set(figures.forces.x_range, { start: start - room, end: end + room })
+  const bounds = own.filter((list) => list.length).map((list) => [Math.min(...list), Math.max(...list)])
+  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...forces.flat()), bounds)
+  const all = areas.flatMap((list) => [...list]), least = Math.min(...all), most = Math.max(...all, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
   fit(figures.area.y_range, from, most)
   tellStart(from && figures.area.y_range.start)
@@ -176,7 +182,7 @@ export function tellLimits(view, low, high) {
 }
 
 export function drawMap(run, shown) {
-  if (run.sheared < 0) return
+  if (run.sheared < 0 || !figureShown("map")) return
   const { image, rows, columns, start, low, step, unrested } = run.map(shown), { spacing } = run.head
   fillImage("map", "map", image, [rows, columns],
     { x: [start - step / 2], y: [low], dw: [columns * step], dh: [rows * spacing] })

@@ -253,28 +253,22 @@ function lifted(run, before, head) {
 
 // The reason, where the numbers of both runs show it
 function because(run, before, now, then, claims) {
-  const steep = now.F / now.U, was = then.F / then.U, start = run.curves.A[run.sheared]
-  const area = before.curves.A[before.sheared]
-  if (run.scene.E !== before.scene.E && differs(steep, was) && steep > was === run.scene.E > before.scene.E) {
-    claims.push(["steeper", steep > was])
-    return steep > was ? "; every nanometre of pull builds up more force"
-      : "; every nanometre of pull builds up less force"
-  }
-  if (run.head.flat && run.scene.delta_bar > before.scene.delta_bar === now.F > then.F
-    && run.scene.delta_bar !== before.scene.delta_bar) {
-    claims.push(["closer", now.F > then.F])
-    return now.F > then.F ? "; closer together, its springs hold on more firmly"
-      : "; farther apart, its springs hold on less firmly"
-  }
-  if (!run.head.flat && run.scene.delta_bar !== before.scene.delta_bar && differs(start, area)
-    && start > area === now.F > then.F) {
-    claims.push(["more contact", start > area])
-    return start > area ? "; there is more contact to hold it" : "; there is less contact to hold it"
-  }
-  if (run.scene.phi_ratio !== before.scene.phi_ratio && differs(now.F, then.F)
-    && now.F > then.F === Number(run.scene.phi_ratio) > Number(before.scene.phi_ratio)) {
-    claims.push(["stronger", now.F > then.F])
-    return now.F > then.F ? "; the springs hold longer" : "; the springs give way sooner"
-  }
-  return ""
+  const steep = now.F / now.U, was = then.F / then.U, stronger = now.F > then.F, { flat } = run.head
+  const start = run.curves.A[run.sheared], area = before.curves.A[before.sheared]
+  const differing = (name) => Number(run.scene[name]) - Number(before.scene[name])
+  const along = (name, more) => (more ? differing(name) > 0 : differing(name) < 0)
+  const reasons = [ // claim, whether there is more of it, whether that explains the change, words for more and for less
+    ["steeper", steep > was, differs(steep, was) && along("E", steep > was),
+      "every nanometre of pull builds up more force", "every nanometre of pull builds up less force"],
+    ["closer", stronger, flat && along("delta_bar", stronger),
+      "closer together, its springs hold on more firmly", "farther apart, its springs hold on less firmly"],
+    ["more contact", start > area, !flat && differing("delta_bar") && differs(start, area) && start > area === stronger,
+      "there is more contact to hold it", "there is less contact to hold it"],
+    ["stronger", stronger, differs(now.F, then.F) && along("phi_ratio", stronger),
+      "the springs hold longer", "the springs give way sooner"],
+  ]
+  const [claim, more, , yes, no] = reasons.find(([, , explains]) => explains) ?? []
+  if (!claim) return ""
+  claims.push([claim, more])
+  return `; ${more ? yes : no}`
 }
