@@ -6,7 +6,7 @@ import { by, make, makeButton, minus, on } from "../../static/js/dom.js"
 import { figures } from "../../static/js/figures.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
-import { leaveBehind, me, redraw } from "../../static/js/store.js"
+import { leaveBehind, me, redrawCanvases } from "../../static/js/store.js"
 import { inWords } from "../../static/js/words.js"
 
 const MORE = 1.05 // times the value, after a click
@@ -22,7 +22,7 @@ export function told({ matters }) {
   if (matters === result) return
   result = matters ?? null
   drawBars()
-  redraw()
+  redrawCanvases()
 }
 
 export function closed() {

@@ -5,7 +5,7 @@ import { nice, rampIn, shades } from "../../static/js/colours.js"
 import { by, on } from "../../static/js/dom.js"
 import { extent, figures, fillImage, parts, stretchSaid, tellLimits } from "../../static/js/figures.js"
 import { APART, mean, middles, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
-import { redraw } from "../../static/js/store.js"
+import { redrawCanvases } from "../../static/js/store.js"
 
 const COLUMNS = 400, ROWS = 100 // of the picture
 const MODES = 1024 // at most: of more nodes than twice that the finest waves are left out
@@ -69,4 +69,4 @@ export const painted = () => { drawn = "" }
 
 export const opened = () => { drawn = "" }
 
-export const connect = () => on("solid-quantity", "input", redraw)
+export const connect = () => on("solid-quantity", "input", redrawCanvases)

@@ -8,7 +8,7 @@ import { APART, middles, SHEARED, sumsIn, tableFor } from "./inside.js"
 import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { keep, kept } from "./storage.js"
-import { redraw } from "./store.js"
+import { redrawCanvases } from "./store.js"
 
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
 const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels each
@@ -25,12 +25,12 @@ export function connectFringes() {
   by("fringes-on").checked = kept("fringes") !== "plain"
   on("fringes-on", "change", ({ target }) => {
     keep("fringes", target.checked ? "on" : "plain")
-    redraw()
+    redrawCanvases()
   })
   by("fringe").value = kept("fringe") ?? by("fringe").value
   on("fringe", "change", ({ target }) => {
     keep("fringe", target.value)
-    redraw()
+    redrawCanvases()
   })
 }
 

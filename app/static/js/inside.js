@@ -2,7 +2,7 @@
 // (solver/analysis/interior.py), sent once for a geometry.
 
 import { order, take } from "./channel.js"
-import { redraw } from "./store.js"
+import { redrawCanvases } from "./store.js"
 
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/aside.py
 const KEPT = 3 // of each
@@ -27,7 +27,7 @@ export function connectInside() {
     const table = tableOf(message)
     keep(tables, keyOf(table.geometry, table.asked), table)
     asked = ""
-    redraw()
+    redrawCanvases()
   })
 }
 

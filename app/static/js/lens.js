@@ -3,7 +3,7 @@
 import { by, closest, fixed, on, onDrag } from "./dom.js"
 import { figures } from "./figures.js"
 import { line, size, write } from "./pen.js"
-import { me, redraw } from "./store.js"
+import { me, redrawCanvases } from "./store.js"
 
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
@@ -148,7 +148,7 @@ export function connectLens() {
   const move = (nm) => {
     const { start, end } = figures.punch.x_range
     lens.place = Math.max(start, Math.min(end, (lens.place ?? Number(grip.getAttribute("aria-valuenow"))) + nm))
-    redraw()
+    redrawCanvases()
   }
   onDrag(grip, (event) => {
     grip.setPointerCapture(event.pointerId)
@@ -160,7 +160,7 @@ export function connectLens() {
     move(((event.clientX - last.x) * (end - start)) / by("story").clientWidth)
     last.x = event.clientX
   })
-  on("lens", "dblclick", () => { lens.place = null; redraw() })
+  on("lens", "dblclick", () => { lens.place = null; redrawCanvases() })
   on("lens", "keydown", (event) => {
     const spacing = me.run?.head.spacing ?? 1
     const steps = { ArrowLeft: -spacing, ArrowRight: spacing, PageDown: -10 * spacing, PageUp: 10 * spacing }
@@ -169,5 +169,5 @@ export function connectLens() {
     event.stopPropagation()
     move(steps[event.key])
   })
-  on("lens-on", "change", redraw)
+  on("lens-on", "change", redrawCanvases)
 }

@@ -99,7 +99,9 @@ function drawAll(list) {
 }
 
 // Draw everything anew
-export const redraw = () => { fields.look++; touch("look") }
+export const redraw = () => { me.look++ }
+// Draw canvases and pages anew
+export const redrawCanvases = () => touch("picture")
 
 // Whether any of some values is another than before
 export function memory() {
