@@ -105,6 +105,7 @@ def test_cancelling_an_accuracy_measurement_ends_its_process():
     assert visitor.state == "cancelled"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
     first, second = Visitor(), Visitor()
@@ -154,6 +155,7 @@ def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session
     assert told(session)["texts"]["accuracy-state"].endswith("E = 70 GPa")
 
 
+@pytest.mark.thorough
 @pytest.mark.browser
 def test_accuracy_measurement_shows_progress_beside_the_live_experiment(visit):
     page = visit("?nodes=64&width=160&radius=1&u_x_max=8&du_x=0.2&du_z=0.5&page=accuracy")

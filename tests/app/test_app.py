@@ -269,6 +269,7 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
     np.testing.assert_allclose(page.curve("F_bar"), undisturbed, atol=1e-6 * np.abs(undisturbed).max() + 1e-10)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_slice_that_kills_every_worker_is_reported_as_failed(page, monkeypatch):
     monkeypatch.setattr(page.session.pursuit, "_slice", lambda budget: submit_exit(page.session.pursuit))

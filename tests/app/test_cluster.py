@@ -13,7 +13,7 @@ from app.service.pool import Pool
 from solver import Scene
 from solver.isolated import Caller
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
@@ -48,7 +48,6 @@ def test_cluster_frames_equal_local_frames_bitwise(workers):
     assert far.done and far.frames == here.frames > 120 and far.blocks == here.blocks
 
 
-@pytest.mark.thorough
 def test_cluster_uses_both_workers_and_abandons_a_hanging_task(workers):
     asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
     until(lambda: all(task.running() or task.done() for task in asked))
@@ -60,7 +59,6 @@ def test_cluster_uses_both_workers_and_abandons_a_hanging_task(workers):
     until(lambda: workers.ready == 2)
 
 
-@pytest.mark.thorough
 def test_cluster_reports_tracebacks_and_replaces_killed_workers(workers, caplog):
     error = workers.submit(int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason
@@ -73,7 +71,6 @@ def test_cluster_reports_tracebacks_and_replaces_killed_workers(workers, caplog)
     until(lambda: workers.ready == 2)  # a nanny has started another
 
 
-@pytest.mark.thorough
 def test_cluster_recovers_when_its_scheduler_restarts(local, workers, monkeypatch):
     monkeypatch.setattr("app.service.pool.HOPE", 0.5)
     local.stop()

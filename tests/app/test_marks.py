@@ -46,6 +46,7 @@ def test_marks_of_a_flat_equal_the_exact_limit_of_smooth_sliding():
     assert said == "slips above" and critical_modulus(flat.changed(phi_ratio=ratio)) == pytest.approx(flat.E)
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "said", "above"), [("phi_ratio", "slips above", True), ("E", "slides smoothly", False)]
@@ -56,12 +57,14 @@ def test_a_punch_slips_on_one_side_of_its_mark_only(default, name, said, above):
     assert slips(Scene(**{name: value / OFF})) is not above
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_marks_do_not_depend_on_the_slider_position_of_the_search(default):
     near = found(pickled(Scene(E=2500.0)), "E")
     assert near["slides smoothly"] == pytest.approx(found(default, "E")["slides smoothly"], rel=0.05)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("start", [-0.1, 0.6])
 def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
     """Wherever on the slider they are looked for."""

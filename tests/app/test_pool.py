@@ -39,6 +39,7 @@ def test_an_idle_worker_that_is_killed_is_replaced_at_once():
     workers.close()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(isolated.START != "forkserver", reason="processes are not forked here")
 def test_workers_are_replaced_after_the_fork_server_is_killed():
     workers = Pool(size=1)
@@ -54,6 +55,7 @@ def send(size):
     return bytes(size)
 
 
+@pytest.mark.thorough
 def test_workers_killed_while_sending_or_warming_up_are_replaced():
     workers = Pool(size=2)
     workers.submit(worker.ready).result(PATIENCE)
@@ -90,6 +92,7 @@ def test_an_exception_in_a_task_keeps_the_worker_and_is_logged(caplog):
     workers.close()
 
 
+@pytest.mark.thorough
 def test_waiting_tasks_fail_if_no_worker_can_start(monkeypatch):
     monkeypatch.setattr("app.service.pool.PAUSES", (0.0,))
     for name in ("start", "start_up"):  # of the first worker, and of the others
@@ -124,6 +127,7 @@ def test_shelf_keeps_the_most_recently_used_runs_within_its_capacity():
     assert shelf.get(Scene(E=50.0)) is None
 
 
+@pytest.mark.thorough
 def test_a_silent_pool_counts_as_dead_unless_a_worker_is_idle(monkeypatch):
     workers = Pool(size=1)
     assert not workers.alive()[0]

@@ -1,12 +1,13 @@
 """Cost of the presets in one process, against the method gfmd at equal error, and against the number of nodes.
 
-    python tests/bench/bench.py [--json FILE] [--quick]
+    python tests/bench/bench.py [--json FILE] [--quick] [--scenes N]
 
 Columns: force evaluations; median seconds of five runs (compiled, warm); microseconds per evaluation; median
 evaluations per increment on a branch, with earlier states reused and with every state solved. The error is that of
 F_bar before the first slip, relative to its largest value, against a run at tolerance 1e-12 with a tenth of the step.
 The last columns give gfmd's time over that of fast. gfmd runs once, at the same tolerance, up to its third slip; its
-later periods are assumed to cost as much as the last one. --quick leaves out gfmd, the error and the larger sizes.
+later periods are assumed to cost as much as the last one. --quick leaves out gfmd, the error and the larger sizes;
+--scenes takes the first N presets and sizes only.
 """
 
 import argparse
@@ -191,6 +192,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", metavar="FILE")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--scenes", type=int, default=len(PRESETS), metavar="N")
     arguments = parser.parse_args()
     for method in ("fast", "gfmd"):
         list(load_path(Scene(nodes=128, width=312.5, radius=20.0, u_x_max=16.0, tolerance=1e-6), method))
@@ -202,7 +204,7 @@ def main():
         + f"{'fast':>10}{'gfmd':>9}{'reused':>8}{'solved':>7}"
     )
     rows = []
-    for name, scene in PRESETS.items():
+    for name, scene in list(PRESETS.items())[: arguments.scenes]:
         rows.append(measured(name, scene, arguments.quick))
         print(shown(rows[-1]), flush=True)
     report = {"machine": platform.machine(), "python": platform.python_version(), "presets": rows, "flat": flat()}
@@ -217,7 +219,7 @@ def main():
     for row in rows[4:6]:
         print(f"{row['preset']} against Fig. 6: {row['reused']['seconds'] / default:.2f} x")
     print(f"flat on flat: {1e3 * report['flat']['per_1000']:.1f} ms per 1000 increments")
-    report["sizes"] = [size(nodes) for nodes in (SIZES[:3] if arguments.quick else SIZES)]
+    report["sizes"] = [size(nodes) for nodes in (SIZES[:3] if arguments.quick else SIZES)[: max(2, arguments.scenes)]]
     for row in report["sizes"]:
         line = (
             "nodes {nodes:6}  patch {patch:5}: {ms_per_increment:7.3f} ms, {evaluations_per_increment:5.1f} evaluations"

@@ -1,10 +1,10 @@
 """What each constant of the continuation decides: halve it and double it, and compare runs.
 
-    python tests/bench/constants.py [--only TEXT] [--json FILE]
+    python tests/bench/constants.py [--only TEXT] [--scenes N] [--json FILE]
 
-Scenes: the default, five of the slider box and six small cells. A row per constant: its value, and for half and twice
-of it the force evaluations over those of the value, and in how many scenes the loads of slips (to 1e-4 nm), their
-number, or the last force (to 1e-4) differ.
+Scenes: the default, five of the slider box and six small cells, or the first N of these. A row per constant: its
+value, and for half and twice of it the force evaluations over those of the value, and in how many scenes the loads of
+slips (to 1e-4 nm), their number, or the last force (to 1e-4) differ.
 """
 
 import sys
@@ -62,9 +62,10 @@ def differ(a, b):
 def main():
     parser = options(__doc__)
     parser.add_argument("--only", metavar="TEXT", default="", help="constants whose name contains this")
+    parser.add_argument("--scenes", metavar="N", type=int)
     arguments = parser.parse_args()
     values = [*slider_box(5, 77, **SMALL), *list(cells(7, 52))[1:]]
-    scenes, rows = [Scene(), *map(scene_of, values)], []
+    scenes, rows = [Scene(), *map(scene_of, values)][: arguments.scenes], []
     usual = list(results(scenes))
     for name, value, change in constants():
         if arguments.only not in name:

@@ -8,16 +8,25 @@ import pytest
 
 HERE = Path(__file__).parent
 SMALLEST = {  # bench: (arguments, what it prints)
+    "bench": (["--quick", "--scenes", "1"], "cost per increment grows as"),
+    "box": (["--every", "120"], "box over default"),
+    "constants": (["--only", "MOVED", "--scenes", "1"], "differ x2 0"),
+    "figures": (["--processes", "1", "--repetitions", "1"], "Fig. 5, 120 moduli"),
+    "fit": (["--draws", "1", "--starts", "1", "--box", "1", "--sparse", "1", "--points", "100"], "reach the truth"),
     "follow": (["--scenes", "1"], "F, L and A all right"),
     "jumps": (["--scenes", "1"], "1 scenes"),
+    "landings": (["--scenes", "1"], "1 scenes, 1 slips judged"),
     "map": (["--x", "delta_bar=0:0.2:2", "--y", "phi_ratio=0.5:1:2", "--workers", "1", "--checks", "1"], "U_s off by"),
     "onset": (["--scenes", "1"], "1 scenes at du_x"),
+    "others": (["--kinds", "damping inf", "--every", "6"], "damping inf"),
     "rests": (["--scenes", "2", "--jobs", "1"], "slips located"),
+    "sensitivities": (["--scenes", "1"], "derivatives"),
     "skeletons": (["--scenes", "1"], "error of F_s"),
 }
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SMALLEST)
 def test_a_bench_prints_its_figure(name):
     arguments, figure = SMALLEST[name]

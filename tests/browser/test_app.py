@@ -182,6 +182,7 @@ def test_an_invalid_entry_shows_the_range_and_keeps_the_run(visit):
     assert page.locator("#E-error").is_hidden()
 
 
+@pytest.mark.thorough
 def test_entries_convert_units_and_a_rejected_depth_shows_no_conversion(visit):
     page = visit()
     finished(page)

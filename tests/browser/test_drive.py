@@ -36,6 +36,7 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit):
         assert found == pytest.approx([getattr(frame, name) for frame in frames], abs=1e-4)
 
 
+@pytest.mark.thorough
 def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(visit):
     page = visit("?u_x_max=2&view=lab")
     finished(page)
@@ -43,6 +44,7 @@ def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(vi
     assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
 
 
+@pytest.mark.thorough
 def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(visit):
     page = visit("?drive_t=4&u_x_max=3&view=lab")
     finished(page)
@@ -59,6 +61,7 @@ def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(visit):
     assert "drive_t" not in page.url
 
 
+@pytest.mark.thorough
 def test_tour_question_on_a_soft_drive_matches_the_solver(visit):
     page = visit("?tour=7&view=hero")
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)

@@ -58,6 +58,7 @@ def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter
     assert L < 0 < F  # adhesion alone holds
 
 
+@pytest.mark.thorough
 def test_repeated_scenes_and_runs_without_a_slip_add_no_point(opened):
     page = opened
     for value, count in (("80", 2), ("70", 2)):
@@ -70,6 +71,7 @@ def test_repeated_scenes_and_runs_without_a_slip_add_no_point(opened):
     has_points(page, 2)
 
 
+@pytest.mark.thorough
 def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     page = opened
     page.locator("#load .close").click()
@@ -85,6 +87,7 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     assert len(page.evaluate(COLUMN.format("E", "L"))) == 1  # compared with the run before
 
 
+@pytest.mark.thorough
 def test_points_are_exported_as_table_and_csv(opened):
     page = opened
     enter(page, "E", "80")

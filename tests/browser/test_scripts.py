@@ -2,6 +2,7 @@
 
 import base64
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,13 +22,20 @@ WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
 LOOP = SHORT.changed(path="loop", u_x_max=6.0)
 
 
-def run_of(tab, scene):
-    """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
+@cache
+def computed(scene):
+    """(frames, blocks): all frames of a scene, and the same packed in slices."""
     frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time
     blocks = []
     for piece in slices(scene, 0.01):
         assert not piece.failure
         blocks += [base64.b64encode(block).decode() for block in piece.blocks]
+    return frames, blocks
+
+
+def run_of(tab, scene):
+    """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
+    frames, blocks = computed(scene)
     tab.evaluate(
         """async (blocks) => {
             const { Run } = await import("http://scripts/js/run.js")

@@ -103,6 +103,7 @@ class HeldBack:
             self.socket.send(message)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_computed_run_replaces_the_stored_one_at_the_same_increment_and_axes(server, browser):
     page = browser.new_page(viewport={"width": 1280, "height": 720}, reduced_motion="reduce")
@@ -118,6 +119,7 @@ def test_computed_run_replaces_the_stored_one_at_the_same_increment_and_axes(ser
     page.close()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_figures_and_play_are_disabled_until_a_run_is_on_screen(server, browser):
     page = browser.new_page(reduced_motion="reduce")

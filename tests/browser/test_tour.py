@@ -35,6 +35,7 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(visit):
     assert "tour=" not in page.url
 
 
+@pytest.mark.thorough
 def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     page = visit("?tour=2&view=hero")
     asked(page)
@@ -55,6 +56,7 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     page.locator("#tour-card h2", has_text="2 of 9").wait_for()
 
 
+@pytest.mark.thorough
 def test_browser_back_ends_the_tour(visit):
     page = visit("?E=100&view=hero")
     page.wait_for_function("window.punch?.status.state === 'finished'")
@@ -65,6 +67,7 @@ def test_browser_back_ends_the_tour(visit):
     page.locator("#tour-card").wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_tour_stop_without_load_shows_remaining_friction(visit):
     page = visit("?tour=8&view=hero")
     page.locator("#tour-card .answer", has_text="about as large").wait_for()
@@ -76,6 +79,7 @@ def test_tour_stop_without_load_shows_remaining_friction(visit):
     page.locator("#tour-card .question", has_text="Friction over load").wait_for()
 
 
+@pytest.mark.thorough
 def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(visit):
     page = visit("?tour=9&view=hero")
     asked(page)

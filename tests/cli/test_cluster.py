@@ -37,6 +37,7 @@ def workers(address):
         return 0
 
 
+@pytest.mark.thorough
 def test_stability_is_the_same_on_a_cluster(address, tmp_path):
     found = []
     for place in ([], ["--scheduler", address]):
@@ -46,6 +47,7 @@ def test_stability_is_the_same_on_a_cluster(address, tmp_path):
     assert found[0] == found[1] and len(found[0][1]) == len(SCENES)
 
 
+@pytest.mark.thorough
 def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_itself(address, tmp_path):
     tables = []
     for place in ([], ["--scheduler", address]):

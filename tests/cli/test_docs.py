@@ -150,6 +150,7 @@ def collected(*arguments):
     return {line for line in shown.splitlines() if "::" in line}
 
 
+@pytest.mark.thorough
 def test_a_named_file_runs_all_its_tests_and_a_choice_leaves_thorough_ones_out():
     thorough = collected("-m", "thorough")
     assert thorough and thorough <= collected()

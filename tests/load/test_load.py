@@ -11,6 +11,7 @@ SMALLEST = {  # tool: (arguments, what it prints)
     "load/classroom": (["--visitors", "1", "--seconds", "4"], "loop lag"),
     "load/hostile": (["--messages", "20", "--clients", "1", "--visitors", "1"], "visitors stuck             []"),
     "load/arrivals": (["--pages", "1", "--within", "1"], "errors                     []"),
+    "bench/fringes": (["--seconds", "0.2"], "frames/s"),
     "bench/latency": (["--moves", "1"], "whole new curve"),
 }
 

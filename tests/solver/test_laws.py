@@ -150,8 +150,9 @@ def test_critical_modulus_is_proportional_to_the_work_and_to_the_height():
     assert critical_modulus(FLAT.changed(height=0.2)) == pytest.approx(0.2 * critical_modulus(FLAT))
 
 
+@pytest.mark.once(2)
 @pytest.mark.slow
-@pytest.mark.parametrize("E", [70.0, 140.0, 1000.0, 2200.0, 3000.0])
+@pytest.mark.parametrize("E", [70.0, 3000.0, 140.0, 1000.0, 2200.0])
 def test_exact_friction_is_that_of_a_run(E):
     scene = FLAT.changed(E=E, du_x=0.01, u_x_max=30.0)
     exact, run = friction(scene), friction_force(scene, list(load_path(scene)))
@@ -179,6 +180,7 @@ def test_friction_of_a_contact_that_has_not_slid_is_refused():
             friction_force(scene, list(load_path(scene)))
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("values", [{"phi_ratio": 0.001, "u_x_max": 2.7}, {"phi_ratio": 0.1, "u_x_max": 16.5}])
 def test_friction_needs_a_whole_lattice_period_of_sliding(values):
     scene = Scene(surface="flat", damping=inf, **values)

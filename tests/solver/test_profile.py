@@ -284,10 +284,10 @@ def test_a_profile_may_be_as_steep_and_as_long_as_its_limits():
 
 
 @pytest.mark.parametrize(
-    "line", ["a(" * 10**6, "a(" + 10**6 * " " + "))", "a" * 10**6 + "!", "a(b," * 10**6, "a/" * 10**6]
+    "line", ["a(" * 10**5, "a(" + 10**5 * " " + "))", "a" * 10**5 + "!", "a(b," * 10**5, "a/" * 10**5]
 )
 def test_long_headings_are_read_in_linear_time(line):
-    """In quadratic time each would take hours."""
+    """In quadratic time each would take minutes."""
     with pytest.raises(ProfileError):
         read_profile(line + "\n" + "1,2\n")
 

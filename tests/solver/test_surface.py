@@ -192,6 +192,7 @@ def test_text_names_surfaces_as_scenes_do():
         scene_from_text({"measured": "file.csv"})
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", [SMALL_ROUGH, SMALL_WAVE], ids=["rough", "wave"])
 def test_both_methods_find_the_same_equilibria_on_several_patches(scene):
@@ -204,6 +205,7 @@ def test_both_methods_find_the_same_equilibria_on_several_patches(scene):
         assert patches(scene, one) == patches(scene, other)
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", [SMALL_ROUGH, SMALL_WAVE], ids=["rough", "wave"])
 def test_sliding_repeats_with_the_lattice_on_any_surface(scene):

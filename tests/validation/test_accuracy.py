@@ -58,6 +58,7 @@ def test_error_falls_in_step_with_the_tolerance(report):
     assert points[-1].worst("position") < 1e-7 and points[-1].evaluations > points[0].evaluations > 0
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_tolerance_spoils_the_area_no_more_than_the_forces(report):
     """All three follow from the same displacements: the error of A is up to 2.6 times that of the worse force.

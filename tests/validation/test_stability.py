@@ -156,6 +156,7 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
     assert stability.assess(Case(0, ("nu",), {"nu": 0.5}))["verdict"] == "refused"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_call_that_crashes_or_hangs_costs_its_process_only():
     items = ["a", "die", "raise", "b", "hang", "c"]
@@ -174,6 +175,7 @@ for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_processes_end_with_a_parent_that_is_killed():
     """The worker is busy for ten minutes when its parent dies; it is gone long before (the poll ends after 20 s)."""
