@@ -172,7 +172,7 @@ def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
     assert "0 slips" in out
 
 
-def test_infinite_damping_is_taken_and_written_as_text(call, tmp_path):
+def test_infinite_damping_is_read_and_written_as_text(call, tmp_path):
     code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=1", "damping=inf", "--json", tmp_path / "j")
     assert code == 0 and strict(tmp_path / "j")["scene"]["damping"] == "inf"
 
@@ -416,7 +416,7 @@ def test_fit_takes_its_arguments_in_the_order_that_its_usage_prints(call):
     assert code == 2 and "nowhere.csv" in err and "required" not in err
 
 
-def test_a_reader_that_ends_early_leaves_no_traceback():
+def test_a_closed_output_pipe_leaves_no_traceback():
     """`parameters | head -n 0`: the pipe is closed before anything is written to it."""
     command = [sys.executable, "-m", "solver", "parameters"]
     read, write = os.pipe()

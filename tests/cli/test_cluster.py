@@ -59,7 +59,7 @@ def test_the_map_of_regimes_agrees_with_the_closed_form_and_on_a_cluster_with_it
 
 
 @pytest.mark.thorough
-def test_calls_that_fail_hang_or_kill_their_worker_cost_no_other_result(address):
+def test_failing_calls_on_a_cluster_cost_no_other_result(address):
     ((_, error),) = outcomes(int, ["x"], address, 60.0)
     assert error.kind == "error" and "ValueError" in error.reason
     found = dict(outcomes(time.sleep, [0.0, 20.0], address, 10.0))

@@ -114,7 +114,7 @@ def test_an_unknown_name_of_the_solver_is_an_attribute_error():
         solver.anneal  # noqa: B018
 
 
-def test_a_map_of_the_exported_functions_is_a_table_over_both_parameters():
+def test_maps_of_the_exported_functions_are_tables_over_both_parameters():
     grid = Map(SMALL, Axis("delta_bar", 0.1, 0.2, 2), Axis("phi_ratio", 0.5, 1.0, 2))
     table = grid.table(explored(grid)).set_index(["delta_bar", "phi_ratio"])
     first = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[0.5, 1.0]).set_index(["delta_bar", "phi_ratio"])
@@ -129,12 +129,12 @@ def test_an_exported_spread_is_an_interval_around_the_slip():
 
 
 @pytest.mark.parametrize(("count", "text"), [(0, "0 slips"), (1, "1 slip"), (2, "2 slips")])
-def test_a_count_of_one_takes_the_singular(count, text):
+def test_counts_of_one_use_the_singular(count, text):
     assert counted(count, "slip") == text
 
 
 @pytest.mark.slow
-def test_friction_over_load_plots_the_slips_of_a_sweep_and_leaves_runs_without_a_slip_out():
+def test_friction_over_load_plot_omits_runs_without_a_slip():
     """F_s does not vanish with L: at the default, adhesion alone holds."""
     from bokeh.models import HoverTool, Scatter
     from holoviews import render

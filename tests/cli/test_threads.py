@@ -56,7 +56,7 @@ def test_a_command_has_one_blas_thread(two, monkeypatch, tmp_path):
     assert seen == [{1}] and blas_threads() == {2}
 
 
-def test_a_process_for_calls_has_one_thread_and_leaves_the_environment_of_its_caller(monkeypatch):
+def test_a_worker_process_has_one_blas_thread_and_leaves_the_environment_of_its_caller(monkeypatch):
     """In the process the variables are set before its libraries are loaded."""
     for name in ONE_THREAD:
         monkeypatch.delenv(name, raising=False)

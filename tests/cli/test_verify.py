@@ -21,13 +21,13 @@ def files(tmp_path_factory):
 
 
 @pytest.mark.parametrize("kind", ["json", "npz"])
-def test_a_run_is_the_same_when_computed_anew(files, capsys, kind):
+def test_verify_finds_a_repeated_run_equal(files, capsys, kind):
     assert cli.main(["verify", str(files[kind])]) == 0
     out = capsys.readouterr().out
     assert "same: " in out and "version" in out and "residual" in out
 
 
-def test_a_changed_number_is_named_with_its_size(files, tmp_path, capsys):
+def test_verify_names_a_changed_number_and_its_size(files, tmp_path, capsys):
     report = json.loads(files["json"].read_text())
     report["F_s"] *= 1.001
     report["events"].pop()
@@ -37,7 +37,7 @@ def test_a_changed_number_is_named_with_its_size(files, tmp_path, capsys):
     assert "F_s " in out and "(1.0e-03)" in out and "events: U_x: count" in out
 
 
-def test_a_changed_field_is_found(files, tmp_path, capsys):
+def test_verify_finds_a_changed_field(files, tmp_path, capsys):
     with np.load(files["npz"]) as held:
         arrays = dict(held)
     arrays["T"][-1, 1] *= 1.01
@@ -48,7 +48,7 @@ def test_a_changed_field_is_found(files, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("kind", ["json", "npz"])
-def test_a_run_that_was_carried_on_is_computed_with_all_its_parameters(tmp_path, kind):
+def test_verify_repeats_a_continued_run_with_all_its_parameters(tmp_path, kind):
     scene = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x_max=6.0)
     frames = list(carried_path([(scene, 130), (scene.changed(E=60.0), None)]))
     last, file = frames[-1].scene, tmp_path / f"run.{kind}"
@@ -59,7 +59,7 @@ def test_a_run_that_was_carried_on_is_computed_with_all_its_parameters(tmp_path,
     assert cli.main(["verify", str(file)]) == 0
 
 
-def test_a_measured_surface_is_read_back(tmp_path):
+def test_verify_reads_the_measured_surface_of_a_file(tmp_path):
     x = np.linspace(0.0, 160.0, 128, endpoint=False)
     profile = Profile(160.0, 5.0 * np.exp(-(((x - 80.0) / 30.0) ** 2)))
     scene = Scene(surface="measured", measured=profile, nodes=64, width=160.0, u_x_max=2.0)
@@ -78,14 +78,14 @@ def test_a_measured_surface_is_read_back(tmp_path):
     ],
     ids=["empty", "no scene", "a later schema", "an invalid scene"],
 )
-def test_other_files_are_refused_in_one_line(tmp_path, capsys, content, words):
+def test_verify_rejects_other_files_in_one_line(tmp_path, capsys, content, words):
     (tmp_path / "file").write_text(content)
     assert cli.main(["verify", str(tmp_path / "file")]) == 2
     err = capsys.readouterr().err
     assert words in err and len(err.splitlines()) == 1
 
 
-def test_a_file_of_a_later_version_is_not_taken_for_another_kind_of_file(tmp_path, capsys):
+def test_verify_names_a_file_of_a_later_version(tmp_path, capsys):
     (tmp_path / "file").write_text('{"schema": 99}')
     assert cli.main(["verify", str(tmp_path / "file")]) == 2
     err = capsys.readouterr().err

@@ -30,7 +30,7 @@ def installed(tmp_path_factory):
     return folder
 
 
-def test_the_wheel_holds_every_file_of_the_packages(installed):
+def test_wheel_contains_every_file_of_the_packages(installed):
     for name in ("app", "solver"):
         expected = {path.relative_to(ROOT) for path in (ROOT / name).rglob("*") if path.is_file()}
         expected = {path for path in expected if "__pycache__" not in path.parts and path.suffix != ".pyc"}

@@ -15,7 +15,7 @@ SMALL = XN.changed(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x
 U_X, GAP = np.meshgrid(np.linspace(-3.0, 3.0, 41), np.linspace(-2.0, 6.0, 41))
 
 
-def test_its_tangent_is_symmetric_for_equal_works_of_separation_and_that_of_np1_is_not():
+def test_tangent_is_symmetric_for_equal_works_of_separation_unlike_that_of_np1():
     """To round-off of the sums; delta_n and delta_t may differ."""
     for scene in (XN, XN.changed(delta_t=2.0, delta_n=0.7)):
         _, xz, zx, _ = tangent(scene, U_X, GAP)
@@ -25,7 +25,7 @@ def test_its_tangent_is_symmetric_for_equal_works_of_separation_and_that_of_np1_
         assert np.abs(xz - zx).max() > 1e-3 * largest
 
 
-def test_its_work_around_a_closed_path_vanishes():
+def test_work_of_the_potential_law_around_a_closed_path_vanishes():
     """By Gauss-Legendre quadrature on the sides of a rectangle, with a window beyond whose edge nothing is left."""
     wide = XN.changed(window_t=8.0)
     nodes, weights = np.polynomial.legendre.leggauss(60)
@@ -42,7 +42,7 @@ def test_its_work_around_a_closed_path_vanishes():
     assert abs(around["xu-needleman"]) < 1e-12 < 0.1 < abs(around["np1"])  # N/m
 
 
-def test_its_resistance_to_shear_falls_under_overclosure_and_turns_round_below_minus_delta_n():
+def test_shear_resistance_of_the_potential_law_changes_sign_below_minus_delta_n():
     """The reason why the paper takes NP1, whose resistance grows."""
     ahead = 0.5  # nm beyond a site
     gaps = np.array([0.0, -0.5, -0.9, -1.0, -1.5])
@@ -69,7 +69,7 @@ CORNERS = [(40.0, 0.1, 1.0), *product((20.0, 200.0, 1000.0), (-0.1, 0.3), (0.2, 
 @pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(("E", "delta_bar", "phi_ratio"), CORNERS)
-def test_a_run_and_its_landings_follow_an_explicit_gfmd_with_its_own_law(E, delta_bar, phi_ratio):
+def test_a_run_with_the_potential_law_agrees_with_an_explicit_gfmd(E, delta_bar, phi_ratio):
     """F, L and A to 1e-5 of their largest: the GFMD comes to rest within its tolerance only.
 
     At the depth 0.3 some gaps are below -delta_n, where the start of the shear is unstable: the surface may leave it
@@ -85,7 +85,7 @@ def test_a_run_and_its_landings_follow_an_explicit_gfmd_with_its_own_law(E, delt
         assert np.abs(ours - theirs).max() <= 1e-5 * np.abs(theirs).max()
 
 
-def test_no_state_of_it_can_flutter():
+def test_no_state_of_the_potential_law_can_flutter():
     """With a symmetric tangent the safe damping vanishes, however weak the damping."""
     frames = simulate(SMALL.changed(damping=0.2, nodes=256, width=640.0, u_x_max=3.0)).frames
     assert max(frame.safe_damping for frame in frames[::10]) == 0.0

@@ -42,7 +42,7 @@ def test_a_jump_of_the_parameters_is_not_reported_as_a_slip():
 
 
 @pytest.mark.parametrize("hold", ["delta", "load"])
-def test_a_run_carries_on_from_the_last_frame_of_its_approach_as_from_the_first_of_its_shear(hold):
+def test_continuing_from_the_end_of_approach_equals_continuing_from_the_start_of_shear(hold):
     scene = SMALL.changed(delta_bar=0.3, u_x_max=2.0, hold=hold)
     frames = list(load_path(scene))
     last = stage(frames, "approach")[-1]
@@ -56,7 +56,7 @@ def test_a_run_carries_on_from_the_last_frame_of_its_approach_as_from_the_first_
         carry_on(stage(frames, "approach")[-2], changed)
 
 
-def test_a_carried_run_is_for_the_fast_method():
+def test_only_the_fast_method_can_continue_a_run():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     changed = scene.changed(E=90.0)
     with pytest.raises(ValueError, match="allowed where a run carries on: fast"):
@@ -129,7 +129,7 @@ def test_below_critical_damping_branches_are_the_same_and_only_slips_differ():
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_with_too_little_damping_the_message_says_so_or_every_frame_rests():
+def test_too_little_damping_is_named_in_the_message_unless_every_frame_is_an_equilibrium():
     """NP1 has no potential: with hardly any damping it may feed an oscillation for ever; then no frame is made up."""
     scene = Scene(u_x_max=3.0, delta_bar=1.0, damping=0.2, nodes=128, width=312.5)
     frames, checkpoint = [], None
@@ -160,7 +160,7 @@ def rest_of(scene, checkpoint):
 
 
 @pytest.mark.parametrize("values", [{}, {"hold": "load"}, {"surface": "flat", "phi_ratio": 0.1}])
-def test_carrying_on_unchanged_is_the_uninterrupted_run(values):
+def test_continuing_without_a_change_equals_the_uninterrupted_run(values):
     scene = SMALL.changed(**values)
     for a, b in zip(carried_path([(scene, 60), (scene, None)]), load_path(scene), strict=True):
         assert np.array_equal(a.u, b.u) and a.slips == b.slips
@@ -168,7 +168,7 @@ def test_carrying_on_unchanged_is_the_uninterrupted_run(values):
 
 @pytest.mark.parametrize("hold", ["delta", "load"])
 @pytest.mark.parametrize("values", [{"E": 100.0}, {"E": 40.0}, {"phi_n": 2.5}, {"phi_ratio": 0.5}, {"nu": 0.3}])
-def test_changed_parameters_take_effect_where_the_run_is(values, hold):
+def test_changed_parameters_take_effect_at_the_current_load(values, hold):
     scene = SMALL.changed(hold=hold)
     frames = until(scene, 12)
     changed = scene.changed(**values)
@@ -191,7 +191,7 @@ def test_changed_stiffness_leads_to_the_branch_of_a_run_with_it_from_the_start()
 
 
 @pytest.mark.parametrize("delta_bar", [0.13, -0.07])
-def test_a_changed_indentation_is_walked_at_the_same_place(delta_bar):
+def test_a_changed_indentation_is_approached_at_constant_displacement(delta_bar):
     scene = SMALL.changed(u_x_max=2.0)
     frames = until(scene, 6)
     changed = scene.changed(delta_bar=delta_bar)
@@ -203,7 +203,7 @@ def test_a_changed_indentation_is_walked_at_the_same_place(delta_bar):
     assert same(shear[-1], list(load_path(changed))[-1], 1e-6)
 
 
-def test_a_run_goes_on_from_held_indentation_to_held_load_and_back():
+def test_a_run_can_switch_between_held_indentation_and_held_load():
     scene = SMALL.changed(u_x_max=3.0)
     frames = until(scene, 6)
     soft = scene.changed(hold="load")
@@ -226,7 +226,7 @@ def test_another_surface_needs_a_run_of_its_own(values, name):
         carry_on(frames[-1], SMALL.changed(**values))
 
 
-def test_a_run_is_carried_on_in_shear_only_and_not_beyond_its_end():
+def test_a_run_can_be_continued_in_shear_only_and_not_beyond_its_end():
     frames = until(SMALL, 2, "approach")
     with pytest.raises(ValueError, match="stage = 'approach'"):
         carry_on(frames[-1], SMALL.changed(E=80.0))
@@ -235,7 +235,7 @@ def test_a_run_is_carried_on_in_shear_only_and_not_beyond_its_end():
         carry_on(frames[-1], SMALL.changed(u_x_max=1.0))
 
 
-def test_a_frame_determines_how_a_run_goes_on_from_it():
+def test_a_continued_run_is_determined_by_its_last_frame():
     """Nothing but the frame is needed, and it stays as it is: the run can go on from it again."""
     frame, changed = pickle.loads(pickle.dumps(until(SMALL, 6)[-1])), SMALL.changed(E=90.0)
     first, second = (rest_of(changed, carry_on(frame, changed)) for _ in range(2))
@@ -260,7 +260,7 @@ def pulled(frame):
     return -frame.T[0].sum() * SMALL.spacing, frame.T[1].sum() * SMALL.spacing
 
 
-def test_a_path_that_is_carried_on_is_the_one_made_step_by_step(stiffened):
+def test_a_continued_path_equals_the_path_made_step_by_step(stiffened):
     scene, changed, count, frames = stiffened
     own = list(islice(load_path(scene), count))
     own += rest_of(changed, carry_on(own[-1], changed))
@@ -269,13 +269,13 @@ def test_a_path_that_is_carried_on_is_the_one_made_step_by_step(stiffened):
         list(carried_path([(SMALL.changed(u_x_max=0.4), 999), (SMALL.changed(u_x_max=0.4, E=80.0), None)]))
 
 
-def test_every_frame_knows_its_scene_and_says_the_force_of_its_tractions(stiffened):
+def test_every_frame_has_its_scene_and_the_force_of_its_tractions(stiffened):
     scene, changed, count, frames = stiffened
     assert [f.scene for f in frames] == [scene] * count + [changed] * (len(frames) - count)
     assert [(f.F, f.L) for f in frames] == [pytest.approx(pulled(f), rel=1e-9, abs=1e-12) for f in frames]
 
 
-def test_the_summary_of_a_run_carried_on_says_with_what_its_forces_count(stiffened):
+def test_summary_of_a_continued_run_names_the_modulus_of_its_forces(stiffened):
     scene, changed, count, frames = stiffened
     known = summarize(changed, frames)
     assert known["converged"]
@@ -292,7 +292,7 @@ def test_the_summary_of_a_run_carried_on_says_with_what_its_forces_count(stiffen
     assert not cut["converged"] and not {"E_s", "changes"} & summarize(scene, frames[:count]).keys()
 
 
-def test_files_hold_what_changes_along_the_run_beside_its_curves(stiffened, tmp_path):
+def test_files_hold_parameters_that_change_along_the_run(stiffened, tmp_path):
     scene, _, _, frames = stiffened
     write_csv(tmp_path / "csv", frames)
     write_npz(tmp_path / "npz", scene, frames)
@@ -306,7 +306,7 @@ def test_files_hold_what_changes_along_the_run_beside_its_curves(stiffened, tmp_
         assert data["F_bar"] * data["E"] * scene.width == pytest.approx(after, rel=1e-9, abs=1e-12)
 
 
-def test_the_work_of_the_top_goes_on_in_the_same_unit(stiffened):
+def test_work_of_the_top_is_continuous_across_a_change_of_stiffness(stiffened):
     changed, frames = stiffened[1], stiffened[3]
     F, U = np.array([(pulled(f)[0], f.U_x) for f in frames]).T
     expected = 0.5 * ((F[1:] + F[:-1]) * np.diff(U)).sum()

@@ -101,7 +101,7 @@ def first_rest(load, u, A=A):
 
 
 @pytest.mark.parametrize("du", [0.05, 0.3, 1.0])
-def test_the_overdamped_tomlinson_model_slips_at_its_fold_to_the_next_rest(du):
+def test_overdamped_tomlinson_model_slips_at_its_fold_to_the_next_equilibrium(du):
     u, fold = tomlinson_fold()
     toy = lattice((A, 0.0), period=PERIOD)
     slips = slips_of(followed(QuasiStatic(toy, inf, A * Q), toy.at_rest(0.0, 0.0), np.arange(du, 10.0, du)))
@@ -148,7 +148,7 @@ def test_inertia_carries_as_far_as_an_integrated_equation_of_motion(damping, A):
     assert slip.after.v[0] == pytest.approx(end, abs=1e-7)
 
 
-def test_a_damping_beyond_all_bounds_is_infinite_damping():
+def test_infinite_damping_is_the_limit_of_large_damping_in_the_motion():
     """At 1e3 over critical the well is that of the overdamped limit, which knows no velocity."""
     toy = lattice((3.0, 0.0), period=PERIOD)
     rests = []
@@ -232,7 +232,7 @@ def test_less_damping_lets_a_branch_flutter_earlier():
 
 
 @pytest.mark.parametrize("damping", [1.0, inf])
-def test_while_nothing_rests_the_load_goes_on_until_something_does(damping):
+def test_load_increases_until_an_equilibrium_exists(damping):
     """Between the two loads the only equilibrium flutters: the motion comes to rest beyond the second."""
     first, second = flutter_loads(damping)
     toy = spiral(**FLUTTER)
@@ -281,7 +281,7 @@ def test_a_node_on_its_spring_moves_as_the_linear_oscillator(damping, kind):
     assert off[1] < off[0] / 50.0
 
 
-def test_a_fast_mode_follows_and_leaves_a_slow_one_as_it_is_but_for_a_sixteenth_of_its_mass():
+def test_a_fast_mode_follows_quasistatically_and_hardly_changes_a_slow_one():
     """With a step beyond the fast mode's bound of stability. Where masses are needed, all modes get step^2 sigma/4."""
 
     class Two(Node):
@@ -325,7 +325,7 @@ def test_creep_decays_exponentially_and_in_proportion_to_stiffness():
     assert rates[0, 0] == pytest.approx(-200.0 * motion.step / (1.0 + sigma * motion.step), rel=2e-3)
 
 
-def test_creep_comes_to_rest_without_swinging_past():
+def test_creep_reaches_equilibrium_without_overshoot():
     """Overdamped: towards the next rest of a lattice, never back."""
     _, fold = tomlinson_fold(3.0)
     toy = lattice((3.0, 0.0), period=PERIOD)
@@ -392,7 +392,7 @@ def test_secant_pairs_kept_from_one_load_serve_at_the_next():
     assert v == pytest.approx(expected, abs=1e-10)
 
 
-def test_where_anderson_steps_do_not_suffice_those_with_an_inverse_do():
+def test_steps_with_an_inverse_converge_where_anderson_steps_do_not():
     """100 unlike eigenvalues: more than 20 secant pairs can tell apart in 60 steps."""
     problem = Linear(100)
     problem.M, problem.tolerance = np.diag(np.linspace(1.0, 1000.0, 100)), 1e-7
@@ -403,7 +403,7 @@ def test_where_anderson_steps_do_not_suffice_those_with_an_inverse_do():
     assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-6)
 
 
-def test_a_solution_that_does_not_exist_is_not_claimed():
+def test_no_solution_is_reported_where_none_exists():
     """R = s - 1 - v^2 has no root below s = 1."""
     toy = Toy(lambda v: v - 1.0 - v**2, lambda v: np.diag(1.0 - 2.0 * v))
     corrector = Corrector(toy)
@@ -411,7 +411,7 @@ def test_a_solution_that_does_not_exist_is_not_claimed():
     assert corrector.solve(np.array([0.3]), ACTIVE, 1.25, corrector.secants())
 
 
-def test_by_arc_length_the_load_is_solved_for_beyond_a_fold():
+def test_arc_length_steps_solve_for_the_load_beyond_a_fold():
     """On the unstable branch of the cubic, v = -0.3 belongs to the load v^3 - v."""
     toy = cubic()
     corrector, v = Corrector(toy), np.array([-0.35])
@@ -442,7 +442,7 @@ def exact_path(toy, loads, period, sweep=400):
 
 
 @pytest.mark.parametrize("waves", [((1.0, 0.0),), ((0.6, 0.0), (0.8, 0.4))])
-def test_known_states_moved_on_are_the_exact_ones(waves):
+def test_translated_known_states_are_exact(waves):
     """One well per period, and two wells of different depth: two slips per period, at two folds."""
     toy = lattice(*waves, period=PERIOD)
     loads = np.arange(1, 301) * 0.05
@@ -460,7 +460,7 @@ def test_known_states_moved_on_are_the_exact_ones(waves):
     assert all(slip.located for slip in slips_of(done))
 
 
-def test_repeated_states_cost_an_evaluation_each():
+def test_repeated_states_cost_one_evaluation_each():
     toy = lattice((0.6, 0.0), (0.8, 0.4), period=PERIOD)
     stepper, state, spent = (
         Replay(QuasiStatic(toy, inf, 4.0), PERIOD),
@@ -476,7 +476,7 @@ def test_repeated_states_cost_an_evaluation_each():
     assert len(spent) > 300 and np.median(spent) == 1
 
 
-def test_a_lattice_that_does_not_repeat_itself_is_not_replayed_wrongly():
+def test_states_of_an_aperiodic_lattice_are_not_replayed():
     """Amplitudes that grow by 2 % a period: every state is verified, so that none is merely moved on."""
 
     def T(u):
@@ -496,7 +496,7 @@ def test_a_lattice_that_does_not_repeat_itself_is_not_replayed_wrongly():
     assert loads == pytest.approx(exact, abs=1e-8)
 
 
-def test_replay_leaves_the_trace_of_a_state_behind_as_it_is():
+def test_replay_does_not_change_the_trace_of_an_earlier_state():
     """Going on twice from the same state gives the same twice."""
     toy = lattice((1.0, 0.0), period=PERIOD)
     stepper, state = Replay(QuasiStatic(toy, inf, 4.0), PERIOD), toy.at_rest(0.0, 0.0)
@@ -510,7 +510,7 @@ def test_replay_leaves_the_trace_of_a_state_behind_as_it_is():
 # Failure
 
 
-def test_a_motion_that_never_rests_is_told():
+def test_a_motion_without_an_equilibrium_raises_an_error():
     """A force that turns and grows without bound: no rest anywhere."""
     turned = np.array([[1.5, -3.0], [3.0, 1.5]])
     toy = Toy(lambda u: turned @ u, lambda u: turned, size=2)
@@ -519,7 +519,7 @@ def test_a_motion_that_never_rests_is_told():
         QuasiStatic(toy, 1.0, 3.0).increment(state, 0.6)
 
 
-def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
+def test_an_unstable_start_leaves_its_saddle_along_the_unstable_mode():
     """The cubic at s = 0, v = 0: an equilibrium, and none of the motion's rests."""
     toy = cubic()
     state = toy.at_rest(0.0, 0.0)._replace(unsure=True)
@@ -528,7 +528,7 @@ def test_an_unsure_start_on_a_saddle_is_left_along_its_mode():
     assert abs(0.05 + done.state.v[0] - done.state.v[0] ** 3) < 1e-11
 
 
-def test_a_state_close_to_the_end_of_a_branch_gives_way_to_it():
+def test_a_state_close_to_the_end_of_a_branch_is_replaced_by_that_end():
     """FINDINGS S4: two states at one load have no interpolation between them."""
     states = [Passed(load, np.array([load**2]), ACTIVE) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
     branch = TracedBranch((states[0],))
@@ -598,7 +598,7 @@ def test_a_fold_is_left_unchanged_by_the_search():
     assert np.array_equal(guess.v, before[0]) and np.array_equal(guess.phi, before[1])
 
 
-def test_dense_solves_step_in_where_iterations_do_not_converge():
+def test_dense_solves_replace_iterations_that_do_not_converge():
     toy = spiral()
     v = np.array([1.0, 0.3])
     solves = Solves(toy.linearised(v, np.ones(1, bool)), accuracy=1e-12, most=1)

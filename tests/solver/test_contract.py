@@ -75,7 +75,7 @@ def members(protocol):
     return [name for name in {**protocol.__annotations__, **vars(protocol)} if not name.startswith("_")]
 
 
-def test_every_member_is_offered(problem):
+def test_every_problem_has_all_members_of_the_protocol(problem):
     v, active = state(problem)
     few = {"noise"} if problem.linearised(v, active).size <= OPTIONS.most else set()
     for part, protocol in (
@@ -146,7 +146,7 @@ def test_a_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
         )  # single precision, times its condition
 
 
-def test_the_motion_starts_where_the_state_is(problem):
+def test_motion_starts_at_the_given_state(problem):
     v, active = state(problem)
     motion = problem.motion()
     y = motion.start(v, active, S)
@@ -154,7 +154,7 @@ def test_the_motion_starts_where_the_state_is(problem):
     assert motion.unknowns(y)[u] == pytest.approx(v[u], abs=1e-12)
 
 
-def test_the_motion_rests_where_the_residual_vanishes(problem):
+def test_motion_ends_where_the_residual_vanishes(problem):
     """The force less that of the layer vanishes on a surface in equilibrium; to first order it is that of `product`."""
     v, active = state(problem)
     here, motion = problem.linearised(v, active), problem.motion()
@@ -174,7 +174,7 @@ def test_the_motion_rests_where_the_residual_vanishes(problem):
     assert change.reshape(-1) == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
-def test_a_force_is_answered_by_the_disturbance_that_bears_it(problem):
+def test_response_to_a_force_solves_the_tangent(problem):
     v, active = state(problem)
     here = problem.linearised(v, active)
     matrix = np.array([here.tangent(e) for e in np.eye(problem.size)]).T
@@ -188,7 +188,7 @@ def test_a_force_is_answered_by_the_disturbance_that_bears_it(problem):
 
 
 @pytest.mark.parametrize("name", ["patch", "one node for all", "held load", "held load, one node for all"])
-def test_more_unknowns_hold_the_same_state(name):
+def test_an_enlarged_problem_holds_the_same_state(name):
     problem = PROBLEMS[name]()
     v, active = state(problem)
     wide = problem.wider()
@@ -199,7 +199,7 @@ def test_more_unknowns_hold_the_same_state(name):
 
 
 @pytest.mark.parametrize("name", ["patch", "all nodes", "one node for all", "held load", "lattice"])
-def test_a_state_moved_on_by_a_period_is_one(name):
+def test_a_state_translated_by_a_period_is_an_equilibrium(name):
     problem = PROBLEMS[name]()
     period = problem.period if name == "lattice" else problem.contact.scene.spacing
     v, active = state(problem)
@@ -261,7 +261,7 @@ def cubic():
     return toy
 
 
-def test_every_member_of_a_stepper_is_offered(stepper_of):
+def test_every_stepper_has_all_members_of_the_protocol(stepper_of):
     stepper = stepper_of(cubic(), 2.0)
     assert [name for name in members(Stepper) if not hasattr(stepper, name)] == []
 
@@ -288,7 +288,7 @@ def test_a_jump_is_a_slip_between_the_loads_of_its_increment(stepper_of):
     assert done.state.load == BEYOND and done.state.v == pytest.approx(toy.at_rest(BEYOND, 1.2).v, abs=1e-8)
 
 
-def test_an_increment_can_be_made_again_from_the_same_state(stepper_of):
+def test_an_increment_can_be_repeated_from_the_same_state(stepper_of):
     """Secant pairs that a first attempt leaves change where within the tolerance the second ends."""
     toy = lattice()
     stepper = stepper_of(toy, CLOSED)

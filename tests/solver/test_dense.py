@@ -17,7 +17,7 @@ SCENES = {
 
 @pytest.mark.parametrize("held", [False, True])
 @pytest.mark.parametrize("name", SCENES)
-def test_the_inverse_of_a_tangent_undoes_it(name, held):
+def test_dense_inverse_times_tangent_is_the_identity(name, held):
     """To single precision times what a soft layer loses; off-registry contact, so that all four tangents count."""
     scene, rng = SCENES[name], np.random.default_rng(1)
     problem = Equilibrium(Contact(scene, 10, 108), sideways(1.0, -scene.delta))

@@ -75,7 +75,7 @@ def test_dissipation_per_slip_is_the_area_of_the_sawtooth():
 
 
 @pytest.mark.parametrize("values", [{}, {"delta_bar": 0.2}, {"hold": "load", "delta_bar": 0.2}])
-def test_over_a_period_of_sliding_the_top_pays_for_what_slips_release(values):
+def test_work_of_the_top_over_a_sliding_period_equals_the_energy_released_in_slips(values):
     """The layer's energy repeats, so that W = R - S; and W is the area under the sawtooth of F."""
     scene, frames, first = periods(PUNCH.changed(u_x_max=14.0, **values), 25)
     assert sum(len(f.slips) for f in frames[first + 1 :]) == 2
@@ -143,7 +143,7 @@ def dissipated(scene):
         (PUNCH.changed(u_x_max=14.0, delta_bar=0.2), 0.0, 0.1),
     ],
 )
-def test_what_friction_takes_is_what_the_top_pays_but_for_the_law_s_own_work(scene, least, most):
+def test_dissipation_differs_from_the_work_of_the_top_only_by_the_work_of_the_law(scene, least, most):
     """NP1 has no energy, so that its tractions may do work along the closed path branch, slip, some sites on."""
     fine = scene.changed(du_x=scene.spacing / 50 / scene.delta_t)
     frames = [f for f in load_path(fine) if f.stage == "shear"]
@@ -154,7 +154,7 @@ def test_what_friction_takes_is_what_the_top_pays_but_for_the_law_s_own_work(sce
     assert least < dissipated(scene) / paid - 1.0 < most
 
 
-def test_a_jump_to_the_held_load_is_released_and_no_work_of_the_interface():
+def test_energy_of_a_jump_to_the_held_load_counts_as_released():
     """A saddle under the held load: the surfaces jump into contact at U_x = 0, and energy is lost there."""
     scene = Scene(hold="load", delta_bar=-0.5, u_x_max=1.0, nodes=512, width=1250.0, radius=5.0)
     frames = list(load_path(scene))
@@ -168,7 +168,7 @@ def test_a_jump_to_the_held_load_is_released_and_no_work_of_the_interface():
 
 
 @pytest.mark.parametrize("values", [{}, {"hold": "load", "delta_bar": 0.2}])
-def test_over_a_friction_loop_the_two_accounts_agree(values):
+def test_two_energy_balances_agree_over_a_friction_loop(values):
     """The state repeats, so the layer stores nothing: what the top does is what slips release and springs give back."""
     scene = PUNCH.changed(path="loop", u_x_max=8.0, du_x=0.2, **values)
     frames = list(load_path(scene))
@@ -182,7 +182,7 @@ def test_over_a_friction_loop_the_two_accounts_agree(values):
     assert abs(stored) < 1e-6 * top and top == pytest.approx(released - surface, rel=1e-6)
 
 
-def test_what_is_not_a_slip_obeys_the_balance_to_the_residual():
+def test_energy_is_conserved_between_slips_up_to_the_residual():
     """W = E - S without slips: F and L, E and S are told by different sums, and agree as C is symmetric."""
     for values in ({}, {"hold": "load"}, {"path": "unload"}, {"path": "loop", "du_x": 0.7}):
         scene = PUNCH.changed(u_x_max=8.0, **values)
@@ -191,7 +191,7 @@ def test_what_is_not_a_slip_obeys_the_balance_to_the_residual():
 
 
 @pytest.mark.slow
-def test_sliding_without_slips_costs_nothing():
+def test_smooth_sliding_dissipates_nothing():
     """Flat on flat below Prandtl-Tomlinson's boundary: the force returns to zero, and so does the work, each period."""
     scene = FLAT.changed(phi_ratio=0.001, path="loop", u_x_max=10.0, du_x=FLAT.spacing / 50)
     frames = list(load_path(scene))
@@ -212,7 +212,7 @@ def test_elastic_energy_of_the_flat_is_that_of_a_sheared_block():
     assert layer_energy(FLAT, frame) == pytest.approx(0.5 * F * (frame.U_x - frame.u[0, 0]), rel=1e-9)
 
 
-def test_work_does_not_mind_a_patch_that_grows():
+def test_work_is_unaffected_by_a_growing_patch():
     scene = Scene(E=10.0, u_x_max=0.0, du_z=0.5)
     frames = list(load_path(scene))
     assert len({f.u.shape for f in frames}) > 1
@@ -221,7 +221,7 @@ def test_work_does_not_mind_a_patch_that_grows():
 
 
 @pytest.mark.parametrize("delta_bar", [-0.5, -0.4])
-def test_in_a_jump_where_a_held_load_takes_over_the_dead_weight_does_work(delta_bar):
+def test_dead_weight_does_work_in_the_jump_to_a_held_load(delta_bar):
     """The dead weight does work over the whole jump of delta, which no trapezoid of U_x shows."""
     scene = Scene(hold="load", delta_bar=delta_bar, u_x_max=0.5)
     frames = list(load_path(scene))

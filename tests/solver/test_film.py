@@ -36,7 +36,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("scene", "stage"), CASES)
-def test_it_leads_from_the_end_of_the_branch_to_the_rest_that_the_frame_shows(scene, stage):
+def test_film_of_a_slip_leads_from_the_branch_end_to_the_frame(scene, stage):
     before, frame, load = next(slips_of(scene, stage))
     film, end = through(scene, shown(before), stage, load)
     event = frame.slips[0]
@@ -51,7 +51,7 @@ def test_it_leads_from_the_end_of_the_branch_to_the_rest_that_the_frame_shows(sc
     assert np.ptp(top, axis=0) == pytest.approx(0.0, abs=1e-9)  # the top stands still, or carries its weight
 
 
-def test_its_states_are_spaced_evenly_in_the_way_of_the_node_that_moves_most():
+def test_film_states_are_evenly_spaced_in_the_path_of_the_fastest_node():
     scene = Scene(u_x_max=14.0)
     before, _, load = next(slips_of(scene, "shear"))
     film, _ = through(scene, before, "shear", load, most=30)
@@ -60,7 +60,7 @@ def test_its_states_are_spaced_evenly_in_the_way_of_the_node_that_moves_most():
     assert 20 < len(film) <= 30 and steps.sum() > scene.spacing and steps.max() < 3.0 * np.median(steps)
 
 
-def test_where_nothing_slips_there_is_no_motion():
+def test_a_frame_without_a_slip_has_no_film():
     frames = [frame for frame in load_path(Scene(u_x_max=3.0)) if frame.stage == "shear"]
     film, end = through(Scene(), frames[9], "shear", frames[10].U_x)
     assert film == [] and end.F_bar == pytest.approx(frames[10].F_bar, rel=1e-6)

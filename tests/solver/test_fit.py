@@ -37,13 +37,13 @@ def test_slips_and_noise_of_a_curve_are_recognised(skeleton):
     assert data.noise["F_bar"] == pytest.approx(NOISE * np.abs(skeleton.curve(data.U_x)[0]).max(), rel=0.2)
 
 
-def test_slips_are_not_taken_for_noise():
+def test_slips_are_not_mistaken_for_noise():
     """A sawtooth that slips at each tenth point; the error of 4,000 differences is some 2 %."""
     noise = np.random.default_rng(2).normal(size=4000)
     assert noise_of(100.0 * (np.arange(4000) % 10) / 10.0 + noise) == pytest.approx(1.0, rel=0.06)
 
 
-def test_a_wave_is_not_taken_for_noise():
+def test_a_smooth_wave_is_not_mistaken_for_noise():
     """As smooth sliding makes it, 24 points a period and an amplitude 100 times the noise."""
     noise = np.random.default_rng(2).normal(size=4000)
     assert noise_of(100.0 * np.sin(2.0 * np.pi * np.arange(4000) / 24.0) + noise) == pytest.approx(1.0, rel=0.15)
@@ -105,7 +105,7 @@ def test_predicted_slips_that_the_data_do_not_show_raise_a_warning():
     assert any(sentence.startswith("0 of 6 predicted slips") for sentence in result.warnings)
 
 
-def test_a_fit_goes_on_from_an_exact_run_where_slips_skip_other_sites():
+def test_a_fit_restarts_from_an_exact_run_where_slips_skip_sites():
     """The truth slips by two sites and the start by one, which continued runs keep; noise-free, so to 0.1 %."""
     truth = SMALL.changed(E=11.33, delta_bar=0.025, phi_ratio=1.6, u_x_max=30.0, damping=0.5, du_x=0.1, du_z=0.1)
     start = truth.changed(E=0.7 * truth.E)
@@ -131,12 +131,12 @@ def test_a_constant_force_is_rejected():
         Measurement.of(U_x, {"F_bar": 0.0 * U_x})
 
 
-def test_a_fit_without_time_says_so(skeleton):
+def test_a_fit_that_runs_out_of_time_reports_it(skeleton):
     with pytest.raises(NotConverged, match="within 0 s"):
         fit(SMALL, measured(skeleton), ("E",), FitOptions(limit=0.0))
 
 
-def test_parameters_that_act_alike_raise_a_warning(skeleton):
+def test_indistinguishable_parameters_raise_a_warning(skeleton):
     """F over E depends on phi_n/E only, so the data determine their ratio only."""
     result = fit(SMALL.changed(E=31.0), measured(skeleton), ("phi_n", "E", "scale_F"))
     assert any("phi_n" in sentence or "E" in sentence for sentence in result.warnings)

@@ -82,7 +82,7 @@ def test_stiffer_layer_drops_more_force_at_a_slip():
 @pytest.mark.parametrize(
     "values", [{"height": 0.016, "nodes": 1000, "du_x": 0.5}, {"u_x_max": 400.0, "du_x": 1.0}], ids=["thin", "far"]
 )
-def test_pressed_contact_comes_to_the_end_of_its_run(values):
+def test_a_pressed_flat_completes_its_run(values):
     """Also at loads so large that the finest step of the load is below their round-off."""
     scene = Scene(surface="flat", delta_bar=0.5, **values)
     frames = list(load_path(scene))
@@ -111,7 +111,7 @@ def test_waves_that_need_all_nodes_are_the_located_end_of_a_branch(values, du_z)
     assert first.load == pytest.approx(C_zz * traction(scene, 0.0, gap)[1] - gap, abs=1e-6)
 
 
-def test_an_increment_that_needs_all_nodes_is_made_again_with_all_of_them():
+def test_an_increment_that_needs_all_nodes_is_repeated_with_all_nodes():
     """From the same state, so that its slips and their landings have the unknowns of the state that it reaches."""
     scene = Scene(surface="flat", u_x_max=0.0, nodes=128, width=312.5, E=5.0, nu=0.49, phi_ratio=0.0)
     step = load_steps_of(scene)[0]

@@ -44,13 +44,13 @@ def test_flutter_does_not_depend_on_where_a_patch_begins():
     assert found[0] == pytest.approx(found[1], rel=1e-12) and found[0] > 0.0
 
 
-def test_the_safe_damping_of_a_run_is_that_of_its_frames_though_few_are_asked():
+def test_safe_damping_of_a_run_equals_that_of_all_its_frames():
     frames = list(load_path(Scene()))
     everywhere = max(frame.safe_damping for frame in frames)
     assert largest_safe_damping(frames) == pytest.approx(everywhere, abs=0.05)
     assert everywhere == pytest.approx(0.55, abs=0.01)  # measured at commit bca590a
 
 
-def test_a_flat_whose_nodes_are_all_alike_hides_no_wave():
+def test_a_uniform_flat_does_not_hide_unstable_waves():
     frame = [*load_path(Scene(surface="flat", u_x_max=1.0, nodes=64, width=156.25))][-1]
     assert safe_damping(frame.scene, frame.u, np.ones(64, bool)) == 0.0

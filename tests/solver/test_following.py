@@ -90,7 +90,7 @@ def check(skeleton, scene):
     assert [event.load for event in skeleton.slips] == pytest.approx(slips(run), abs=1e-4)
 
 
-def test_a_skeleton_is_got_from_a_run_with_a_small_part_of_its_evaluations(run, skeleton):
+def test_a_skeleton_costs_a_small_part_of_the_evaluations_of_its_run(run, skeleton):
     assert 0 < skeleton.evaluations < 0.1 * sum(frame.evaluations for frame in run)
     assert skeleton.residual <= TOLERANCE
     check(skeleton, SMALL)
@@ -105,7 +105,7 @@ def test_a_skeleton_is_got_from_a_run_with_a_small_part_of_its_evaluations(run, 
 
 
 @pytest.mark.parametrize("name", MOVES)
-def test_a_followed_run_is_the_exact_one(skeleton, name):
+def test_a_followed_run_equals_the_exact_run(skeleton, name):
     scene = SMALL.changed(**{name: MOVES[name]})
     check(follow(skeleton, scene), scene)
 
@@ -122,7 +122,7 @@ def test_following_takes_a_small_part_of_the_evaluations_of_the_run(run, skeleto
     assert 0 < followed.evaluations < 0.15 * sum(frame.evaluations for frame in run)
 
 
-def test_many_moves_end_where_one_does(skeleton):
+def test_many_small_moves_end_where_one_large_move_does(skeleton):
     for delta_bar in (0.12, 0.14, 0.16, 0.18):
         skeleton = follow(skeleton, SMALL.changed(delta_bar=delta_bar))
     check(skeleton, SMALL.changed(delta_bar=0.18))
@@ -140,7 +140,7 @@ def test_a_slip_beyond_the_end_of_the_run_is_not_reported(skeleton):
     assert not followed.slips and followed.branches[-1].end > 5.0
 
 
-def test_what_follows_is_moved_on_by_whole_sites(skeleton):
+def test_later_slips_are_translated_by_whole_sites(skeleton):
     U_x = np.linspace(skeleton.branches[-1].end - skeleton.period, skeleton.branches[-1].end, 7)[1:-1]
     assert skeleton.period == pytest.approx(skeleton.sites * SMALL.spacing)
     before, after = skeleton.frames(U_x), skeleton.frames(U_x + 3 * skeleton.period)
@@ -176,7 +176,7 @@ def test_a_skeleton_is_small_and_picklable(skeleton):
     check(follow(other, scene), scene)
 
 
-def test_left_of_the_jump_in_there_is_no_contact_though_the_followed_state_would_adhere(jumping):
+def test_no_contact_is_predicted_before_the_jump_into_contact(jumping):
     edge = jumping.jumps_in
     assert edge < WIDE.delta_bar
     scene = WIDE.changed(delta_bar=edge - 0.02)
@@ -234,7 +234,7 @@ def test_another_regime_is_not_followed(skeleton):
         follow(skeleton, SMALL.changed(phi_ratio=0.01, E=700.0))
 
 
-def test_a_run_that_has_not_come_round_has_no_skeleton(run):
+def test_a_run_that_is_not_yet_periodic_has_no_skeleton(run):
     until = next(k for k, frame in enumerate(run) if frame.stage == "shear" and frame.slips)
     with pytest.raises(NotFollowed, match="repeats"):
         skeleton_from(SMALL, checkpoints(SMALL)[until - 1])
@@ -286,13 +286,13 @@ def test_a_load_that_takes_over_without_a_jump_is_not_followed_from_one_with_it(
         follow(tension[1], TENSION.changed(delta_bar=0.1))
 
 
-def test_jerky_smooth_sliding_has_states_enough():
+def test_uneven_smooth_sliding_has_enough_states():
     """FINDINGS X7: its curve was off by 61 %, as states stood a twelfth of a period apart."""
     scene = Scene(E=662.8, phi_ratio=0.0404, delta_bar=0.424, u_x_max=5.0)
     check(skeleton_of(scene), scene)
 
 
-def test_a_run_that_its_skeleton_does_not_describe_is_refused():
+def test_a_run_not_described_by_its_skeleton_is_rejected():
     """One state moved aside: those about it are solved for, and its forces are off."""
     checkpoint = checkpoints(SMALL)[-1]
     trace = checkpoint.state.trace
@@ -311,7 +311,7 @@ def test_frames_of_a_skeleton_carry_their_residuals(skeleton):
     assert np.isnan(skeleton.frames([5.03], residuals=False)[0].residual)
 
 
-def test_a_skeleton_is_shown_in_a_few_words_and_compared_by_identity(skeleton):
+def test_a_skeleton_has_a_short_repr_and_compares_by_identity(skeleton):
     assert len(repr(skeleton)) < 500
     assert skeleton == skeleton and skeleton != follow(skeleton, SMALL) and hash(skeleton)
 
@@ -349,7 +349,7 @@ def test_a_branch_of_prandtl_and_tomlinson_is_followed_to_its_fold():
     assert fold.bend == pytest.approx(exact.fold.bend, rel=0.05)  # of a state within `alike` of it
 
 
-def test_a_fold_that_vanishes_is_said_to():
+def test_a_vanishing_fold_is_reported():
     _, old = prandtl(0.5)
     toy = toys.lattice((0.3, 0.0))  # 2 pi A/period < 1: it slides smoothly
     with pytest.raises(NotFollowed, match="no longer a fold"):

@@ -54,7 +54,7 @@ def test_the_definition_of_contact_does_not_depend_on_the_tolerance(tolerance):
     assert contact_area(SCENE.changed(tolerance=tolerance), T) == contact_area(SCENE, T) > 0.0
 
 
-def test_two_patches_add_up():
+def test_areas_of_two_patches_add_up():
     tz = np.full(100, -1.0)
     tz[10:20] = tz[50:55] = 1.0
     area, found = of_contact(np.array([0 * tz, tz]))
@@ -74,7 +74,7 @@ def test_edges_of_every_patch_come_in_order():
 
 
 @pytest.mark.parametrize("shift", [0, 45, 52, 80, 88, 95])
-def test_a_contact_across_the_ends_of_the_cell_is_one_patch_and_its_edges_go_on(shift):
+def test_a_contact_across_the_cell_boundary_is_one_patch_with_continuous_edges(shift):
     """Moved around the cell, two patches stay two, as long, and as far apart; only their order starts elsewhere."""
     tz = np.full(100, -1.0)
     tz[10:20] = tz[25:30] = 1.0

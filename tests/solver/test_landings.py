@@ -43,7 +43,7 @@ def landings(scene, before, load, end):
 
 
 @pytest.mark.parametrize("values", [*({"surface": "rough", **own} for own in ROUGH), FLAT], ids=["one", "many", "flat"])
-def test_the_first_slip_of_rough_and_flat_surfaces_rests_where_gfmd_rests(values):
+def test_first_slip_of_rough_and_flat_surfaces_lands_where_gfmd_lands(values):
     """GFMD agrees with itself to 1e-3 of the force before the slip; landings a site apart differ by 5 to 42 % of it."""
     scene = Scene(**values, du_z=0.25)
     before, frame, event = first_slip(scene)

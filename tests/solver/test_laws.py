@@ -36,7 +36,7 @@ def test_quadratic_law_is_recovered_from_points_on_it():
     assert law.rise == pytest.approx(1.0, abs=0.01)  # read off between points, linearly
 
 
-def test_quadratic_law_tells_a_rate_that_rises():
+def test_quadratic_law_reports_a_rising_rate():
     """A = A_0 - c F^4: the rate in F^2 grows in proportion, 1.9 in the last tenth to 0.5 in the first half."""
     F = np.linspace(0.0, 1.0, 400)
     law = quadratic_law(F, 1.0 - 0.5 * F**4)
@@ -64,7 +64,7 @@ def test_quadratic_law_ends_where_contact_ends():
 
 
 @pytest.mark.parametrize(("F", "A"), [([0, 1, 2], [1, 1, 1]), ([0] * 9, [1] * 9), (range(9), [0] * 9)])
-def test_quadratic_law_of_too_little_is_refused(F, A):
+def test_quadratic_law_with_too_few_points_is_rejected(F, A):
     with pytest.raises(ValueError, match="points in contact"):
         quadratic_law(F, A)
 
@@ -229,7 +229,7 @@ def test_onset_under_a_held_load_in_tension_is_the_slip_after_the_jump_where_the
     assert onset(scene).U_s == summarize(scene, frames)["U_s"] > 0.0
 
 
-def test_onset_without_a_slip_says_so():
+def test_onset_without_a_slip_is_none():
     found = onset(SMALL.changed(phi_ratio=0.0, u_x_max=0.0))
     assert found.U_s is found.F_s is found.A_s is None
     assert found.U[-1] <= reach(SMALL.changed(phi_ratio=0.0)) < found.U[-1] + 0.5
@@ -243,7 +243,7 @@ def test_onset_of_a_layer_too_soft_for_a_longer_run_goes_as_far_as_its_scene():
     assert onset(scene).U[-1] <= 1.0
 
 
-def test_onset_is_small_enough_to_hand_between_processes():
+def test_onset_is_small_enough_to_send_between_processes():
     found = onset(SMALL)
     assert len(pickle.dumps(found)) < 10_000
     assert pickle.loads(pickle.dumps(found)).U.tolist() == found.U.tolist()

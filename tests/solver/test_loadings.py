@@ -31,7 +31,7 @@ PATHS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("values", PATHS)
-def test_every_leg_begins_where_the_one_before_ended(values):
+def test_every_leg_begins_where_the_previous_one_ended(values):
     scene = SMALL.changed(u_x_max=4.0, **values)
     frames = list(load_path(scene))
     names = list(dict.fromkeys(f.stage for f in frames))
@@ -72,7 +72,7 @@ def test_a_held_load_and_unloading_exclude_each_other():
 
 
 @pytest.mark.parametrize("name", ["path", "hold"])
-def test_an_unknown_word_is_refused_with_those_known(name):
+def test_an_unknown_word_is_rejected_with_the_known_ones(name):
     with pytest.raises(SceneError, match=f"{name} = 'up'; allowed".replace("; ", ": ")):
         Scene(**{name: "up"})
 
@@ -152,7 +152,7 @@ def test_hysteresis_where_jump_in_and_pull_off_differ(E):
 
 
 @pytest.mark.slow
-def test_a_punch_that_holds_is_retracted_until_it_is_free():
+def test_an_adhering_punch_is_retracted_until_it_detaches():
     """At E = 10 it still adheres where the approach began."""
     scene = Scene(path="unload", E=10.0, du_z=0.5, nodes=512, width=1250.0)
     frames = list(load_path(scene))
@@ -205,7 +205,7 @@ def test_the_load_is_held_in_every_frame(values):
 
 
 @pytest.mark.parametrize("values", [{}, {"delta_bar": 0.3, "phi_ratio": 0.3}])
-def test_stuck_at_held_load_is_stuck_at_the_indentation_that_followed(values):
+def test_sticking_at_a_held_load_equals_sticking_at_the_resulting_indentation(values):
     """One equilibrium, found twice: F, A, L equal those of a run at constant delta through the same (delta, U_x).
 
     A residual of 1e-9 nm, as contact magnifies it some hundred times towards the end of a branch; a window of 20
@@ -248,7 +248,7 @@ SADDLES = [
 
 
 @pytest.mark.parametrize("values", SADDLES, ids=["default", "punch", "flat"])
-def test_a_saddle_under_a_held_load_is_left_to_the_same_rest_with_and_without_shortcuts(values):
+def test_a_saddle_under_a_held_load_leads_to_the_same_equilibrium_with_and_without_shortcuts(values):
     """Round-off and shortcuts once decided which; the last two pulled off or not."""
     scene, ends = Scene(hold="load", **values), []
     for leave_out in (ALL, frozenset()):
@@ -261,7 +261,7 @@ def test_a_saddle_under_a_held_load_is_left_to_the_same_rest_with_and_without_sh
 
 @pytest.mark.slow
 @pytest.mark.parametrize("values", SADDLES[:2], ids=["default", "punch"])
-def test_frames_under_a_held_pull_rest_under_that_pull(values):
+def test_frames_under_a_held_tension_are_in_equilibrium_with_it(values):
     """Under a massless top: the uniform normal mode has no stiffness."""
     scene = Scene(hold="load", **{"nodes": 128, "width": 312.5, **values})
     for frame in stage(load_path(scene), "shear")[::4]:
@@ -296,7 +296,7 @@ def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["fast", "gfmd"])
-def test_under_too_large_a_pull_the_contact_comes_off_and_the_message_says_so(method):
+def test_too_large_a_tension_detaches_the_contact_and_is_reported(method):
     scene = SMALL.changed(hold="load", delta_bar=-0.1)
     frames = []
     with pytest.raises(NotConverged) as caught:

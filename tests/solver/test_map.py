@@ -41,7 +41,7 @@ def explored_grid(grid):
 
 
 @pytest.mark.parametrize("counts", [(2, 2), (41, 31), (7, 2), (33, 64), (5, 400)])
-def test_every_point_is_asked_for_once_and_lies_between_known_ones(counts):
+def test_every_map_point_is_requested_once_and_lies_between_known_ones(counts):
     grid, known = Map(SMALL, replace(PRESS, count=counts[0]), replace(RATIO, count=counts[1])), {}
     for level in range(grid.levels):
         asked_now = {}
@@ -59,7 +59,7 @@ def test_every_point_is_asked_for_once_and_lies_between_known_ones(counts):
     assert len(known) == grid.size == counts[0] * counts[1]
 
 
-def test_a_map_is_what_exact_runs_tell(grid, explored_grid):
+def test_a_map_agrees_with_exact_runs(grid, explored_grid):
     assert sum(point.followed for point in explored_grid.values()) > 4
     for i, j in [(1, 1), (3, 3), (2, 1), (4, 3), (1, 4)]:
         point = explored_grid[i, j]
@@ -78,7 +78,7 @@ def test_a_map_is_what_exact_runs_tell(grid, explored_grid):
         assert point.reattached == pytest.approx(back / lost, abs=0.05)  # the frame after a slip is some way beyond it
 
 
-def test_the_table_of_a_map_has_its_points_where_they_are(grid, explored_grid):
+def test_table_of_a_map_holds_its_points_at_their_place(grid, explored_grid):
     U_s, codes = (grid.array(explored_grid.values(), of) for of in ("U_s", "regime"))
     assert U_s.shape == codes.shape == (grid.y.count, grid.x.count)
     for (i, j), point in explored_grid.items():
@@ -86,7 +86,7 @@ def test_the_table_of_a_map_has_its_points_where_they_are(grid, explored_grid):
     assert np.isnan(grid.array([], "F_s")).all() and (grid.array([], "regime") == -1).all()
 
 
-def test_a_point_survives_as_text_and_a_tile_as_bytes(grid, explored_grid):
+def test_map_points_survive_as_text_and_tiles_as_bytes(grid, explored_grid):
     for point in [*explored_grid.values(), Point(reason="too soft")]:
         assert Point.from_row({name: str(value) for name, value in point.as_row().items()}) == point
     coarse = {place: (explored_grid[place], None) for place in explored_grid if not (place[0] % 2 or place[1] % 2)}
@@ -95,7 +95,7 @@ def test_a_point_survives_as_text_and_a_tile_as_bytes(grid, explored_grid):
     assert (read, hash(read), read.known) == (tile, hash(tile), tile.known)
 
 
-def test_a_map_goes_on_from_points_alone(grid, explored_grid):
+def test_a_map_can_be_resumed_from_its_points(grid, explored_grid):
     there = {place: point for place, point in explored_grid.items() if place[0] != 3}
     found = explored(grid, there.values())
     assert found.keys() == explored_grid.keys() and all(found[place] == point for place, point in there.items())
@@ -118,7 +118,7 @@ def between(neighbours):
     return Tile(SMALL, *axes, ((1, 0),), ((0, 0), (2, 0)), tuple(neighbours))
 
 
-def test_a_point_among_its_like_is_followed(neighbours):
+def test_a_map_point_among_equal_neighbours_is_followed(neighbours):
     ((point, skeleton),) = points_of(between(neighbours))
     exact, _ = computed(SMALL.changed(delta_bar=0.12))
     assert point.followed and skeleton is not None and point.kind == exact.kind
@@ -126,20 +126,20 @@ def test_a_point_among_its_like_is_followed(neighbours):
 
 
 @pytest.mark.parametrize("changed", [{"sites": 2}, {"regime": "detaches"}, {"branches": 2}])
-def test_a_point_between_neighbours_of_two_kinds_is_run(neighbours, changed):
+def test_a_map_point_between_different_regimes_is_computed(neighbours, changed):
     first, (point, skeleton) = neighbours
     ((found, _),) = points_of(between([first, (replace(point, **changed), skeleton)]))
     assert not found.followed
 
 
 @pytest.mark.parametrize("ways", [1, 2])
-def test_a_point_far_from_its_neighbours_needs_two_ways_to_it(neighbours, ways):
+def test_a_distant_map_point_is_followed_along_two_ways(neighbours, ways):
     shifted = [(replace(p, U_s=p.U_s + 1.0), s if k < ways else None) for k, (p, s) in enumerate(neighbours)]
     ((found, _),) = points_of(between(shifted))
     assert found.followed == (ways == 2)
 
 
-def test_a_point_that_cannot_be_followed_is_run(neighbours, monkeypatch):
+def test_a_map_point_that_cannot_be_followed_is_computed(neighbours, monkeypatch):
     def no(*_):
         raise NotFollowed("no")
 
@@ -173,7 +173,7 @@ def test_regimes_have_their_names():
         assert computed(SMALL.changed(**({"delta_bar": 0.1} | values)))[0].regime == name
 
 
-def test_a_contact_that_comes_off_under_a_held_load_detaches():
+def test_a_contact_lost_under_a_held_load_is_classified_as_detached():
     """No increment follows the last one, so that the numbers are of the last: within du_x, 0.1 nm, of the end."""
     scene = SMALL.changed(hold="load", delta_bar=-0.2)
     frames = []
@@ -186,7 +186,7 @@ def test_a_contact_that_comes_off_under_a_held_load_detaches():
 
 
 @pytest.mark.parametrize("values", [{}, {"E": 20.0, "phi_ratio": 1.5}, {"delta_bar": 0.4, "phi_ratio": 0.3}])
-def test_a_point_that_was_run_has_the_numbers_of_its_run(values):
+def test_a_computed_map_point_has_the_numbers_of_its_run(values):
     """To the last digit: nothing is interpolated where the run itself has located the slip."""
     scene = SMALL.changed(**({"delta_bar": 0.1} | values))
     point, _ = computed(scene)
@@ -201,7 +201,7 @@ def test_a_contact_that_shrinks_in_its_slip_reattaches_nothing():
     assert at_slip(start, before, after, event)["reattached"] == 0.0
 
 
-def test_a_point_that_cannot_be_says_why():
+def test_an_impossible_map_point_has_a_reason():
     axis = Axis("height", 1.0, 100.0, 2)
     ((point, _),) = points_of(Tile(SMALL.changed(E=0.05), axis, PRESS, ((1, 0),)))
     assert point.regime == "no result" and "tolerance" in point.reason
@@ -241,7 +241,7 @@ def test_pull_off_is_mapped_from_retractions():
      ("delta_bar=-1:1:5:log", "delta_bar"), ("E=10:20:1", "E"),
      ("E=a:b:c", "E=a:b:c"), ("E=10:20:5:lin", "E=10:20:5:lin")],
 )  # fmt: skip
-def test_an_axis_that_cannot_be_is_refused_by_name(text, named):
+def test_an_impossible_axis_is_rejected_by_name(text, named):
     with pytest.raises(SceneError, match=f"{named}.*allowed") as refused:
         Axis.of(text)
     assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
@@ -257,7 +257,7 @@ AXES = ["--x", "delta_bar=-0.9:-0.8:3", "--y", "phi_ratio=0.5:1.5:2:log", "--set
 
 
 @pytest.mark.slow
-def test_the_command_writes_rows_goes_on_from_them_and_writes_tables(tmp_path, capsys):
+def test_map_command_resumes_from_its_rows_and_writes_tables(tmp_path, capsys):
     file, table = tmp_path / "map.csv", tmp_path / "table.csv"
     assert main(["map", *AXES, "--csv", str(file)]) == 0
     rows = list(csv.DictReader(file.open()))
@@ -282,7 +282,7 @@ def test_bad_input_is_refused_in_a_line(arguments, tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") == 1 and not list(tmp_path.iterdir())
 
 
-def test_a_file_of_another_map_is_not_gone_on_from(tmp_path, capsys):
+def test_a_file_of_another_map_is_not_resumed(tmp_path, capsys):
     (tmp_path / "map.csv").write_text("a,b\n1,2\n")
     assert main(["map", *AXES, "--resume", "--csv", str(tmp_path / "map.csv")]) == 2
     assert "--resume" in capsys.readouterr().err

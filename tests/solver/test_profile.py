@@ -69,7 +69,7 @@ def test_a_file_in_micrometres_without_a_heading_is_refused_with_the_likely_reas
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_text_bytes_and_files_are_the_same_to_it(tmp_path, end):
+def test_profiles_from_text_bytes_and_files_are_equal(tmp_path, end):
     file = tmp_path / "p.csv"
     text = table(X, HILLS).replace("\n", end)
     file.write_bytes(b"\xef\xbb\xbf" + text.encode())
@@ -142,7 +142,7 @@ def test_thinning_out_does_not_turn_short_waves_into_long_ones():
     assert amplitude[2] == pytest.approx(1.0, abs=1e-6)
 
 
-def test_a_width_takes_the_middle_part():
+def test_a_width_selects_the_middle_of_a_profile():
     profile = read_profile(table(X, HILLS), width=320.0)
     assert profile.length == 320.0
     assert any("of 640 nm the 320 nm in the middle are used" in note for note in profile.notes)
@@ -292,7 +292,7 @@ def test_long_headings_are_read_in_linear_time(line):
         read_profile(line + "\n" + "1,2\n")
 
 
-def test_junk_never_raises_anything_else():
+def test_random_input_raises_profile_errors_only():
     random = np.random.default_rng(0)
     for count in random.integers(1, 120, 400):
         for junk in (

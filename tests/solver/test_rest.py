@@ -37,7 +37,7 @@ def judged(problem, damping):
 
 
 @pytest.mark.parametrize("damping", [0.5, 1.0, 3.0])
-def test_two_unknowns_flutter_where_they_should(damping):
+def test_a_system_of_two_unknowns_flutters_where_predicted(damping):
     onset = 2.0 * damping
     below, above = judged(Spinner(0.999 * onset), damping), judged(Spinner(1.001 * onset), damping)
     assert below.rests and not above.rests
@@ -110,7 +110,7 @@ def test_in_a_small_cell_waves_that_weak_damping_lets_grow_are_found():
 
 
 @pytest.mark.slow
-def test_a_frame_that_may_flutter_says_so_and_none_flutters_that_does_not():
+def test_frames_that_may_flutter_are_marked_and_others_do_not_flutter():
     """By dense spectra of the same states under other damping; cells of that size are not searched for waves."""
     flutters = 0
     scene = Scene(nodes=160, width=390.6, u_x_max=9.0, delta_bar=2.0, phi_ratio=0.1, du_x=0.3)
@@ -148,7 +148,7 @@ def test_waves_cannot_flutter_on_the_default():
         assert frame.safe_damping < 0.5 and not frame.may_flutter
 
 
-def test_a_look_goes_on_from_the_one_before_and_is_left_out_where_little_has_changed():
+def test_stability_searches_reuse_the_previous_one_and_are_skipped_after_small_changes():
     *_, (_, problem, state) = states(Scene(u_x_max=9.0), 10)
     judge = Judge(1.0)
     begun = problem.evaluations
@@ -162,7 +162,7 @@ def test_a_look_goes_on_from_the_one_before_and_is_left_out_where_little_has_cha
     assert problem.evaluations == before
 
 
-def test_a_flat_surface_is_judged_by_the_blocks_of_all_waves():
+def test_stability_of_a_flat_uses_the_blocks_of_all_waves():
     """With one node for all as with all of them; where a wave grows, one node does not suffice."""
     scene = Scene(surface="flat", u_x_max=6.0, nodes=64, width=156.25)
     for frame, problem, state in states(scene, 30):
@@ -176,7 +176,7 @@ def test_a_flat_surface_is_judged_by_the_blocks_of_all_waves():
             assert whole.growth > 1e-6
 
 
-def test_rates_of_the_quadratic():
+def test_growth_rates_solve_the_quadratic():
     assert rate(-1.0, 2.0) == pytest.approx(-1.0)
     assert rate(0.0, 2.0) == 0.0
     assert rate(3.0 + 1j, np.inf) == 3.0

@@ -79,7 +79,7 @@ def test_modules_import_only_from_their_line_of_the_docstring_and_above():
                 assert order[rest[0]] <= order[own], f"{path.relative_to(HERE)} imports {name}"
 
 
-def test_no_test_borrows_from_another():
+def test_no_test_imports_another():
     for path in Path(__file__).parents[1].rglob("*.py"):
         borrowed = [name for name in imported(path) if name.split(".")[0].startswith("test_")]
         assert not borrowed, f"{path.name}: {borrowed}"
@@ -143,7 +143,7 @@ def scripts():
     return found
 
 
-def test_no_script_leads_back_to_itself():
+def test_scripts_have_no_import_cycle():
     graph = scripts()
     assert len(graph) > 35 and all(path.is_file() for needed in graph.values() for path in needed)
     TopologicalSorter(graph).prepare()

@@ -79,7 +79,7 @@ def test_an_unknown_surface_is_refused():
         Scene(surface="bumpy")
 
 
-def test_text_becomes_a_scene():
+def test_a_scene_is_parsed_from_text():
     scene = scene_from_text({"surface": "flat", "nodes": "64", "width": "160", "delta_bar": "-1.5e-1"})
     assert scene == Scene(surface="flat", nodes=64, width=160.0, delta_bar=-0.15)
     assert isinstance(scene.nodes, int)
@@ -192,7 +192,7 @@ def test_profile_touches_at_the_middle_and_is_periodic(nodes):
     assert not Scene(surface="flat", nodes=nodes, width=160.0).profile.any()
 
 
-def test_a_refusal_survives_the_way_back_from_a_worker():
+def test_scene_errors_survive_pickling():
     with pytest.raises(SceneError) as refused:
         Scene(E=-1.0)
     again = pickle.loads(pickle.dumps(refused.value))

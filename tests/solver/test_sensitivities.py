@@ -90,13 +90,13 @@ def test_curves_move_at_fixed_load_as_runs_beside_do(skeleton):
         assert (errors * value)[:2].max() < 0.1
 
 
-def test_the_nodes_together_are_the_interface(skeleton):
+def test_node_sensitivities_sum_to_those_of_the_interface(skeleton):
     """All springs stronger by a per cent is phi_n larger by a per cent, as phi_t = phi_ratio phi_n goes with it."""
     slip = sensitivities(skeleton).slips[0]
     assert slip.nodes.sum(axis=1) == pytest.approx(slip.by["phi_n"] * SMALL.phi_n, rel=1e-6)
 
 
-def test_under_a_held_load_they_are_too():
+def test_node_sensitivities_sum_to_those_of_the_interface_under_a_held_load():
     slip = sensitivities(skeleton_of(KINDS["held load"])).slips[0]
     assert slip.nodes.sum(axis=1) == pytest.approx(slip.by["phi_n"] * SMALL.phi_n, rel=1e-6)
 
@@ -143,7 +143,7 @@ def test_smooth_sliding_has_curves_and_no_slips():
 
 
 @pytest.mark.parametrize(("phi_ratio", "low", "high"), [(1.0, 0.0, 0.005), (0.1, 0.1, 0.2)])
-def test_the_edges_of_a_contact_hold_it_where_it_peels_and_the_middle_too_where_it_does_not(phi_ratio, low, high):
+def test_edge_nodes_control_a_peeling_contact_and_all_nodes_another(phi_ratio, low, high):
     """By what part F_s changes with the strength of the middle half of the contact: what the tour says of `edges`."""
     scene = presets()["edges"].scene.changed(phi_ratio=phi_ratio)
     slip = sensitivities(skeleton_of(scene), ("phi_n",), branches=False).slips[0]

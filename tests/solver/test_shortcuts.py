@@ -19,7 +19,7 @@ def evaluations(frames):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES)
-def test_frames_are_the_same_with_and_without(rule):
+def test_frames_are_equal_with_and_without_shortcuts(rule):
     scene = SCENES[rule]
     spared, full = list(load_path(scene)), list(load_path(scene, leave_out=ALL - {rule}))
     assert len(spared) == len(full)
@@ -37,7 +37,7 @@ def test_frames_are_the_same_with_and_without(rule):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES)
-def test_the_account_counts_what_a_rule_applied_to(rule):
+def test_each_shortcut_counts_its_uses(rule):
     scene = SCENES[rule]
     frames = list(load_path(scene))
     counted = {
@@ -51,7 +51,7 @@ def test_the_account_counts_what_a_rule_applied_to(rule):
 
 
 @pytest.mark.slow
-def test_repeated_increments_cost_about_one_evaluation_and_say_so():
+def test_repeated_increments_cost_about_one_evaluation_and_are_marked():
     frames = [f for f in load_path(Scene()) if f.stage == "shear"]
     repeated = [f for f in frames if f.repeated]
     assert len(repeated) > 280

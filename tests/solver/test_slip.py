@@ -99,7 +99,7 @@ def against_gfmd(scene, fraction=0.5):
 @pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.2, 0.25, 0.28, 0.35, 0.6, 1.0, 4.0, inf])
-def test_a_slip_rests_where_the_paper_s_gfmd_rests(damping):
+def test_a_slip_lands_where_the_gfmd_of_the_paper_lands(damping):
     """Two sites on below a damping of 0.29, by inertia, and one above; u after it to what the tolerances leave."""
     ours, plain, off = against_gfmd(Scene(u_x_max=11.0, damping=damping))
     assert (ours, off < 1e-4) == (plain, True)
@@ -109,7 +109,7 @@ def test_a_slip_rests_where_the_paper_s_gfmd_rests(damping):
 @pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("values", CASES[1:])
-def test_other_slips_of_the_default_punch_rest_where_gfmd_rests(values):
+def test_other_slips_of_the_default_punch_land_where_gfmd_lands(values):
     ours, plain, off = against_gfmd(Scene(u_x_max=12.0, **values))
     assert ours == plain and off < 1e-4
 
@@ -173,7 +173,7 @@ def test_the_motion_starts_from_the_state_it_is_given():
 
 
 @pytest.mark.slow
-def test_a_soft_layer_at_high_friction_lets_go_as_many_nodes_as_gfmd():
+def test_a_soft_layer_at_high_friction_releases_as_many_nodes_as_gfmd():
     """30 or 29 of 1024, by GFMD with even steps of 1/8 and 1/16 of the largest stable one; at longer ones others.
 
     A node crosses the edge of the window on the way to the end, which is located with it.
@@ -211,7 +211,7 @@ def test_surfaces_jump_into_contact_on_approach(du_z):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("E", "least"), [(0.1, 40.0), (1.0, 0.03)])
-def test_a_soft_layer_drawn_in_rests_where_gfmd_rests(E, least):
+def test_a_soft_layer_after_its_jump_into_contact_lands_where_gfmd_lands(E, least):
     """At its first touch, ten delta_n away: shut at E = 0.1, hardly moved at E = 1."""
     scene = Scene(E=E, nodes=256, width=624.64)
     frame = next(load_path(scene))
@@ -329,7 +329,7 @@ def test_every_frame_is_stable_and_every_slip_located_where_modes_soften_fast(va
 
 
 @pytest.mark.parametrize("du_x", [0.05, 0.1, 0.2])
-def test_an_increment_that_ends_right_before_a_fold_stays_on_the_branch_that_rests(du_x):
+def test_an_increment_that_ends_just_before_a_fold_stays_on_the_stable_branch(du_x):
     """At du_x = 0.2 one ends at 4.8, the fold at 4.800467: Anderson steps led to the state past the fold."""
     found = events(
         Scene(nodes=128, width=312.32, E=176.0, delta_bar=0.08, phi_ratio=0.499, u_x_max=8.0, du_z=0.25, du_x=du_x)
@@ -338,7 +338,7 @@ def test_an_increment_that_ends_right_before_a_fold_stays_on_the_branch_that_res
     assert [e.load for e in found] == pytest.approx([2.360467, 4.800467, 7.240467], abs=2e-6)
 
 
-def test_a_motion_that_swings_at_one_step_for_ever_is_made_again_with_another():
+def test_a_motion_that_oscillates_forever_is_repeated_with_another_time_step():
     """From a branch that was lost, too: a plain GFMD rests there."""
     values = {"phi_n": 28.41, "phi_ratio": 0.2113, "E": 41.24, "nu": 0.35, "delta_n": 0.4753, "delta_t": 0.6181}
     values |= {"nodes": 200, "width": 228.7, "height": 6.797, "rms_slope": 0.01441, "cut_off": 0.06, "seed": 644}
@@ -348,7 +348,7 @@ def test_a_motion_that_swings_at_one_step_for_ever_is_made_again_with_another():
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_where_waves_drift_for_ever_that_is_said_soon_and_with_a_remedy_that_helps():
+def test_endlessly_drifting_waves_are_reported_soon_with_a_remedy():
     scene = Scene(surface="flat", delta_bar=-0.2, nu=0.499, E=17.5, nodes=256, width=625.0, u_x_max=0.2)
     with pytest.raises(NotConverged, match=r"does not come to rest.*larger E"):
         list(load_path(scene))

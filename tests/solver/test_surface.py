@@ -147,7 +147,7 @@ def test_means_over_a_spacing_are_those_of_the_lines_through_the_points(points):
     assert averaged(x, z, points) == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_profile_is_the_caller_s_own():
+def test_changing_a_returned_profile_leaves_the_scene_unchanged():
     ROUGH.profile[:] = 0.0
     assert ROUGH.profile.any()
 
@@ -286,7 +286,7 @@ def test_peel_asymmetry_counts_every_patch():
     assert told[1] == pytest.approx(told[0], abs=1e-6)
 
 
-def test_johnson_s_wave_runs_into_jkr_and_into_full_contact():
+def test_johnsons_wave_approaches_jkr_and_full_contact():
     """Small contacts are JKR cylinders of R = lambda^2/(4 pi^2 A); at alpha = 0.57 nothing holds the surfaces apart."""
     alpha = 1e-4
     # P' = p lambda/(pi E* w_a^2 R)^(1/3), here in p* and alpha: (16/alpha^4)^(1/3) p/p*; leading order in psi, 1e-3

@@ -184,7 +184,7 @@ def test_steps_of_the_reference_divide_those_compared_with_it():
 
 
 @pytest.mark.thorough
-def test_a_measurement_yields_progress_and_can_be_left(measured):
+def test_a_measurement_yields_progress_and_can_be_stopped(measured):
     done = [progress for progress, _ in measured]
     assert done[0] == 0.0 and done[-1] == pytest.approx(1.0)
     assert np.diff(done).min() > -1e-12  # sums of parts: round-off

@@ -29,7 +29,7 @@ def test_adhesive_contacts_agree_with_jkr_and_the_more_with_maugis_dugdale_the_l
     assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2]
 
 
-def test_maugis_dugdale_runs_into_jkr():
+def test_maugis_dugdale_approaches_jkr():
     assert pull_off_maugis(50.0) == pytest.approx(PULL_OFF_JKR, rel=1e-4)
     a, load = load_maugis(50.0, 1.0 + np.geomspace(1e-4, 1e-2, 50))
     # JKR's own load over half-width; lambda = 50 is 1% from infinite away from pull-off

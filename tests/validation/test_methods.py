@@ -52,7 +52,7 @@ def test_slices_give_the_frames_of_an_uninterrupted_run(method):
     assert [f.slip for f in whole] == [f.slip for f in sliced]
 
 
-def test_going_on_twice_from_a_checkpoint_gives_the_same_frames():
+def test_resuming_twice_from_a_checkpoint_gives_the_same_frames():
     checkpoint = None
     for _ in range(130):  # into the shear
         _, checkpoint = advance(SMALL, checkpoint, budget=0.0)
@@ -91,7 +91,7 @@ def test_every_frame_is_in_equilibrium_by_direct_sums(method, nodes):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
-def test_an_increment_out_of_time_says_where_and_the_run_goes_on_from_there_when_given_more(method):
+def test_an_increment_out_of_time_reports_where_and_can_be_resumed(method):
     scene = SMALL.changed(u_x_max=11.0 if method == "fast" else 1.0)
     whole = list(load_path(scene, method))
     half = len(whole) // 2
@@ -113,7 +113,7 @@ def test_an_increment_out_of_time_says_where_and_the_run_goes_on_from_there_when
 
 
 @pytest.mark.parametrize("index", [10, -10])  # one that is solved, and one that is repeated by lattice periods
-def test_an_increment_leaves_its_checkpoint_as_it_was_so_that_it_can_be_repeated(index):
+def test_an_increment_does_not_change_its_checkpoint(index):
     """Solves push secant pairs: those of the given checkpoint must not change, or the second run would differ."""
     checkpoint = [checkpoint for _, checkpoint in until(SMALL)][index]
     pairs = checkpoint.state.secants.copy()
@@ -131,7 +131,7 @@ def test_frames_carry_residual_evaluations_and_slip():
     assert summary["A_s"] < summary["A_0"]
 
 
-def test_pulling_the_other_way_is_not_a_scene():
+def test_a_negative_displacement_is_not_a_scene():
     with pytest.raises(SceneError, match="u_x_max"):
         Scene(u_x_max=-1.0)
 
@@ -232,7 +232,7 @@ ODD = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("values", ODD, ids=range(len(ODD)))
-def test_a_run_ends_with_frames_or_with_a_failure_that_says_what_to_do(values):
+def test_a_run_ends_with_frames_or_with_a_remedy(values):
     scene, checkpoint, frames = Scene(**values), None, []
     while checkpoint is None or not checkpoint.done:
         more, checkpoint = advance(scene, checkpoint)

@@ -54,7 +54,7 @@ def pressed():
     return with_damping(scene, 0.1), list(load_path(scene))[-1]
 
 
-def test_a_layer_left_alone_decays_at_half_its_friction():
+def test_a_free_layer_decays_at_half_its_damping():
     scene = Scene(nodes=64, width=156.25)
     far = frame_of(scene, 0.0, 100.0)
     far.T[:] = 0.0
@@ -63,7 +63,7 @@ def test_a_layer_left_alone_decays_at_half_its_friction():
     assert growth(scene, far, held=True) == pytest.approx(0.0, abs=1e-12)  # nothing holds the top
 
 
-def test_the_stiffness_undoes_the_compliance():
+def test_stiffness_is_the_inverse_of_compliance():
     scene = Scene(nodes=32, width=78.0, nu=0.3, height=0.4)
     T = np.random.default_rng(0).normal(size=(2, 32))
     k = stiffness(scene)
@@ -133,7 +133,7 @@ def test_an_attracted_flat_is_unstable_to_waves_alone():
     assert mu.real == pytest.approx(pull - k[1].min(), rel=0.1)  # but for the coupling to x
 
 
-def test_little_damping_lets_a_pressed_punch_flutter(pressed):
+def test_a_pressed_punch_flutters_at_little_damping(pressed):
     scene, frame = pressed
     fastest, mu = critical(scene, frame)
     assert fastest == pytest.approx(0.0132, abs=2e-4) and oscillates(mu)

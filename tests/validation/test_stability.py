@@ -41,7 +41,7 @@ def test_the_atlas_has_2000_scenes_and_is_the_same_each_time():
     assert all(len(values) >= 4 for values in AXES.values())
 
 
-def test_a_line_of_the_atlas_gives_its_scene_back():
+def test_a_line_of_the_atlas_reproduces_its_scene():
     from solver import scene_from_text
 
     for case in cases(quick=True):
@@ -92,7 +92,7 @@ def test_the_recheck_agrees_with_a_good_frame(frame):
     assert second.traction < 1e-13 and second.forces < 1e-13 and second.window == 0.0
 
 
-def test_the_recheck_notices_wrong_displacements_tractions_and_forces(frame):
+def test_recheck_detects_wrong_displacements_tractions_and_forces(frame):
     """A nudged node, a scaled traction, a wrong force, a node left out: each must show."""
     u = frame.u.copy()
     u[0, u.shape[1] // 2] += 1e-6
@@ -120,7 +120,7 @@ def test_a_saddle_is_unstable(frame):
     assert growth(scene, top) == pytest.approx(expected, rel=1e-6)
 
 
-def test_a_site_at_the_edge_of_the_window_may_be_in_or_out():
+def test_a_site_at_the_edge_of_the_window_passes_the_recheck():
     """At U_x = 15 a = 10 the next sites are just 5 delta_t away: exp(-25) of a spring, for either side or for none."""
     values = {"E": 541.8, "phi_ratio": 0.0, "delta_bar": -1.0, "nu": 0.4999, "height": 100.0, "radius": 0.1}
     grid = {"nodes": 8, "width": 80.0, "du_z": 1.0, "du_x": 1.0, "u_x_max": 20.0}
@@ -142,7 +142,7 @@ def assessed(monkeypatch, frames):
 
 
 @pytest.mark.slow
-def test_every_verdict_can_be_reached(monkeypatch, frame):
+def test_every_verdict_of_the_atlas_can_occur(monkeypatch, frame):
     u = frame.u.copy()
     u[1, 3] = np.nan
     shifted = replace(frame, u=frame.u + 1e-5)
@@ -158,7 +158,7 @@ def test_every_verdict_can_be_reached(monkeypatch, frame):
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_a_call_that_crashes_or_hangs_costs_its_process_only():
+def test_a_crashing_or_hanging_call_costs_only_its_process():
     items = ["a", "die", "raise", "b", "hang", "c"]
     found = dict(outcomes(peculiar, items, 2, limit=10.0))
     assert [found[k] for k in (0, 3, 5)] == ["a", "b", "c"]
