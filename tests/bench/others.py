@@ -1,6 +1,6 @@
 """Whether slips land where the paper's GFMD lands: 160 scenes unlike the default, against tests/shared/plain_gfmd.py.
 
-    python tests/bench/others.py [--cache FILE] [--json FILE] [--only-gfmd] [--kinds NAME ...] [--every N]
+    python tests/bench/others.py [--cache FILE] [--json FILE] [--only-gfmd] [--kinds NAME ...] [--every N] [--length NM]
 
 Rough, wavy, thick (h = 5 w), thin (0.3 w) and nearly incompressible layers, held loads (in tension, too), and other
 damping; indentation, friction and modulus from a low-discrepancy sequence in the slider box. Both methods make the same
@@ -231,9 +231,11 @@ def main():
     parser.add_argument("--only-gfmd", action="store_true")
     parser.add_argument("--kinds", metavar="NAME", nargs="+", choices=[*KINDS, *OPTIONAL], default=list(KINDS))
     parser.add_argument("--every", metavar="N", type=int, default=1, help="only every N-th scene")
+    parser.add_argument("--length", metavar="NM", type=float, default=COMMON["u_x_max"], help="of the path in shear")
     arguments = parser.parse_args()
     cache, rows = Cache(arguments.cache), []
     for kind, values in scenes(arguments.kinds)[:: arguments.every]:
+        values["u_x_max"] = min(values["u_x_max"], arguments.length)
         gfmd = json.loads(json.dumps(cache.get(values, by_gfmd)))
         if arguments.only_gfmd:
             continue
