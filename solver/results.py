@@ -20,12 +20,14 @@ from .isolated import Lost, outcomes
 from .run.frame import Frame, kind, slips_in
 from .run.load_steps import abscissa, load_steps_of, place
 from .run.loadpath import load_path
+from .run.summary import fields_of
 from .scene import PARAMETERS, Scene
 from .text import counted
 
 if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
     import holoviews as hv
     import pandas as pd
+    import xarray as xr
 
 SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
@@ -88,6 +90,15 @@ class Result:
     def save(self, file: str | PathLike) -> None:
         """Writes the plot as HTML, or as PNG (needs matplotlib). Raises ValueError for another suffix."""
         plots.save(file, self.plot)
+
+    def to_xarray(self) -> xr.Dataset:
+        """The curves over the increment, and the traction T_z (GPa) over increment and x (nm). Needs xarray."""
+        import xarray as xr
+
+        fields = fields_of(self.scene, self.frames)
+        x, T_z = fields["x"] - self.scene.width / 2, fields["T"][:, 1]
+        curves = {name.split(" (")[0]: ("increment", column.to_numpy()) for name, column in self.table.items()}
+        return xr.Dataset(curves | {"T_z": (("increment", "x"), T_z)}, coords={"x": x}, attrs=self.scene.differences())
 
     @property
     def _after(self) -> list[Frame]:

@@ -27,6 +27,14 @@ def test_the_table_holds_the_frames_in_nm_and_newton_per_metre(result):
         assert [row["F (N/m)"], row["L (N/m)"], row["A (nm)"]] == pytest.approx(bars, rel=1e-12)  # round-off
 
 
+def test_xarray_gets_the_curves_and_the_traction_over_position_with_the_parameters_that_differ(result):
+    data = result.to_xarray()
+    assert data["F"].values.tolist() == result.table["F (N/m)"].tolist()
+    assert data["T_z"].dims == ("increment", "x")
+    assert data["T_z"].values[-1] == pytest.approx(result.frames[-1].T[1], abs=0.0)  # copied
+    assert data.attrs == SMALL.differences()
+
+
 def test_slips_are_the_events_of_the_run(result):
     summary = summarize(SMALL, result.frames)
     assert len(result.slips) == len(summary["events"]) > 1
