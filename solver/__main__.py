@@ -20,7 +20,7 @@ class CompilingNotice(Listener):
     def on_start(self, event: Event) -> None:
         if not self.shown:
             self.shown = True
-            print("Compiling the kernels: later runs start at once", file=sys.stderr, flush=True)
+            print("Compiling, once per installation: later runs start at once", file=sys.stderr, flush=True)
 
     def on_end(self, event: Event) -> None:
         pass

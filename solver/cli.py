@@ -53,7 +53,7 @@ class Parser(argparse.ArgumentParser):
     """Raises InputError for bad arguments, in place of printing the usage."""
 
     def error(self, message: str) -> NoReturn:
-        raise InputError(f"{self.prog}: {message}")
+        raise InputError(f"{self.prog}: {message}; see {self.prog} --help")
 
 
 def main(
@@ -85,7 +85,8 @@ def main(
 
 def parser(program: str = "python -m solver", more: Sequence[Callable[[Any], None]] = ()) -> Parser:
     """The parser of all commands."""
-    parser = Parser(prog=program, description="Adhesive contacts under mixed-mode loading.")
+    text = "Computes adhesive contacts under mixed-mode loading. COMMAND --help shows its options."
+    parser = Parser(prog=program, description=text)
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for add in (*COMMANDS, *more):
@@ -116,12 +117,12 @@ def preset_table() -> str:
 
 def add_run(commands: Any) -> None:
     """Adds `run` to the subcommands."""
-    text = "Computes one experiment along its path and prints a summary."
+    text = "Computes one experiment: the approach, then the shear or another path. Prints the first slip."
     parser = add_command(commands, "run", run, "compute one experiment", text)
-    parser.add_argument("--method", choices=METHODS, default="fast", help="default: fast; gfmd is the reference")
-    add_file(parser, "csv", "the curves, a row per increment after the approach")
+    parser.add_argument("--method", choices=METHODS, default="fast", help="default fast; gfmd is the slower reference")
+    add_file(parser, "csv", "the curves: a row per increment after the approach")
     add_file(parser, "npz", "the curves and the fields of these increments")
-    add_file(parser, "json", "scene, version, method and summary")
+    add_file(parser, "json", "scene, version, method and summary, for `verify`")
     add_plot(parser, "F and L, A and the contact")
 
 
@@ -204,10 +205,10 @@ def described(report: dict[str, Any], increments: int) -> str:
     elif "L_min" in report:
         first = f"pull-off at {shown('L', 'L_min', force, 'N/m')}"
     state = "converged" if report["converged"] else "NOT converged"
-    return (
-        f"{report['method']}: {increments} increments {state}, {report['evaluations']} evaluations,"
-        f" {report['seconds']:.3g} s\n{shown('A_0', 'A_0', width, 'nm')}\n{counted(report['slips'], 'slip')}; {first}"
-    )
+    cost = f"{report['evaluations']} force evaluations, {report['seconds']:.3g} s"
+    lines = [f"{report['method']}: {increments} increments, {state}, {cost}"]
+    lines += [f"contact area at U_x = 0: {shown('A_0', 'A_0', width, 'nm')}"]
+    return "\n".join([*lines, f"{counted(report['slips'], 'slip')}; {first}"])
 
 
 COMMANDS = (

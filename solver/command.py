@@ -26,7 +26,7 @@ def add_command(commands: Any, name: str, run: Callable, summary: str, text: str
     """Adds the subcommand run(arguments) -> exit code, which computes a scene, and returns its parser."""
     parser = commands.add_parser(name, help=summary, description=text, epilog=f"{epilog} {LISTS}")
     setting = {"nargs": "+", "action": "extend", "default": [], "metavar": "NAME=VALUE"}
-    parser.add_argument("--set", **setting, help="parameters of the scene; the others have their defaults")
+    parser.add_argument("--set", **setting, help="parameters of the scene, in place of their defaults")
     parser.add_argument("--preset", metavar="NAME", help="start from this named experiment; --set changes it")
     parser.set_defaults(command=run)
     return parser
@@ -51,7 +51,7 @@ def _plot(file):
 
 def add_scheduler(parser: argparse.ArgumentParser) -> None:
     """Adds --scheduler."""
-    text = "compute on a dask cluster, tcp://host:8786; its workers need this version and one thread each"
+    text = "compute on a dask cluster at tcp://host:8786; its workers need this version and one thread each"
     parser.add_argument("--scheduler", metavar="ADDRESS", help=text)
 
 
@@ -130,7 +130,7 @@ def write(file: str | None, writer: Callable, *content: Any) -> None:
     try:
         writer(file, *content)
     except OSError as error:
-        raise InputError(f"Writing the results failed: {error}; name a file where there is room") from None
+        raise InputError(f"Writing the results failed: {error}; name a file on a disk with free space") from None
     print(f"wrote {file}", file=sys.stderr)
 
 

@@ -11,6 +11,7 @@ from .analysis import spread as spreads
 from .analysis.fit import USUAL, FitOptions
 from .analysis.measurement import read_measurement
 from .analysis.spread import SLIP, deviations
+from .analysis.trial import AXES
 from .command import (
     NOT_CONVERGED,
     InputError,
@@ -24,27 +25,29 @@ from .command import (
     write,
 )
 from .files import write_json, write_rows
+from .scene import PARAMETERS
 
+UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
     (True, True): "The curve fits the data, and the data determine the parameters.",
-    (True, False): "The curve fits the data; the cautions say what the data do not determine.",
+    (True, False): "The curve fits the data. The cautions name what limits this result.",
     (False, True): "No starting point led to a curve within the noise.",
-    (False, False): "No starting point led to a curve within the noise; the cautions say more.",
+    (False, False): "No starting point led to a curve within the noise. The cautions name possible reasons.",
 }
 
 
-def _add(commands: Any, name: str, run: Callable, summary: str, text: str) -> argparse.ArgumentParser:
-    """Adds a subcommand with --json and --csv."""
+def _add(commands: Any, name: str, run: Callable, summary: str, text: str, table: str) -> argparse.ArgumentParser:
+    """Adds a subcommand with --json and --csv; table: what the CSV has a row for."""
     parser = add_command(commands, name, run, summary, text)
-    add_file(parser, "json", "every number")
-    add_file(parser, "csv", "a table")
+    add_file(parser, "json", "all results")
+    add_file(parser, "csv", f"a row per {table}")
     return parser
 
 
 def add_sensitivities(commands: Any) -> None:
     """Adds `sensitivities` to the subcommands."""
     text = "Derivatives of every slip's U_s, F_s, L_s and A_s by every continuous parameter of an experiment."
-    _add(commands, "sensitivities", sensitivities, "derivatives of slips by all parameters", text)
+    _add(commands, "sensitivities", sensitivities, "derivatives of slips by the parameters", text, "slip and parameter")
 
 
 def sensitivities(arguments: argparse.Namespace) -> int:
@@ -61,9 +64,10 @@ def sensitivities(arguments: argparse.Namespace) -> int:
         print(f"First slip at U_s = {rows[0][1]:.6g} nm; change in % per % of the parameter:")
         print(f"{'':12}" + "".join(f"{name:>10}" for name in SLIP))
         for name, change in slips[0]["by"].items():
-            print(f"{name:12}" + "".join(f"{share:10.4f}" for share in change["per_cent"].values()))
+            shares = "".join(f"{share:10.4f}" for share in change["per_cent"].values())
+            print(f"{name:12}{shares if getattr(scene, name) else '  is 0: --csv has its derivatives'}")
     else:
-        print("It slides smoothly, without a slip: there is no U_s")
+        print("The contact slides smoothly: it has no slip to differentiate")
     heading = ["slip", "U_x", "parameter", "value", *(f"d{name}" for name in SLIP)]
     write(arguments.csv, write_rows, [*heading, *(f"{name} % per %" for name in SLIP)], rows)
     write(arguments.json, write_json, {"slips": slips})
@@ -77,16 +81,17 @@ def _named(values: Any) -> dict[str, Any]:
 
 def add_fit(commands: Any) -> None:
     """Adds `fit` to the subcommands."""
-    text = "Fits parameters of an experiment to measured friction: F (and L, A) against U_x."
-    parser = _add(commands, "fit", fit, "parameters from a measurement", text)
+    text = "Fits parameters to a measured curve: friction F over U_x, and load L and contact area A where measured."
+    parser = _add(commands, "fit", fit, "parameters from a measured curve", text, "measured point")
     parser.usage = f"{parser.prog} FILE --free NAME [NAME ...] [options]"  # argparse would print FILE behind the names
-    columns = "a CSV with columns U_x and F_bar (or F in N/m), L_bar or L, A_bar"
+    columns = "a CSV with columns U_x (nm) and F (N/m) or F_bar; L or L_bar and A_bar if measured"
     parser.add_argument("file", metavar="FILE", help=columns)
-    parser.add_argument("--free", nargs="+", required=True, metavar="NAME", help="parameters, scale_U, offset_U, ...")
-    starts, limit = "number of starting points, default %(default)s", "seconds in all, default %(default)g"
+    free = f"continuous parameters of the scene, or of the measurement: {', '.join(AXES)}"
+    parser.add_argument("--free", nargs="+", required=True, metavar="NAME", help=free)
+    starts, limit = "number of starting points, default %(default)s", "time limit in all, default %(default)g"
     parser.add_argument("--starts", type=within(1), default=USUAL.starts, metavar="N", help=starts)
     add_plot(parser, "data, fitted curve and residuals")
-    parser.add_argument("--limit", type=within(0.0, kind=float), default=USUAL.limit, metavar="S", help=limit)
+    parser.add_argument("--limit", type=within(0.0, kind=float), default=USUAL.limit, metavar="SECONDS", help=limit)
 
 
 def fit(arguments: argparse.Namespace) -> int:
@@ -101,8 +106,9 @@ def fit(arguments: argparse.Namespace) -> int:
     for note in measured.notes:
         print(note)
     for name, value in result.values.items():
-        print(f"{name:12} {value:12.6g} +- {result.errors[name]:.2g}")
-    print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs followed")
+        unit = PARAMETERS[name].unit if name in PARAMETERS else UNITS.get(name, "")
+        print(f"{name:12} {value:12.6g} +- {result.errors[name]:.2g} {unit}".rstrip())
+    print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs")
     print(VERDICTS[result.reached, not result.warnings])
     caution(result.warnings)
     write(arguments.html, plots.save, plots.comparison, result.rows)
@@ -113,10 +119,10 @@ def fit(arguments: argparse.Namespace) -> int:
 
 def add_spread(commands: Any) -> None:
     """Adds `spread` to the subcommands."""
-    text = "Spread of the curves and of the first slip where parameters are uncertain."
-    parser = _add(commands, "spread", spread, "bands and intervals for uncertain parameters", text)
-    parser.add_argument("--of", nargs="+", required=True, metavar="NAME=SHARE", help="standard deviation: phi_n=10%%")
-    draws = "compare with intervals from this many random draws, default 0"
+    text = "How uncertain parameters spread the curves and the first slip, by derivatives."
+    parser = _add(commands, "spread", spread, "curves and slips of uncertain parameters", text, "state of each branch")
+    parser.add_argument("--of", nargs="+", required=True, metavar="NAME=SHARE", help="standard deviations: phi_n=10%%")
+    draws = "check with this many random draws, default 0"
     parser.add_argument("--draws", type=within(0), default=0, metavar="N", help=draws)
 
 

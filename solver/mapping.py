@@ -27,18 +27,18 @@ from .isolated import Lost, outcomes
 
 def add_map(commands: Any) -> None:
     """Adds `map` to the subcommands."""
-    text = "The first slip over two parameters; each point is continued from its neighbours or run."
+    text = "Computes the first slip over two parameters. Each point is continued from a neighbour, or is a run."
     epilog = (
         "Columns: i, j, the parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites, reattached, L_min, branches,"
-        " followed, evaluations, reason; see solver/analysis/maps/point.py."
+        " followed, evaluations, reason. docs/files.md defines them."
     )
     parser = add_command(commands, "map", mapped, "first slips over two parameters", text, epilog)
     form = "NAME=LOW:HIGH:COUNT[:log]"
-    parser.add_argument("--x", metavar=form, required=True, help="a continuous parameter and its values")
-    parser.add_argument("--y", metavar=form, required=True, help="another one")
+    parser.add_argument("--x", metavar=form, required=True, help="a continuous parameter, range and number of values")
+    parser.add_argument("--y", metavar=form, required=True, help="another continuous parameter")
     column = "write this column only, as a table of y by x"
     parser.add_argument("--of", metavar="COLUMN", choices=("regime", *QUANTITIES), help=column)
-    parser.add_argument("--resume", action="store_true", help="continue from the points of the same map in --csv")
+    parser.add_argument("--resume", action="store_true", help="keep the points that --csv has of the same map")
     add_scheduler(parser)
     add_file(parser, "csv", "a row per point", required=True)
     add_plot(parser, "the column and the regimes")
@@ -46,10 +46,10 @@ def add_map(commands: Any) -> None:
 
 def add_flats(commands: Any) -> None:
     """Adds `flats` to the subcommands."""
-    text = "Friction of flats over stiffness E and strength phi_t (Figs. 4, 5), from runs and in closed form."
+    text = "Computes the friction of flats over E and phi_t, by runs and in closed form (Figs. 4, 5)."
     epilog = "Columns: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max), reason."
     parser = add_command(commands, "flats", flats, "friction of flats over E and phi_t", text, epilog)
-    points = "N x N points, 2 .. 100, default 12"
+    points = "compute N x N points, 2 .. 100, default 12"
     parser.add_argument("--points", type=within(2, 100), default=12, metavar="N", help=points)
     add_scheduler(parser)
     add_file(parser, "csv", "a row per point", required=True)

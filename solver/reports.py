@@ -19,12 +19,12 @@ from .files import write_json
 
 def add_accuracy(commands: Any) -> None:
     """Adds `accuracy` to the subcommands."""
-    text = "Error against run time of one experiment, by every method, swept over the tolerance and the increment du_x."
+    text = "Measures the error of one experiment against run time, by every method, over tolerance and increment du_x."
     parser = add_command(commands, "accuracy", accuracy, "error against run time", text)
-    parser.add_argument("--quick", action="store_true", help="one slip and fewer runs: some ten seconds, not a minute")
-    slips = "end beyond slip N in shear, default 2 (quick 1)"
+    parser.add_argument("--quick", action="store_true", help="one slip and fewer runs")
+    slips = "end just beyond slip N in shear, default 2 (with --quick: 1)"
     parser.add_argument("--slips", type=within(1), metavar="N", help=slips)
-    add_file(parser, "json", "every number")
+    add_file(parser, "json", "all results")
     add_file(parser, "html", "the diagram as a page that opens offline")
 
 
@@ -47,14 +47,14 @@ def accuracy(arguments: argparse.Namespace) -> int:
 
 def add_stability(commands: Any) -> None:
     """Adds `stability` to the subcommands."""
-    text = "Stiff and extreme scenes, each checked by sums in extended precision; closed forms; conditioning."
+    text = "Checks stiff and extreme scenes in extended precision, then closed forms and the conditioning of formulas."
     parser = commands.add_parser("stability", help="stiff and extreme scenes", description=text)
-    parser.add_argument("--quick", action="store_true", help="some 200 scenes, a few minutes")
+    parser.add_argument("--quick", action="store_true", help="a part of the scenes")
     parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="only these numbers, without closed forms")
-    limit = "time limit for one scene, 1 or more, default 120"
+    limit = "time limit of one scene, at least 1, default 120"
     parser.add_argument("--limit", type=within(1, kind=float), metavar="SECONDS", help=limit)
     add_scheduler(parser)
-    add_file(parser, "json", "every number")
+    add_file(parser, "json", "all results")
     add_file(parser, "html", "the report as a page that opens offline")
     parser.set_defaults(command=stability)
 

@@ -52,15 +52,19 @@ class Spread:
     def sentences(self) -> list[str]:
         """The intervals of the first slip, by the derivatives and by the draws if there are any."""
         if not self.slips:
-            return ["It slides smoothly, without a slip"]
-        lines = []
+            return ["The contact slides smoothly, without a slip"]
+        scene, lines = self.sensitivities.skeleton.scene, []
+        force = scene.width * scene.E
+        units = dict(zip(SLIP, ((1.0, "nm"), (force, "N/m"), (force, "N/m"), (scene.width, "nm")), strict=True))
         for name in SLIP:
             low, high = self.interval(name)
-            lines.append(f"{name} of the first slip: {low:.6g} .. {high:.6g} (95 %, linear)")
+            factor, unit = units[name]
+            lines.append(f"{name} of the first slip: {low * factor:.6g} .. {high * factor:.6g} {unit} (95 %, linear)")
             if drawn := self.drawn_interval(name):
-                lines.append(f"  by {len(self.drawn)} draws: {drawn[0]:.6g} .. {drawn[1]:.6g}")
+                low, high = drawn
+                lines.append(f"  by {len(self.drawn)} draws: {low * factor:.6g} .. {high * factor:.6g} {unit}")
         if self.lost:
-            lines.append(f"{self.lost} draws are runs of another kind, and not among these")
+            lines.append(f"{self.lost} draws are runs of another kind, and are left out")
         return lines
 
     def rows(self) -> list[list[float]]:

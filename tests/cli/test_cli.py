@@ -26,6 +26,7 @@ from solver.scene import CHOICES, PARAMETERS
 
 ROOT = Path(__file__).parents[2]
 SMALL = ("nodes=64", "width=160", "u_x_max=2")
+SUBCOMMANDS = re.findall(r"^    (\w+) ", cli.parser().format_help(), re.M)
 HEADER = "U_x,delta,F_bar,L_bar,A_bar,residual,evaluations,slip,stage"
 
 
@@ -375,7 +376,7 @@ def test_parameters_lists_every_parameter_with_its_range_in_100_columns(call):
     assert all(f" {word}: " in out for words in CHOICES.values() for word in words)
 
 
-@pytest.mark.parametrize("name", ["run", "accuracy", "stability", "map", "sensitivities", "fit", "spread"])
+@pytest.mark.parametrize("name", sorted(SUBCOMMANDS))
 def test_the_help_of_a_command_fits_100_columns_and_a_screen(call, monkeypatch, name):
     monkeypatch.setenv("COLUMNS", "100")
     code, out, _ = call(name, "--help")
