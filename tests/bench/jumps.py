@@ -18,7 +18,7 @@ from solver import whole_surface
 LIMIT = 60.0  # s of processor time of a run
 HALVINGS = 6
 KICK = 1e-3  # nm, so that GFMD leaves a uniform state that is unstable to waves
-KNOWN = [  # FINDINGS S1
+KNOWN = [  # jumps that had no event
     {"hold": "load", "delta_bar": -0.5, "u_x_max": 4.0},
     {"hold": "load", "delta_bar": -0.4, "u_x_max": 4.0},
     {"hold": "load", "delta_bar": -0.6, "phi_ratio": 0.3, "u_x_max": 4.0},

@@ -3,7 +3,7 @@
     python tests/bench/onset.py [--scenes 13] [--json FILE]
 
 Default punch, E 971.78, delta_bar 0.26516, phi_ratio evenly from 0.0755 to 0.0779: stick-slip just begins, so that a
-fold lies within a short part of a branch (FINDINGS X5).
+fold lies within a short part of a branch.
 """
 
 import numpy as np

@@ -18,7 +18,7 @@ from solver.run.frame import slips_in
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "shared"))  # of plain_gfmd
 
 BOX = {"E": (10.0, 1000.0), "delta_bar": (-0.6, 1.0), "phi_ratio": (0.02, 2.0)}  # the app's sliders
-# The motion took this slip two sites on, the paper's takes it one (FINDINGS X2).
+# The motion took this slip two sites on, the paper's takes it one.
 ROUGH_2575 = {
     "surface": "rough", "seed": 2575, "nodes": 128, "width": 264.115397683123, "E": 173.3318586095888, "nu": 0.33,
     "height": 2.7601823210574468, "phi_n": 0.8799312253531433, "phi_ratio": 0.8548195534479851,
@@ -26,7 +26,7 @@ ROUGH_2575 = {
 }  # fmt: skip
 
 
-HELD_TENSION = {  # under this load sensitivities described another slip (FINDINGS X1)
+HELD_TENSION = {  # under this load sensitivities described another slip
     "hold": "load", "E": 856.01968, "phi_ratio": 0.40262, "delta_bar": -0.2989, "u_x_max": 14.0,
 }  # fmt: skip
 

@@ -4,7 +4,7 @@
 
 `skeleton_of` reads a run up to its first repetition; the whole run judges it. F_s is wrong from an error of 0.1 % on,
 the curve from 1 % of the largest |F| or |L| on, farther than NEAR from a slip. The first scene slides smoothly; its
-curve was off by 61 % (FINDINGS X7).
+curve was far off.
 """
 
 import numpy as np

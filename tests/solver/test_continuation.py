@@ -529,7 +529,7 @@ def test_an_unstable_start_leaves_its_saddle_along_the_unstable_mode():
 
 
 def test_a_state_close_to_the_end_of_a_branch_is_replaced_by_that_end():
-    """FINDINGS S4: two states at one load have no interpolation between them."""
+    """Two states at one load have no interpolation between them."""
     states = [Passed(load, np.array([load**2]), ACTIVE) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
     branch = TracedBranch((states[0],))
     for state in states[1:]:

@@ -287,7 +287,7 @@ def test_a_load_that_takes_over_without_a_jump_is_not_followed_from_one_with_it(
 
 
 def test_uneven_smooth_sliding_has_enough_states():
-    """FINDINGS X7: its curve was off by 61 %, as states stood a twelfth of a period apart."""
+    """Its curve was far off, as states stood a twelfth of a period apart."""
     scene = Scene(E=662.8, phi_ratio=0.0404, delta_bar=0.424, u_x_max=5.0)
     check(skeleton_of(scene), scene)
 

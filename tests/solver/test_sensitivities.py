@@ -102,7 +102,7 @@ def test_node_sensitivities_sum_to_those_of_the_interface_under_a_held_load():
 
 
 def test_under_a_held_load_in_tension_the_slip_is_that_of_the_run():
-    """FINDINGS X1: the load was worked out from a state that had jumped away, and the slip was that of another load."""
+    """The load was worked out from a state that had jumped away, and the slip was that of another load."""
     scene = Scene(hold="load", E=856.01968, phi_ratio=0.40262, delta_bar=-0.2989, u_x_max=3.0)
     events = [event for frame in load_path(scene) if frame.stage == "shear" for event in frame.slips]
     event = next(event for event in events if event.kind == "fold")
