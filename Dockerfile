@@ -12,11 +12,15 @@ ENV PYTHONUNBUFFERED=1 \
 RUN useradd --create-home --uid 1000 contact && install -d -o contact -g contact /srv/numba
 WORKDIR /srv/contact
 
-COPY pyproject.toml constraints.txt README.md LICENSE ./
+# Dependencies first: a change of the code leaves their layer as it is.
+COPY pyproject.toml constraints.txt ./
+RUN python -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['dependencies'], sep='\n')" \
+        > /tmp/dependencies.txt && pip install -r /tmp/dependencies.txt
+COPY README.md LICENSE ./
 COPY solver solver
 COPY app app
 # Editable: the server and the kernels compiled below must see the same source files, or the cache would not match.
-RUN pip install -e .
+RUN pip install --no-deps -e .
 
 USER contact
 # Before each run the command compiles every kernel of its method, a worker those of the pages too; workers find them in
