@@ -150,6 +150,9 @@ def look(kept):
         page.set_viewport_size(DESKTOP)
         page.mouse.move(1, 1)
         page.evaluate("document.querySelectorAll('dialog[open]').forEach((sheet) => sheet.close())")
+        if "page=" not in query:
+            page.evaluate("document.querySelector('.sheet:not([hidden]) .close')?.click()")
+            page.wait_for_function("!document.querySelector('.sheet:not([hidden])')")
         page.evaluate("document.activeElement.blur()")
         if page.evaluate("punch.playing"):
             page.keyboard.press("Space")

@@ -1,4 +1,4 @@
-"""What is said beside the curves when a choice shows in them, and the measurement of accuracy in the app."""
+"""Cautions about questionable parameters, and the accuracy measurement in the app."""
 
 import json
 import multiprocessing
@@ -74,7 +74,7 @@ def test_cautions_are_published_after_new_and_known_runs(pool):
 
 
 class Visitor:
-    """A stand-in for a document: keeps what is scheduled; and what it measures."""
+    """Replaces a document: keeps scheduled calls and has a Bench."""
 
     def __init__(self):
         self.calls = queue.Queue()
@@ -130,20 +130,20 @@ def test_an_empty_accuracy_report_has_no_points():
     assert measuring.points(None) == []
 
 
-def told(session):
+def page_state(session):
     return json.loads(session.wire.page)
 
 
 def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session):
     point = {"series": "fast", "tolerance": 1e-5, "seconds": 0.03, "evaluations": 700, "error": 2e-6, "astray": True}
     order(session, "page", page="accuracy")
-    assert told(session)["texts"]["accuracy-state"].startswith("takes")
+    assert page_state(session)["texts"]["accuracy-state"].startswith("takes")
     session.bench.told = {"state": "done", "points": [point], "scene": session.scene, "sentence": "It is right."}
     session.bench.hear()
     order(session, "page", page="")
     assert session.bench.hear is None
     order(session, "page", page="accuracy")
-    texts = told(session)["texts"]
+    texts = page_state(session)["texts"]
     assert texts["accuracy-state"] == "done" and texts["accuracy-sentence"] == "It is right."
     for work in ("seconds", "evaluations"):
         view = session.pages.page.views[work]
@@ -152,7 +152,7 @@ def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session
         assert view.parts["fast"].data_source.data["text"] == ["1e−5"]
         assert view.figure.x_range.start < point[work] < view.figure.x_range.end
     order(session, "scene", E="80")
-    assert told(session)["texts"]["accuracy-state"].endswith("E = 70 GPa")
+    assert page_state(session)["texts"]["accuracy-state"].endswith("E = 70 GPa")
 
 
 @pytest.mark.thorough

@@ -1,4 +1,4 @@
-"""The app without a browser: what is entered, what is packed, a visitor's run through cancelling and lost workers."""
+"""The app without a browser: entries, packed frames, and runs that survive cancelling and lost workers."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The pool on a real dask cluster of two worker processes: the same frames, workers and scheduler lost and back."""
+"""The pool on a dask cluster of two worker processes: equal frames, lost workers, a restarted scheduler."""
 
 import os
 import signal

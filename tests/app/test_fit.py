@@ -1,4 +1,4 @@
-"""The page "Fit": a file is read, a made-up measurement made, fitted and told, in the page's words."""
+"""The page "Fit" without a browser: files, example data, fits and messages."""
 
 import json
 import re
@@ -14,12 +14,12 @@ SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.
 CURVE = "U_x,F\n" + "".join(f"{k},{k * 2.0}\n" for k in range(1, 20))
 
 
-def told(session):
+def page_state(session):
     return json.loads(session.wire.page)
 
 
 def answer(session):
-    """The newest task of the pool is done, as a worker would."""
+    """Do the newest task of the pool, as a worker would."""
     task = session.pool.tasks[-1]
     call, *arguments = task.call
     task.set_running_or_notify_cancel()
@@ -45,8 +45,8 @@ def test_a_measurement_is_plotted_in_its_own_unit_and_fitted(session, page):
     assert F.max() == pytest.approx(page.measured.values["F_bar"].max() * page.measured.unit)
     order(session, "ask", what="fit", free="phi_n,phi_ratio,delta_bar")
     answer(session)
-    found = told(session)["fit"]
-    assert list(found["values"]) == ["phi_n", "phi_ratio", "delta_bar"] and told(session)["busy"] is None
+    found = page_state(session)["fit"]
+    assert list(found["values"]) == ["phi_n", "phi_ratio", "delta_bar"] and page_state(session)["busy"] is None
     off = page.views["residuals"].parts["residuals"].data_source.data["off"]
     assert off.std() == pytest.approx(1.0, abs=0.25)  # of the noise: 400 points tell it to 4 %, the estimate to some 10
 
@@ -61,10 +61,10 @@ def test_initially_free_parameters_are_identified_by_example_data_of_the_default
 def test_an_invalid_measurement_is_reported_and_the_previous_one_stays(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
-    assert "19 points" in told(session)["texts"]["fit-said"]
+    assert "19 points" in page_state(session)["texts"]["fit-said"]
     send_file(session, "measurement", "U_x,F\n1,2\n1,x\n")
     answer(session)
-    assert re.search(r"line 3: F = 'x'.*stays", told(session)["texts"]["fit-said"])
+    assert re.search(r"line 3: F = 'x'.*stays", page_state(session)["texts"]["fit-said"])
     assert page.measured.U_x.size == 19
 
 
@@ -75,7 +75,7 @@ def test_no_fit_starts_without_a_measurement_or_a_free_parameter(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="nodes,")
-    assert told(session)["texts"]["fit-said"].startswith("No parameter is free")
+    assert page_state(session)["texts"]["fit-said"].startswith("No parameter is free")
 
 
 def test_a_fit_continues_while_its_page_is_closed(session, page):
@@ -87,8 +87,8 @@ def test_a_fit_continues_while_its_page_is_closed(session, page):
     assert not task.cancelled()
     answer_with(task, "nothing slips")
     order(session, "page", page="fit")
-    assert told(session)["busy"] is None and "nothing slips" in told(session)["texts"]["fit-said"]
-    assert session.pages.page is page and page.measured.U_x.size == 19 and told(session)["fit"] is None
+    assert page_state(session)["busy"] is None and "nothing slips" in page_state(session)["texts"]["fit-said"]
+    assert session.pages.page is page and page.measured.U_x.size == 19 and page_state(session)["fit"] is None
     session.close()
     assert not session.pages.kept
 
@@ -98,9 +98,9 @@ def test_a_new_file_cancels_the_running_fit(session, page):
     answer(session)
     order(session, "ask", what="fit", free="phi_n")
     order(session, "file", entry="measurement", text=CURVE + "20,40\n")
-    assert told(session)["busy"] is None
+    assert page_state(session)["busy"] is None
     answer(session)
-    assert "20 points" in told(session)["texts"]["fit-said"]
+    assert "20 points" in page_state(session)["texts"]["fit-said"]
 
 
 def test_normalised_forces_are_plotted_with_the_current_stiffness(session, page):
@@ -116,12 +116,12 @@ def test_example_data_state_their_parameters_and_a_rejected_file_is_marked(sessi
     answer(session)
     order(session, "ask", what="fit", free="phi_ratio,delta_bar")
     answer(session)
-    fit = told(session)["fit"]
-    assert list(fit["truth"]) == ["phi_ratio", "delta_bar"] and told(session)["made"]
+    fit = page_state(session)["fit"]
+    assert list(fit["truth"]) == ["phi_ratio", "delta_bar"] and page_state(session)["made"]
     assert fit["values"]["phi_ratio"] == pytest.approx(fit["truth"]["phi_ratio"], rel=0.1)
     order(session, "file", entry="measurement", text="nonsense")
     answer(session)
-    assert told(session)["refused"] and "stays" in told(session)["texts"]["fit-said"]
+    assert page_state(session)["refused"] and "stays" in page_state(session)["texts"]["fit-said"]
 
 
 def test_cancel_stops_the_fit(session, page):
@@ -130,7 +130,7 @@ def test_cancel_stops_the_fit(session, page):
     order(session, "ask", what="fit", free="phi_n")
     task = session.pool.tasks[-1]
     order(session, "ask", what="cancel")
-    assert task.cancelled() and told(session)["busy"] is None
+    assert task.cancelled() and page_state(session)["busy"] is None
 
 
 def test_warnings_use_the_labels_of_the_page():

@@ -1,4 +1,4 @@
-"""What follows a hand on a slider: pictures like the exact run, the newest position next, then that run."""
+"""Predictions during a drag: they match the exact run, skip intermediate positions and end in the exact run."""
 
 import json
 import pickle
@@ -144,7 +144,7 @@ def page(runs):
 
 
 def move(page, value, at=9.0):
-    """The hand moves the slider there."""
+    """Drag the slider to this value."""
     order = {"do": "scene", "values": {"delta_bar": value}, "held": True, "at": at, "n": 100 * value}
     say(page.session, order)
 

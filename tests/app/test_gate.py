@@ -1,4 +1,4 @@
-"""What a browser may say: orders on the wire of its own document, of known names; all else changes nothing."""
+"""Messages from browsers: only declared orders reach a session; all others change nothing."""
 
 import asyncio
 import base64
@@ -33,7 +33,7 @@ def waited(coroutine):
 
 
 class Visit:
-    """A Gate as Tornado would make one, for a session; `obeyed` are the orders that reach it, `closed` why it ended."""
+    """A Gate as Tornado makes one, for a session; `obeyed`: orders that reach it, `closed`: codes of closing."""
 
     def __init__(self, session, monkeypatch):
         self.session, self.obeyed, self.closed = session, [], []
@@ -54,7 +54,7 @@ class Visit:
         return await result if inspect.isawaitable(result) else result
 
     def parts(self, *fragments):
-        """Send the parts of a message; the orders that came of it."""
+        """Send the parts of a message; return the orders that reached the session."""
 
         async def send():
             for fragment in fragments:
@@ -65,7 +65,7 @@ class Visit:
         return self.obeyed
 
     def say(self, content, kind="PATCH-DOC"):
-        """Send a message; the orders that came of it."""
+        """Send a message; return the orders that reached the session."""
         return self.parts(json.dumps({"msgid": "1", "msgtype": kind}), '{"mine": 1}', json.dumps(content))
 
     def patch(self, new, attr="order", **more):
@@ -161,7 +161,7 @@ def test_connections_beyond_the_visitor_limit_are_rejected(visit, connected, mon
 
 
 def test_messages_of_a_closed_connection_are_ignored_without_a_traceback(visit, monkeypatch):
-    """Bokeh takes the session away from a connection that a ping finds closed; what it said before is still there."""
+    """Bokeh removes the session of a closed connection, while its earlier messages still arrive."""
 
     class Detached:
         @property
@@ -175,7 +175,7 @@ def test_messages_of_a_closed_connection_are_ignored_without_a_traceback(visit, 
 
 
 def test_other_visitors_are_served_during_a_flood_of_messages(visit):
-    """Tornado awaits on_message for all that its buffer holds: without a pause nobody else would be served."""
+    """Tornado awaits on_message for its whole buffer: without a pause no other visitor would be served."""
     turns = []
 
     async def flood():

@@ -1,4 +1,4 @@
-"""What brings a scene back, without a browser: addresses with profiles, orders to restore and take, Python."""
+"""Restoring and exporting scenes without a browser: addresses, profiles, pinned runs, files, Python code."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Other loadings and surfaces in the app, without a browser: runs that go on, loops, profiles that are uploaded."""
+"""Continued runs, loops and uploaded profiles in the app, without a browser."""
 
 import io
 import json
@@ -58,7 +58,7 @@ def test_a_continued_run_can_continue_from_earlier_and_later_increments(page):
 
 
 def test_exports_of_a_continued_run_contain_every_part_with_its_own_stiffness(page):
-    """Lines, NPZ and JSON once began anew with the last parameters; frames did not say what their E was."""
+    """Exports once contained only the last parameters, and frames did not state their E."""
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
     legs = page.session.pursuit.legs

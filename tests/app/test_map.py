@@ -1,4 +1,4 @@
-"""The page "Map": tiles from the workers, what they say against exact runs, and what a visitor sees."""
+"""The page "Map" without a browser: tiles against exact runs, refinement, labels, colours."""
 
 import json
 import pickle
@@ -40,7 +40,7 @@ def test_a_sliced_map_tile_matches_exact_runs(monkeypatch):
 
 
 def answered(session):
-    """Answers every tile asked for, those asked for then as well: slips in the left half, smooth sliding beside it."""
+    """Answer every requested tile, also later ones: slips in the left half, smooth sliding in the right."""
     page, done, slips = session.pages.page, 0, REGIMES.index("slips by one site")
     while tasks_left := [task.call for task in session.pool.tasks if task.call[0] is tasks.map_tile][done:]:
         for call in tasks_left:

@@ -1,4 +1,4 @@
-"""Marks beside the sliders: what is told by following, against exact results and against runs of their own."""
+"""Marks beside the sliders, against exact results and against separate runs."""
 
 import pickle
 
@@ -67,7 +67,7 @@ def test_marks_do_not_depend_on_the_slider_position_of_the_search(default):
 @pytest.mark.once
 @pytest.mark.parametrize("start", [-0.1, 0.6])
 def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
-    """Wherever on the slider they are looked for."""
+    """From any slider position."""
     scene = Scene(E=30.0, du_x=0.5, u_x_max=40.0)
     at = found(pickled(scene.changed(delta_bar=start)), "delta_bar")
     frames = list(load_path(scene.changed(delta_bar=at["no load"], u_x_max=0.0)))
@@ -85,7 +85,7 @@ def test_marks_remain_left_of_the_jump_into_contact(default):
 
 
 def test_slips_that_end_between_two_steps_leave_no_mark():
-    """Its slips end between two steps of the way: beyond, there is none whose size could be told."""
+    """Its slips end between two search steps: no further slip has a size to extrapolate."""
     assert found(pickled(Scene(delta_bar=-0.41)), "E") == {}
 
 
@@ -96,7 +96,7 @@ def test_sliders_have_no_mark_if_the_limit_is_not_reached(default, monkeypatch):
 
 
 def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default):
-    """And those of the others anew."""
+    """The marks of the moved slider itself stay."""
 
     class Page:
         pool = None

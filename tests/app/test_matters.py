@@ -1,4 +1,4 @@
-"""The page "What matters": what a worker tells of a scene, and that a visitor gets it."""
+"""The page "What matters" without a browser: sensitivities of the first slip."""
 
 import json
 

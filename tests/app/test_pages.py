@@ -1,4 +1,4 @@
-"""The pages beside the experiment, without a browser: what they show, and that a closed page costs nothing."""
+"""The pages without a browser: their contents match the solver, and a closed page costs nothing."""
 
 import json
 from pathlib import Path

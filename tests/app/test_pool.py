@@ -1,4 +1,4 @@
-"""What visitors share: worker processes that are replaced one by one, and the shelf of finished runs."""
+"""The pool of worker processes and the shelf of finished runs, which all visitors share."""
 
 import os
 import signal

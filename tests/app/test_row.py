@@ -1,4 +1,4 @@
-"""The row of experiments: a picture in the page for each, drawn by docs/row.py from the solver's runs."""
+"""Pictures of the preset row, which docs/row.py draws from runs of the solver."""
 
 import re
 import sys

@@ -1,4 +1,4 @@
-"""Work in slices: nothing keeps a worker for long, and what comes out is what one go would give."""
+"""Work in slices: no slice occupies a worker for long, and results equal those of uninterrupted work."""
 
 import pickle
 from math import inf
@@ -16,7 +16,7 @@ FLAT = Scene(surface="flat", phi_ratio=0.1, u_x_max=40.0, du_x=0.5, damping=inf)
 
 
 def made(task, scene):
-    """(what a task comes to, slices): called as the pages' sweeps do."""
+    """(result of a task, number of slices), called as the pages call it."""
     kept, count = (), 0
     while isinstance(result := task(scene, *kept), tasks.Part):
         kept, count = (result.kept,), count + 1

@@ -1,4 +1,4 @@
-"""What pages ask of the workers: shared by visitors, withdrawn when nobody waits, made again when a worker dies."""
+"""Requests of pages to workers: shared between visitors, cancelled when unused, repeated after a lost worker."""
 
 import json
 import pickle
@@ -102,7 +102,7 @@ def test_least_recently_used_results_are_dropped(pool):
 
 
 def done(session, call_of=lambda call: True):
-    """Do by hand what the workers would do."""
+    """Do the tasks, as workers would."""
     for task in session.pool.tasks:
         if not task.done() and call_of(task.call):
             task.set_result(task.call[0](*task.call[1:]))
@@ -112,7 +112,7 @@ def of_kind(kind):
     return lambda call: call[0] is kind
 
 
-def told(session):
+def page_state(session):
     return json.loads(session.wire.page)
 
 
@@ -168,21 +168,21 @@ def test_area_laws_show_each_onset_when_it_is_computed(session):
     found = onset(task.call[1])
     data = session.pages.page.views["threshold"].parts["points0"].data_source.data
     assert (data["F"], data["A"]) == (pytest.approx([1000 * found.F_s]), pytest.approx([1000 * found.A_s]))
-    row = told(session)["tables"]["arealaws-rows"][0]
+    row = page_state(session)["tables"]["arealaws-rows"][0]
     assert row[0] == "0.10" and float(row[3]) == pytest.approx(6693, rel=0.01)
-    assert told(session)["busy"] == pytest.approx(1 / 30)
+    assert page_state(session)["busy"] == pytest.approx(1 / 30)
     order(session, "ask", what="cancel")
-    assert told(session)["busy"] is None
+    assert page_state(session)["busy"] is None
 
 
 def test_an_interface_is_added_once_and_replaces_the_oldest(session):
     order(session, "page", page="arealaws")
     for ratio in ("0.5", "0.4", "0.3"):
         order(session, "scene", phi_ratio=ratio)
-        assert not told(session)["hidden"]["arealaws-add"]
+        assert not page_state(session)["hidden"]["arealaws-add"]
         order(session, "ask", what="add")
-        assert told(session)["hidden"]["arealaws-add"]
-    names = [pick["said"] for _, pick, *_ in told(session)["tables"]["arealaws-series"]]
+        assert page_state(session)["hidden"]["arealaws-add"]
+    names = [pick["said"] for _, pick, *_ in page_state(session)["tables"]["arealaws-series"]]
     asked = [task for task in session.pool.tasks if task.call[0] is tasks.onset_of and not task.cancelled()]
     assert len(asked) == 50  # nothing is computed any longer for the series that had to go
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"
@@ -190,7 +190,7 @@ def test_an_interface_is_added_once_and_replaces_the_oldest(session):
 
 def test_runs_of_the_stick_slip_page_can_be_cancelled(session):
     order(session, "page", page="stickslip")
-    assert told(session)["busy"] == 0.0
+    assert page_state(session)["busy"] == 0.0
     order(session, "ask", what="cancel")
-    assert told(session)["busy"] is None
+    assert page_state(session)["busy"] is None
     assert all(task.cancelled() for task in session.pool.tasks if task.call[0] is tasks.flat_friction)

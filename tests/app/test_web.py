@@ -1,4 +1,4 @@
-"""What the server answers to plain requests: a page for all, files, headers, measures, whether it lives, no room."""
+"""Answers to plain HTTP requests: page, files, headers, metrics, liveness, refusals."""
 
 import asyncio
 import gzip

@@ -1,4 +1,4 @@
-"""Accessibility: keyboard, screen readers, sizes of touch targets, and no finding of axe."""
+"""Accessibility: keyboard, screen readers, touch targets, contrast, and axe."""
 
 import re
 
@@ -19,7 +19,7 @@ SMALL = f"""() => [...document.querySelectorAll('{TOUCHED}')]
 
 
 def found_by_axe(page):
-    """What axe finds on the page as it is, in words."""
+    """Violations that axe reports: {rule: elements}."""
     rules = [*Axe().run(page, options={"iframes": False}).response["violations"]]
     return {rule["id"]: [node["html"][:160] for node in rule["nodes"]] for rule in rules}
 

@@ -1,4 +1,4 @@
-"""The app as a visitor meets it, in a real Chromium: keys and mouse; no error, nothing fetched from elsewhere."""
+"""The experiment in Chromium by keyboard and mouse, without errors and external requests."""
 
 import re
 

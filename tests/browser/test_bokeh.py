@@ -1,4 +1,4 @@
-"""What app/static/js/bokeh.js takes for granted of BokehJS and its documentation does not promise, a test for each."""
+"""Undocumented behaviour of BokehJS that app/static/js/bokeh.js relies on, one test each."""
 
 import pytest
 
@@ -150,7 +150,7 @@ def test_listeners_receive_changes_and_taps_of_a_model(still):
 
 
 def test_no_canvas_can_be_focused_by_the_tab_key(still):
-    """As the page has left them: asking for a view would mend it."""
+    """Read before any view is requested, which would correct the tab index."""
     stops = """() => {
         const within = (root) => [...root.querySelectorAll("*")].flatMap((e) => (
             (e.classList.contains("bk-events") ? [e.tabIndex] : []).concat(e.shadowRoot ? within(e.shadowRoot) : [])))

@@ -1,4 +1,4 @@
-"""A slider dragged with the mouse, in a real Chromium: what follows the hand, what stays, and what takes its place."""
+"""Dragging a slider in Chromium: predictions during the drag, fixed axes, then the exact run."""
 
 import pytest
 from served import PATIENCE, finished, paused_at

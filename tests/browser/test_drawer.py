@@ -1,4 +1,4 @@
-"""The drawer of all parameters: beside what it changes, only what applies, each with a way back."""
+"""The parameter drawer: its layout, search, restoring values and error messages."""
 
 import pytest
 from served import FAULTS, PATIENCE, finished, laid_out

@@ -1,4 +1,4 @@
-"""No view is blank or white without a reason: approach, no shear, surfaces apart, loops, increments without a frame."""
+"""Views of unusual runs: approach, no shear, no contact, loops, increments without an equilibrium."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""The colours of the fringes, in a real Chromium: one stress a fringe for all runs, which only the user changes."""
+"""The stress per fringe in Chromium."""
 
 import pytest
 from served import finished, values_are

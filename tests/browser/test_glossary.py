@@ -1,4 +1,4 @@
-"""Terms of the field: explained by a click, a key or a touch, and listed below the theory."""
+"""Explanations of terms by click, key and touch, and their list below the theory."""
 
 import pytest
 from served import FAULTS, finished, laid_out

@@ -1,4 +1,4 @@
-"""Undo, redo, Back, and the address that brings a scene, an increment and a page back, in a real Chromium."""
+"""Undo, redo, browser history, and addresses that restore scene, increment and page."""
 
 import pytest
 from served import PATIENCE, PLAYING, finished, values_are

@@ -1,4 +1,4 @@
-"""Other loadings and surfaces in a real Chromium."""
+"""Loops, unloading, paths through points, continued runs and uploaded profiles in Chromium."""
 
 import csv
 import io
@@ -80,8 +80,8 @@ WORDS = """() => {  // what is written over the punch, from now on
 }"""
 
 
-def told(page, k):
-    """The friction of increment k in N/m, by all that shows it, and what else the readout says."""
+def forces_of(page, k):
+    """({place on the page: friction of increment k in N/m}, text of the readout)."""
     page.mouse.move(0, 0)  # over a curve it would show the increment there
     page.evaluate("window.words = []")
     paused_at(page, k)
@@ -105,27 +105,27 @@ def told(page, k):
 
 
 def test_a_continued_run_shows_each_increment_with_its_own_stiffness_everywhere(visit):
-    """After E = 200 at the sixth slip, all before was once told by 200 in the punch, by 70 in the curve."""
+    """After E changed to 200 at the sixth slip, the punch once showed earlier forces with 200, the curve with 70."""
     page = visit()
     finished(page)
     page.evaluate(WORDS)
     slips = page.evaluate("punch.run.curves.slip.flatMap((slip, k) => (slip && k >= punch.run.sheared ? [k] : []))")
     looked = slips[1]  # where it rests, the page says its forces aloud
-    before, said = told(page, looked)
+    before, said = forces_of(page, looked)
     for name, value in before.items():
         assert value == pytest.approx(before["curve"], rel=5e-3), name
     assert "computed with" not in said
     page.get_by_role("button", name="Pin", exact=True).press("Enter")
     page.locator(".chip").wait_for()
-    told(page, slips[5])
+    forces_of(page, slips[5])
     page.get_by_label("carry on from here").check()
     page.fill("#E-entry", "200")
     page.keyboard.press("Enter")
     finished(page, run=2)
-    again, said = told(page, looked)
+    again, said = forces_of(page, looked)
     assert again == before and "computed with E = 70 GPa" in said
     assert page.inner_text(".here[data-name=E]") == "here 70 GPa"
-    after, said = told(page, slips[5] + 4)
+    after, said = forces_of(page, slips[5] + 4)
     after.pop("spoken")  # of the last slip that was looked at
     assert max(after.values()) == pytest.approx(min(after.values()), rel=5e-3) and "computed with" not in said
     assert page.inner_text(".here[data-name=E]") == ""

@@ -1,4 +1,4 @@
-"""Marks beside the sliders: computed for the scene on screen, not true of the default only."""
+"""Marks beside the sliders, computed for the scene on screen."""
 
 import pytest
 from served import PATIENCE, finished

@@ -1,4 +1,4 @@
-"""Pages, presets and the drawer in Chromium: they are drawn without errors and without external requests."""
+"""The pages in Chromium: drawing, opening, closing, playback, and files."""
 
 import pytest
 from served import PATIENCE, PLAYING, finished
@@ -45,12 +45,13 @@ def painted_pixels(page, name):
     )
 
 
-@pytest.mark.once(len(DRAWN))
-@pytest.mark.parametrize("title", DRAWN)
-@pytest.mark.parametrize(("size", "theme"), [((1280, 720), "light"), ((390, 844), "dark")])
-def test_a_page_is_drawn_on_desktop_and_phone(visit, title, size, theme):
+@pytest.mark.parametrize("number", range(len(DRAWN)), ids=list(DRAWN))
+def test_a_page_is_drawn_on_desktop_or_phone(look, number):
+    """By turns light on a desktop and dark on a phone."""
+    title = list(DRAWN)[number]
+    size, theme = (((1280, 720), "light"), ((390, 844), "dark"))[number % 2]
     quick = "&nodes=256&width=625&du_x=0.5&du_z=0.5" if title == "Area laws" else ""  # inexpensive
-    page = visit(f"?theme={theme}{quick}")
+    page = look(f"?theme={theme}{quick}")
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
     page.get_by_role("button", name=title, exact=True).click()

@@ -1,4 +1,4 @@
-"""Pinned runs: kept in the browser, overlaid, in numbers, in a link; in a real Chromium."""
+"""Pinned runs in Chromium: overlays, the table of numbers, links."""
 
 import pytest
 from served import MODEL, PATIENCE, finished, values_are

@@ -1,4 +1,4 @@
-"""Projector mode: text and lines for the back row, the punch and one curve, nothing of the solver."""
+"""Projector mode: large text and lines, the punch and one curve."""
 
 import pytest
 from served import finished

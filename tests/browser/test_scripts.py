@@ -1,4 +1,4 @@
-"""The scripts without a page: each module in a blank tab of a real Chromium, fed with what a worker packs."""
+"""The scripts in a blank tab of Chromium, fed with packed runs."""
 
 import base64
 import json

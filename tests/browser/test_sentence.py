@@ -1,4 +1,4 @@
-"""The live sentence: each claim that it makes, checked against the solver's own frames, over the box of the sliders."""
+"""Every claim of the live sentence, checked against the solver's frames over the slider ranges."""
 
 import base64
 import os
@@ -42,7 +42,7 @@ READ = """async ({ now, before, at, values }) => {
 
 @dataclass
 class Whole:
-    """All frames of a run, and what a page is sent of it."""
+    """All frames of a run, and its packed blocks."""
 
     scene: Scene
     frames: list
@@ -118,7 +118,7 @@ def near(a, b, scale=1.0):
 
 
 def holds(run, claim, before=None):
-    """Whether what a sentence claims is so, by the solver's frames."""
+    """Whether a claim of a sentence is true for the solver's frames."""
     name, *given = claim
     frames, scene = run.frames, run.scene
     at = frames[given[0]] if given and isinstance(given[0], int) and not isinstance(given[0], bool) else None

@@ -1,4 +1,4 @@
-"""The app served by the README's command: what a server frees and ends, and how it serves under a prefix."""
+"""The server: sessions freed, workers ended, and serving under a prefix."""
 
 import os
 import time

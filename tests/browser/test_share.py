@@ -1,4 +1,4 @@
-"""What is taken away from a run: link, QR code, pictures, data and Python lines; in a real Chromium."""
+"""The share dialog in Chromium: link, QR code, pictures, data files and Python code."""
 
 import csv
 import io
@@ -45,7 +45,7 @@ def test_link_restores_scene_and_increment_and_has_a_qr_code(sheet, visit):
 
 
 def test_copying_without_a_clipboard_works_or_says_what_to_press(visit):
-    """As on plain http: the page has no navigator.clipboard, and a promise that nobody awaited was rejected."""
+    """On plain http there is no navigator.clipboard; an unhandled promise was once rejected there."""
     page = visit()
     finished(page)
     page.evaluate(

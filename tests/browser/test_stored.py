@@ -1,4 +1,4 @@
-"""Stored runs: what they hold of the solver's, and that a page shows one while nothing else is there."""
+"""Stored runs: they match the solver, and a page shows one until the computed run arrives."""
 
 import base64
 
@@ -81,7 +81,7 @@ def test_a_stored_run_plays_without_workers_and_without_the_server(held_back):
 
 
 class HeldBack:
-    """The server's messages to a page, from the first with bytes on: passed on when they are released."""
+    """Holds back the server's messages from the first binary one on, until they are released."""
 
     def __init__(self, page):
         self.messages, self.socket, self.released = [], None, False

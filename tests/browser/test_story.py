@@ -1,4 +1,4 @@
-"""The story drawn over the punch: slips in words, the lens, and the punch dragged by hand; in a real Chromium."""
+"""The picture of the punch in Chromium: captions of slips, lens, dragging, slow motion."""
 
 import pytest
 from served import MODEL, finished, laid_out

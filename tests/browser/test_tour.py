@@ -1,4 +1,4 @@
-"""The tour and the theory page, in a real Chromium."""
+"""The tour and the theory page in Chromium."""
 
 import pytest
 from served import PATIENCE, laid_out

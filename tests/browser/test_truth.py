@@ -1,4 +1,4 @@
-"""What is on screen is true: it says whose run it is, and a lost server is told, waited for and made good."""
+"""The page states which scene its run belongs to, and reports a lost server."""
 
 import time
 
@@ -48,7 +48,7 @@ WATCHED = """() => {
 
 
 def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browser):
-    """No clock: between what was seen and what was done lie the page's own attempts, 2 s apart at most."""
+    """The page tries to reconnect every 2 s at most; the test waits for these attempts, not for a time."""
     mortal = Server()
     mortal.wait_for("workers are warm")
     page = patient(browser.new_page())

@@ -1,4 +1,4 @@
-"""Forces are drawn and told in N/m, whatever the stiffness of the run and of the one before; over wE on request."""
+"""Forces are shown in N/m for any stiffness, or normalised by wE on request."""
 
 import re
 

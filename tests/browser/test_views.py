@@ -1,4 +1,4 @@
-"""The views of the experiment in Chromium, read from their models and texts."""
+"""The views of the experiment in Chromium: their models and texts."""
 
 import pytest
 from served import MODEL, finished, laid_out, paused_at

@@ -1,4 +1,4 @@
-"""The page under its own policy in a real browser: nothing is blocked that it needs, frames only where allowed."""
+"""Security policy, refused connections and embedding, in a real browser."""
 
 import http.server
 import threading
@@ -86,7 +86,7 @@ def test_a_page_refused_after_loading_is_replaced_by_the_reason(server, browser)
 
 @pytest.fixture
 def elsewhere(server):
-    """Address of a page on another origin that shows the app in a frame."""
+    """Address of a page on another origin that embeds the app in a frame."""
 
     class Frame(http.server.BaseHTTPRequestHandler):
         def do_GET(self):

@@ -1,4 +1,4 @@
-"""`panel serve app` as its visitors have it: a server, and what tests wait for in a real browser."""
+"""A server of the app, and conditions that browser tests wait for."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Tabs of the app in a browser, with what goes wrong in them."""
+"""Tabs of the app in a browser, with their errors and requests."""
 
 import re
 
@@ -33,7 +33,7 @@ class Tabs:
             context.close()
 
     def check(self):
-        """Nothing has gone wrong or been asked from elsewhere."""
+        """Fail if a tab reported an error or made an external request."""
         assert not self.problems
         own = re.compile(rf"(http|ws)://localhost:{self.server.port}/|data:|blob:")
         assert not [url for url in self.asked if not own.match(url)]

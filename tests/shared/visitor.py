@@ -1,4 +1,4 @@
-"""Stand-ins for what surrounds a Session: the document and browser of a visitor, and a pool that does nothing."""
+"""Replacements for a visitor's document and browser, and a pool that does nothing."""
 
 import json
 import queue
