@@ -85,8 +85,8 @@ function drawCanvases() {
   if (!me.picture) return
   const { run, k } = me.picture
   drawFringes(run, k)
-  drawStory(run, k)
   drawBands(run, k)
+  drawStory(run, k) // last: it moves the lens, after which the sizes of canvases would be computed again
   if (run !== me.run) return
   if (me.drawn < 0) document.querySelector(".page").dataset.drawn = "" // figures come into sight
   me.drawn = k
