@@ -16,6 +16,7 @@ export function connect() {
   setInterval(() => { if (me.status.state === "running") tellState() }, 1000)
   view(["run", "status", "waiting", "entered", "dragging", "lost", "anchor", "begun", "drawn"], checkTruth)
   view(["status", "dragging", "waiting", "entered"], tellScene)
+  view(["status"], tellNotes)
   view(["run", "status", "playing", "lost"], tellState)
 }
 
@@ -41,19 +42,24 @@ export function heard(text) {
 let described = null // the status that the controls show
 function tellScene() {
   const { status } = me
-  if (!status.values) return
-  if (!me.waiting.length && !me.entered) { // not the echo of a position the slider has left
-    if (described !== status) describeAll(status, described?.values)
+  if (!status.values || me.waiting.length || me.entered) return // the echo of a position the slider has left
+  if (described !== status) {
+    describeAll(status, described?.values)
     described = status
-    if (status.frames > 0 && !me.dragging) writeAddress()
     namePreset()
     const look = presetSaid()
     if (by("look").textContent !== look) explain(by("look"), look)
   }
-  drawMarks(status.marks)
-  say("notes", status.notes.join(" "))
-  say("cautions", status.cautions.join(" "))
-  by("caution").hidden = !status.cautions.length
+  if (status.frames > 0 && !me.dragging) writeAddress()
+}
+
+function tellNotes() {
+  const { values, marks, notes, cautions } = me.status
+  if (!values) return
+  drawMarks(marks)
+  say("notes", notes.join(" "))
+  say("cautions", cautions.join(" "))
+  by("caution").hidden = !cautions.length
 }
 
 const SAID = 4 // parameters at most
