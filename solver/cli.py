@@ -24,7 +24,6 @@ from .command import (
     add_file,
     add_plot,
     caution,
-    scene_of,
     write,
 )
 from .derivatives import add_fit, add_sensitivities, add_spread
@@ -126,9 +125,8 @@ def add_run(commands: Any) -> None:
     add_plot(parser, "F and L, A and the contact")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
-    scene = scene_of(arguments.set, arguments.preset)
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)

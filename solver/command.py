@@ -23,12 +23,12 @@ class InputError(ValueError):
 
 
 def add_command(commands: Any, name: str, run: Callable, summary: str, text: str, epilog: str = "") -> Any:
-    """Adds the subcommand run(arguments) -> exit code, which computes a scene, and returns its parser."""
+    """Adds the subcommand run(scene, arguments) -> exit code, with options of the Scene, and returns its parser."""
     parser = commands.add_parser(name, help=summary, description=text, epilog=f"{epilog} {LISTS}")
     setting = {"nargs": "+", "action": "extend", "default": [], "metavar": "NAME=VALUE"}
     parser.add_argument("--set", **setting, help="parameters of the scene, in place of their defaults")
     parser.add_argument("--preset", metavar="NAME", help="start from this named experiment; --set changes it")
-    parser.set_defaults(command=run)
+    parser.set_defaults(command=lambda arguments: run(scene_of(arguments.set, arguments.preset), arguments))
     return parser
 
 

@@ -19,13 +19,12 @@ from .command import (
     add_file,
     add_plot,
     caution,
-    scene_of,
     settings,
     within,
     write,
 )
 from .files import write_json, write_rows
-from .scene import PARAMETERS
+from .scene import PARAMETERS, Scene
 
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
@@ -50,9 +49,8 @@ def add_sensitivities(commands: Any) -> None:
     _add(commands, "sensitivities", sensitivities, "derivatives of slips by the parameters", text, "slip and parameter")
 
 
-def sensitivities(arguments: argparse.Namespace) -> int:
+def sensitivities(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes the derivatives, writes the files asked for, prints those of the first slip; returns the exit code."""
-    scene = scene_of(arguments.set, arguments.preset)
     rows, slips = [], []
     for k, slip in enumerate(analysis.sensitivities(skeleton_of(scene)).slips, 1):
         per_cent, by = slip.per_cent(scene), {}
@@ -94,9 +92,8 @@ def add_fit(commands: Any) -> None:
     parser.add_argument("--limit", type=within(0.0, kind=float), default=USUAL.limit, metavar="SECONDS", help=limit)
 
 
-def fit(arguments: argparse.Namespace) -> int:
+def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
-    scene = scene_of(arguments.set, arguments.preset)
     options = FitOptions(starts=arguments.starts, limit=arguments.limit)
     try:
         measured = read_measurement(arguments.file, scene)
@@ -126,9 +123,8 @@ def add_spread(commands: Any) -> None:
     parser.add_argument("--draws", type=within(0), default=0, metavar="N", help=draws)
 
 
-def spread(arguments: argparse.Namespace) -> int:
+def spread(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes the band, prints the interval of each slip; returns the exit code."""
-    scene = scene_of(arguments.set, arguments.preset)
     try:
         of = deviations(scene, settings(arguments.of))
     except ValueError as error:

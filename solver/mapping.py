@@ -17,12 +17,12 @@ from .command import (
     add_plot,
     add_scheduler,
     progress,
-    scene_of,
     within,
     write,
 )
 from .files import write_rows
 from .isolated import Lost, outcomes
+from .scene import Scene
 
 
 def add_map(commands: Any) -> None:
@@ -55,9 +55,9 @@ def add_flats(commands: Any) -> None:
     add_file(parser, "csv", "a row per point", required=True)
 
 
-def mapped(arguments: argparse.Namespace) -> int:
+def mapped(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes a map and writes it; 1 if a point has no result."""
-    grid = Map(scene_of(arguments.set, arguments.preset), Axis.of(arguments.x), Axis.of(arguments.y))
+    grid = Map(scene, Axis.of(arguments.x), Axis.of(arguments.y))
     points, code = _resumed(arguments.csv, grid) if arguments.resume else [], 0
     try:
         with progress(grid.size, " points") as bar:
@@ -76,9 +76,9 @@ def mapped(arguments: argparse.Namespace) -> int:
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
 
 
-def flats(arguments: argparse.Namespace) -> int:
+def flats(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes the points that `regimes.points` lists and writes them; 1 if one has no result."""
-    asked = regimes.points(scene_of(arguments.set, arguments.preset), arguments.points)
+    asked = regimes.points(scene, arguments.points)
     rows = [dict.fromkeys(regimes.COLUMNS, "") | {"E": E, "phi_t": phi_t} for _, E, phi_t in asked]
     with progress(len(asked), " points") as bar:
         for k, result in outcomes(regimes.regime, asked, arguments.scheduler):

@@ -10,11 +10,11 @@ from .command import (
     add_file,
     add_scheduler,
     progress,
-    scene_of,
     within,
     write,
 )
 from .files import write_json
+from .scene import Scene
 
 
 def add_accuracy(commands: Any) -> None:
@@ -28,12 +28,11 @@ def add_accuracy(commands: Any) -> None:
     add_file(parser, "html", "the diagram as a page that opens offline")
 
 
-def accuracy(arguments: argparse.Namespace) -> int:
+def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
     from .validation.accuracy import measure  # imported here because `run` does not need them
     from .validation.accuracy_report import data, document
 
-    scene = scene_of(arguments.set, arguments.preset)
     with progress(100, "%") as bar:
         for done, so_far in measure(scene, arguments.quick, arguments.slips):
             bar.update(int(100 * done) - bar.n)
