@@ -33,11 +33,13 @@ def test_unloading_is_plotted_over_indentation(visit):
     page = visit("?preset=unload")
     finished(page)
     assert "δ" in page.evaluate(AXIS)
+    dashes = "document.querySelectorAll('main .forces .key .dashed').length"
+    assert page.evaluate(dashes) == 0  # both ways pass the same places: the load is a whole line, as in its key
     low, high = page.evaluate("punch.run.extent()")
     assert low <= -10 and high == 2
     page.select_option("#preset", "fig6")
     finished(page, run=2)
-    assert "Uₓ" in page.evaluate(AXIS)
+    assert "Uₓ" in page.evaluate(AXIS) and page.evaluate(dashes) == 1
     assert page.evaluate("punch.ghost") is None  # another experiment: nothing to compare
 
 

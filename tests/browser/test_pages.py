@@ -54,6 +54,8 @@ def test_a_page_is_drawn_on_desktop_or_phone(look, number):
     page = look(f"?theme={theme}{quick}")
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
+    if page.locator("#menu").is_visible():
+        page.locator("#menu").click()
     page.get_by_role("button", name=title, exact=True).click()
     page.wait_for_function(f"() => {DRAWN[title]}", timeout=PATIENCE)
     page.wait_for_function(

@@ -26,12 +26,11 @@ FAULTS = """() => {
         && getComputedStyle(e).clipPath === 'none'
     const all = (what) => [...document.querySelectorAll(what)].filter(seen)
     if (document.documentElement.scrollWidth > innerWidth) said.push(`${document.documentElement.scrollWidth} px wide`)
-    const inside = (e) => [...e.children, ...e.shadowRoot?.children ?? []]
-    const drawn = (e) => e.matches('.bk-Canvas') ? e : inside(e).reduce((found, child) => found ?? drawn(child), null)
-    const least = 100 // px
-    for (const view of all('.view')) {
-        const high = Math.min(view.clientHeight, drawn(view)?.clientHeight ?? Infinity)
-        if (high < least) said.push(`${name(view.parentElement)} has a plot ${high} px high`)
+    const least = 100 // px, of what the axes enclose
+    for (const figure of [...Bokeh.documents[0]._all_models.values()].filter((model) => model.type === 'Figure')) {
+        const view = Bokeh.index.find_one(figure)
+        if (view?.el?.checkVisibility({ visibilityProperty: true }) && view.el.clientHeight
+            && figure.inner_height < least) said.push(`${figure.name} has a plot ${figure.inner_height} px high`)
     }
     const texts = [...document.querySelectorAll('.page *')].filter((e) => seen(e)
         && [...e.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()))

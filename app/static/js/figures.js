@@ -122,8 +122,8 @@ const NAMED = 2 // parameters at most
 function nameGhost({ scene }, ghost) {
   const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
   const values = names.map((name) => `${symbolOf(name)} = ${minus(ghost.scene[name])}`).join(", ")
-  const text = names.length && names.length <= NAMED ? `before: ${values}` : "before"
-  for (const key of document.querySelectorAll(".key .ghost span")) tell(key, text)
+  const text = names.length && names.length <= NAMED ? `: ${values}` : ""
+  for (const key of document.querySelectorAll(".key .ghost .of")) tell(key, text)
 }
 
 // Which way each part of a loop is walked: heads of arrows, those of its ways at other places
@@ -168,6 +168,9 @@ function nameAxis(abscissa) {
   const [first, second] = document.querySelectorAll(".slips"), event = abscissa === "delta" ? "jump" : "slip"
   explain(first, event)
   second.textContent = event
+  const back = abscissa === "delta" // over the same indentation: dashes of both ways would fill each other's gaps
+  for (const line of ["L", "ghost_L"]) set(parts.forces[line].glyph, { line_dash: back ? "solid" : "dashed" })
+  document.querySelector("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", !back)
   const [symbol, label] = AXES[abscissa]
   for (const view of CURVES) {
     set(figures[view].below[0], { axis_label: label })
