@@ -4,7 +4,7 @@ import { frameBox } from "./bokeh.js"
 import { isShown } from "./colours.js"
 import { by, digits, on } from "./dom.js"
 import { figures } from "./figures.js"
-import { APART, middles, SHEARED, sumsIn, tableFor } from "./inside.js"
+import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile } from "./inside.js"
 import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { keep, kept } from "./storage.js"
@@ -50,25 +50,27 @@ function drawKey() {
   by("fringe-most").textContent = `${digits(ORDERS * perFringe(), 2)} GPa`
 }
 
-// The table for what is shown of a run, once it is there
+// The table for what is shown of a run, once it is there, and how deep that is, in depths of the table
 function tableNow({ head: { scene } }, half) {
   const modes = Math.max(32, Math.min(128, Math.ceil((WAVES * scene.width) / half)))
-  return tableFor(scene, { rows: ROWS, modes, depth: Math.min(half, scene.height * scene.width) })
+  const wanted = { rows: ROWS, modes, depth: Math.min(half, scene.height * scene.width) }
+  const table = tableFor(scene, wanted) ?? tableMeanwhile(scene, wanted)
+  return { table, deep: wanted.depth / table?.asked.depth }
 }
 
 export function drawFringes(run, k, canvas = by("fringes"), figure = figures.punch) {
   const box = isShown(canvas) ? frameBox(figure) : null, pen = box && cleared(canvas)
   if (!pen || !by("fringes-on").checked || run.head.flat || run.apart) return
   drawKey()
-  const table = tableNow(run, figure.x_range.end)
+  const { table, deep } = tableNow(run, figure.x_range.end)
   if (!table) return
-  paintSheet(run, k, figure, ordersIn(run, k, table, figure.x_range.end), (box.height - BAR) / box.height)
+  paintSheet(run, k, figure, ordersIn(run, k, table, figure.x_range.end), (box.height - BAR) / box.height, deep)
   pen.drawImage(sheet, box.left, box.top + BAR, box.width, box.height - BAR)
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
-// is to where it hangs on the top. part: of the view's height, that is below the top
-function paintSheet(run, k, { x_range, y_range }, found, part) {
+// is to where it hangs on the top. part: of the view's height, that is below the top; depth: of what is shown, in rows / ROWS
+function paintSheet(run, k, { x_range, y_range }, found, part, depth) {
   Object.assign(sheet, sheet.width === WIDE ? {} : { width: WIDE, height: HIGH })
   const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
   const shades = new Uint32Array(pixels.data.buffer)
@@ -88,7 +90,7 @@ function paintSheet(run, k, { x_range, y_range }, found, part) {
     const last = Math.min(HIGH, Math.ceil((high - surface) / step))
     for (let r = 0; r < last; r++) {
       const t = Math.max(0, 1 - ((r + 0.5) * step) / deep), column = (at - u - (U_x - u) * t + half) / nm - 0.5
-      const row = t * ROWS - 0.5
+      const row = t * depth * ROWS - 0.5
       const j = Math.max(0, Math.min(COLUMNS - 2, Math.floor((column * COLUMNS) / WIDE)))
       const l = Math.max(0, Math.min(ROWS - 2, Math.floor(row)))
       const p = Math.max(0, Math.min(1, (column * COLUMNS) / WIDE - j)), q = Math.max(0, Math.min(1, row - l))

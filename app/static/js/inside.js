@@ -48,6 +48,12 @@ export function tableFor(scene, wanted) {
   return table
 }
 
+// Another table of the same layer, the one made last, while the one asked for is computed
+export function tableMeanwhile(scene, { rows }) {
+  const key = JSON.stringify(GEOMETRY.map((name) => scene[name]))
+  return [...tables.values()].findLast(({ geometry, asked: of }) => JSON.stringify(geometry) === key && of.rows === rows)
+}
+
 // Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of
 // `weights` a Float32Array (rows, x.length), the row at the surface first; GPa
 export function sumsIn(run, k, { counts, factors }, x, weights) {
