@@ -149,6 +149,19 @@ def test_listeners_receive_changes_and_taps_of_a_model(still):
     still.wait_for_function("() => taps.length === 1 && taps[0] > 0 && taps[0] < 40")
 
 
+def test_canvases_over_the_punch_follow_whenever_bokeh_has_a_new_frame(still):
+    """The element of the figure keeps its size, so that only Bokeh knows of the change."""
+    still.evaluate("bokeh.set(figures.punch, { min_border_left: 250 })")
+    still.wait_for_function(
+        """() => {
+            const { left, top } = bokeh.frameBox(figures.punch), story = document.getElementById("story")
+            const alpha = (x) => story.getContext("2d").getImageData(x, top + 4, 1, 1).data[3]
+            return left >= 250 && alpha(left + 3) > 0 && alpha(left - 6) === 0 // the bar of the top begins there
+        }"""
+    )
+    still.evaluate("bokeh.set(figures.punch, { min_border_left: 0 })")
+
+
 def test_no_canvas_can_be_focused_by_the_tab_key(still):
     """Read before any view is requested, which would correct the tab index."""
     stops = """() => {

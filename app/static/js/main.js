@@ -1,7 +1,7 @@
 // The browser's half of the app. The server's page imports this file alone and calls `start` with the models.
 
 import * as address from "./address.js"
-import { plain, useIndex } from "./bokeh.js"
+import { onChange, plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import * as connection from "./connection.js"
 import { by } from "./dom.js"
@@ -18,7 +18,7 @@ import * as player from "./player.js"
 import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
-import { declared, embedded, me, redraw, view } from "./store.js"
+import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
 import * as glossary from "./terms.js"
 import { connectStored } from "./stored.js"
 import * as units from "./words.js"
@@ -55,6 +55,8 @@ export function start({ wire, figures, slots, told, index }) {
     clearTimeout(resized)
     resized = setTimeout(redraw, 100)
   }).observe(document.querySelector("figure"))
+  // and what lies over the punch, once Bokeh has its new size, which takes longer on a busy machine
+  for (const size of ["inner_width", "inner_height"]) onChange(figures.punch, size, redrawCanvases)
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
