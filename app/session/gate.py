@@ -9,10 +9,12 @@ browser.
 import asyncio
 import json
 import logging
+from contextlib import suppress
 from time import monotonic, thread_time
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
+from tornado.websocket import WebSocketClosedError
 
 from app.hosts import NamedHost
 from app.page import shared
@@ -111,8 +113,14 @@ class Gate(NamedHost, WSHandler):
             return self._turn_away(error)
         begun = thread_time()  # time of the loop alone: other processes may be busy
         if message is not None and self._session is not None:
-            await self._answer(message, found)
+            with suppress(WebSocketClosedError):  # it has left
+                await self._answer(message, found)
         await asyncio.sleep(self._wait(thread_time() - begun))  # 0 s, too, lets other visitors run
+
+    async def send_message(self, message):
+        """Send a message, unless the browser has left meanwhile. Bokeh would log a warning for each one that waits."""
+        with suppress(WebSocketClosedError):
+            await message.send(self)
 
     def _wait(self, seconds):
         """Return the wait before the next message, s, after one that took `seconds`: AT_ONCE is free, then a share."""

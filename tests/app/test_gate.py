@@ -15,6 +15,7 @@ from bokeh.protocol import Protocol
 from bokeh.protocol.receiver import Receiver
 from bokeh.util.token import generate_jwt_token
 from tornado import locks
+from tornado.websocket import WebSocketClosedError
 from visitor import NoPool, say
 
 from app.pages import Pages
@@ -172,6 +173,19 @@ def test_messages_of_a_closed_connection_are_ignored_without_a_traceback(visit, 
     monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: gate.connection.session)
     assert visit.say(visit.patch(HELLO)) == visit.say({}, "PULL-DOC-REQ") == []
     visit.gate.on_close()
+
+
+def test_messages_that_wait_when_a_browser_leaves_are_dropped_without_a_word(visit, caplog, monkeypatch):
+    async def refused(*_, **__):
+        raise WebSocketClosedError
+
+    monkeypatch.setattr(visit.gate, "write_message", refused)
+    visit.gate.write_lock, visit.gate.application_context = locks.Lock(), SimpleNamespace(url="/app")
+    monkeypatch.setattr(gate, "shared", lambda url: SimpleNamespace(document="{}"))
+    with caplog.at_level(logging.INFO):
+        waited(visit.gate.send_message(Protocol().create("ACK")))
+        visit.say({}, "PULL-DOC-REQ")
+    assert not caplog.records and not visit.closed
 
 
 def test_other_visitors_are_served_during_a_flood_of_messages(visit):
