@@ -186,6 +186,20 @@ def test_a_failed_pinned_run_sends_its_reason(session):
     assert session.pool.tasks == [task]
 
 
+def test_a_rejected_order_is_acknowledged_and_leaves_the_pinned_run_to_be_computed(session):
+    sent = []
+    session.wire.on_change("message", lambda attribute, old, new: new and sent.append(opened(new)[0]))
+    session.hello()
+    say(session, {"do": "beside", "values": {"delta_bar": "0.3"}, "beside": 3, "n": 1})
+    waiting = session.pool.tasks[-1]
+    say(session, {"do": "beside", "values": {"delta_bar": 0.4}, "beside": "4", "n": 2})
+    status = json.loads(session.wire.status)
+    assert status["heard"] == 2 and "Reload the page" in status["notes"][0]
+    assert session.pool.tasks[-1] is waiting and not waiting.cancelled()
+    waiting.set_result(NotConverged("no equilibrium"))
+    assert sent == [{"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}]
+
+
 def test_exports_use_the_newest_scene_while_it_waits(session):
     session.hello()
     session.pool.tasks[-1].set_running_or_notify_cancel()
