@@ -29,7 +29,7 @@ CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in SAME a
 COARSEST = 16  # most points of the first level, all of them runs: a picture within about 2 s on two cores
 SOURCES = 2  # neighbours from which a point is followed, at most: two ways that agree confirm each other
 # of U_s: a followed point may lie so far outside the range of U_s at the corners around it, which may be nearly equal.
-# 55 of 55 followed points of a map are then right (tests/bench/map.py); the others need a second way to them
+# Other tests, by a plane through the corners and half and twice as far, accepted the same points (tests/bench/map.py)
 SMALL = 0.01
 ALIKE = 1e-4  # nm, to which U_s agrees if two ways lead to one slip: ten times the tolerance of a state
 
