@@ -24,23 +24,23 @@ SIZES = {"bokeh": {"width": 700, "height": 240}, "matplotlib": {"aspect": 3}}
 UNITS = {"U_s": "nm", "F_s": "wE", "A_s": "w", "A_0": "w", "L_min": "wE"}
 
 
-def experiment(scene: Scene, frames: Sequence[Frame]) -> hv.Layout:
-    """F and L, A, and T_z over x, along U_x, or delta, or the path: see `load_steps.abscissa`."""
+def experiment(scene: Scene, frames: Sequence[Frame], over_top: bool = False) -> hv.Layout:
+    """F and L, A, and T_z over x, along U_x, or delta, or the path: see `load_steps.abscissa`; over_top: of the top."""
     import holoviews as hv
 
     _ready()
     along = abscissa(scene)
     across, force, area = (
-        hv.Dimension(along, unit="nm"),
+        hv.Dimension(f"{along}_top" if over_top else along, unit="nm"),
         hv.Dimension("force", unit="N/m"),
         hv.Dimension("A", unit="nm"),
     )
-    at = [place(scene, f) for f in frames]
+    at = [getattr(f, f"{along}_top") if over_top else place(scene, f) for f in frames]
     forces = hv.Overlay(
         [hv.Curve((at, [getattr(f, name) for f in frames]), across, force, label=name) for name in "FL"]
     )
     areas = hv.Curve((at, [frame.A_bar * frame.scene.width for frame in frames]), across, area)
-    return _sized(forces + areas + _contact_map(scene, frames, across))
+    return _sized(forces + areas + _contact_map(scene, frames, hv.Dimension(along, unit="nm")))
 
 
 def _contact_map(scene, frames, across):

@@ -83,9 +83,15 @@ class Result:
         """The Skeleton of the scene, from which curves at other parameters follow. Raises NotFollowed."""
         return skeleton_of(self.scene)
 
-    def plot(self) -> hv.Layout:
-        """F and L, A, and the normal traction over place and displacement, as a HoloViews layout."""
-        return plots.experiment(self.scene, self._after)
+    def plot(self, over_top: bool = False) -> hv.Layout:
+        """F and L, A, and the normal traction over place and displacement, as a HoloViews layout.
+
+        over_top: draw F, L and A over the displacement of the top of the layer, not of the stage. Only a drive with a
+        stiffness makes a difference. Raises ValueError for a path through points, whose length is that of the stage.
+        """
+        if over_top and self.scene.legs:
+            raise ValueError("over_top = True; allowed with path 'shear', 'unload' or 'loop'; plot over the stage")
+        return plots.experiment(self.scene, self._after, over_top)
 
     def save(self, file: str | PathLike) -> None:
         """Writes the plot as HTML, or as PNG (needs matplotlib). Raises ValueError for another suffix."""

@@ -82,7 +82,7 @@ LABELS = {control.name: control.label for control in CONTROLS}
 RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # in the app
 WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # {unit: name of that length in Scene}
 READ = {"preset", "profile", *PARAMETERS}  # in an address, for the server
-BESIDE = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force")  # in an address, for the browser
+BESIDE = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force", "over")  # in an address, for the browser
 STAYS = " The run on screen stays."
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

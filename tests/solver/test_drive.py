@@ -7,7 +7,7 @@ import plain_gfmd
 import pytest
 from scipy.optimize import brentq
 
-from solver import Scene, SceneError, load_path
+from solver import Scene, SceneError, load_path, simulate
 from solver.analysis.energy_balance import work_of
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force
@@ -181,6 +181,16 @@ def test_curves_have_columns_of_the_top_only_with_a_drive():
     curves = curves_of(frames)
     assert curves["U_x_top"][-1] == frames[-1].U_x_top < frames[-1].U_x == curves["U_x"][-1]
     assert "U_x_top" not in curves_of(list(load_path(PUNCH.changed(u_x_max=0.5))))
+
+
+def test_plot_draws_forces_over_the_top_on_request():
+    result = simulate(PUNCH.changed(drive_t=8.0, u_x_max=2.0))
+    table = result.table[result.table["stage"] == "shear"]
+    for over_top, column in ((False, "U_x (nm)"), (True, "U_x_top (nm)")):
+        forces = next(iter(result.plot(over_top)))
+        assert next(iter(forces)).dimension_values(0) == pytest.approx(table[column])
+    with pytest.raises(ValueError, match="plot over the stage"):
+        simulate(PUNCH.changed(path="points", points="0,-1; 0,-0.9")).plot(over_top=True)
 
 
 def test_message_of_a_transient_without_rest_suggests_no_inertia_for_a_soft_drive():

@@ -75,7 +75,7 @@ export function restore(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "pin", "force"]
+const VIEWED = ["theme", "embed", "tour", "view", "pin", "force", "over"]
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return

@@ -112,9 +112,9 @@ function watch() {
     write()
     card.querySelector("button.answer")?.focus()
   }
-  if (phase === "show" && me.run.along[Math.max(0, me.drawn)] >= STOPS[at].to) {
+  if (phase === "show" && me.run.curves.U_x[Math.max(0, me.drawn)] >= STOPS[at].to) {
     // a slow machine plays in leaps
-    goto(me.run.along.findIndex((place, k) => k >= me.run.sheared && place >= STOPS[at].to))
+    goto(me.run.curves.U_x.findIndex((place, k) => k >= me.run.sheared && place >= STOPS[at].to))
     phase = "why"
     write()
   }
