@@ -28,7 +28,7 @@ SMALL = {"nodes": 256, "width": 625.0, "tolerance": 1e-11}
 SCENES = {  # name: what differs from the defaults of Scene
     "default": {"u_x_max": 20.0, "tolerance": 1e-11},
     "wavy": {"surface": "wave", "delta_bar": 0.3, "amplitude": 3.0, "u_x_max": 24.0} | SMALL,
-    "rough": {"surface": "rough", "delta_bar": 0.3, "seed": 3, "cut_off": 0.1, "u_x_max": 12.0} | SMALL,
+    "rough": {"surface": "rough", "delta_bar": 0.0, "seed": 3, "cut_off": 0.1, "u_x_max": 12.0} | SMALL,
     "flat": {"surface": "flat", "delta_bar": 0.1, "phi_ratio": 0.1, "damping": 4.0, "u_x_max": 12.0} | SMALL,
     "soft": {"E": 20.0, "delta_bar": 0.2, "u_x_max": 24.0} | SMALL,
     "held load": {"hold": "load", "delta_bar": 0.4, "u_x_max": 12.0} | SMALL,

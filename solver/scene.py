@@ -26,9 +26,8 @@ PATHS = {
 }
 DAMPING = "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped"
 UNDERDAMPED = "with less, waves of the contact flutter and never come to rest"
-# MPa/nm; the default layer has some 10 along x and 100 along z. A normal drive at the low end is a held load to 1e-5,
-# and still softer ones diverge where they fall into contact
-DRIVE = 1e-3, 1e6, "MPa/nm"
+# MPa/nm; the default layer has some 10 along x and 100 along z. A normal drive at the low end is a held load to 1e-5
+DRIVE = 1e-6, 1e6, "MPa/nm"
 RESIDUAL = "largest residual max |U + C T(u) - u| of a converged frame"
 LAWS = {
     "np1": "the paper's, whose resistance to shear grows with overclosure",
@@ -221,8 +220,12 @@ class Scene:
             return ()
         pairs = POINTS.read("points", self.points)
         corners = [(U_x, delta_bar * self.delta_0) for U_x, delta_bar in pairs]
-        steps = self.du_x * self.delta_t, self.du_z * self.delta_n
-        return tuple(Leg(begin, end, *steps) for begin, end in pairwise(corners))
+        return tuple(Leg(begin, end, *self.steps) for begin, end in pairwise(corners))
+
+    @property
+    def steps(self) -> tuple[float, float]:
+        """Increments of U_x and of delta, nm."""
+        return self.du_x * self.delta_t, self.du_z * self.delta_n
 
     @property
     def spacing(self) -> float:

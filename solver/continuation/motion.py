@@ -47,6 +47,8 @@ OPTIONS = MotionOptions()
 class Motion:
     """Coordinates y, complex (2, modes), and their change per step, from rest, under a `load`, nm, that may change."""
 
+    least = 1.0  # stiffness of the interface, over the closed one, below which steps grow no more
+
     def __init__(self, dynamics, y, load, damping, closed):
         """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
@@ -62,7 +64,7 @@ class Motion:
 
         pace: factor of the usual steps.
         """
-        power = ceil(log2(max(stiffness, self.closed) / OPTIONS.safe)), pace
+        power = ceil(log2(max(stiffness, self.least * self.closed) / OPTIONS.safe)), pace
         if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= OPTIONS.idle:
             return  # frequent changes would add energy
         mass, self._keep, self._push, self.step = self._tables(*power)
@@ -123,6 +125,8 @@ class ExplicitMotion(Motion):
 
 class Creep(Motion):
     """The overdamped limit, without masses, by linearly implicit steps; the unit of time makes gamma one."""
+
+    least = 2.0**-10  # under a soft drive surfaces fall from afar, where a step is T over this stiffness
 
     def _of_stiffness(self, power, pace):
         k, sigma = self.dynamics.stiffness, 2.0**power

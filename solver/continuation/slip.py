@@ -5,7 +5,7 @@ equilibrium; `landing` decides whether that depends on the time step or the star
 """
 
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -38,8 +38,9 @@ class SlipOptions:
     # changes of a node at the edge of the window, after which it stays as it is, so that it cannot swing for ever;
     # 5 and 20 make no difference (tests/bench/constants.py)
     come_and_go: int = 10
-    # periods of the slowest mode, over a damping below one, after which a motion is restless: by then it has decayed by
-    # exp(-16 pi) at critical damping
+    # periods of the slowest mode, over its decay in units of the critical one, after which a motion is restless: by
+    # then the mode has decayed by exp(-16 pi). Without that factor, a strongly damped fall under a soft drive had no
+    # time to come to rest
     patience: float = 8.0
     least: int = 4000  # steps of a restless motion, at least, half of what the slowest slip of the slider box takes
     # part of the rise since the end of the branch by which each check raises the load of a restless motion; with ten
@@ -222,7 +223,8 @@ class Transient:
         """Whether the motion has lasted so long that it may never rest."""
         if not isfinite(self.damping):
             return self.steps > 10 * self.options.least  # without inertia, it comes to rest more slowly
-        period = 4.0 * np.pi / (self.dynamics.critical * min(1.0, self.damping))
+        slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
+        period = 4.0 * np.pi / (self.dynamics.critical * slow)
         return self.steps > self.options.least and self.elapsed > self.options.patience * period
 
     def check(self) -> None:

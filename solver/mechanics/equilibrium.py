@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numba import njit
-from scipy.linalg.lapack import sgetrf, sgetri
+from scipy.linalg.lapack import dgetrf, dgetri, sgetrf, sgetri
 
 from ..continuation.state import PulledOff
 from .linearised import Linearised
@@ -19,6 +19,8 @@ from .surface import Surface
 # Stiffness of springs over that of the layer against one node, from which single nodes may rest in several places. In
 # theory they may from 1 on; 1 gives the same slips with as many evaluations (tests/bench/constants.py).
 LOOSE = 2.0
+# Share of the drive in the compliance to a uniform traction from which single precision is too coarse for an inverse
+SOFT = 0.999
 BLOCK = 64  # columns that LAPACK inverts at a time; with 3, scipy's default, it takes twice as long
 
 
@@ -90,6 +92,8 @@ class Equilibrium:
         surface, part, T = self.motion(), self.contact.part, np.zeros((2, self.contact.count))
         T[:, part] = self.traction(v, active)
         out = surface.through(T, surface.operators[1]) + np.array(self.top(v, s))[:, None]
+        # where v is no equilibrium, the force on a soft drive says little of where the top is; the patch does
+        out += self.contact.modes.drawn[:, None] * (self.surface(v) - out[:, part]).mean(axis=1, keepdims=True)
         out[:, part] = self.surface(v)
         return out
 
@@ -119,15 +123,17 @@ class Equilibrium:
         if tangent is None:
             return None
         inner[: 2 * self.nodes] = np.tile(active, 2)
-        columns = np.asarray(-tangent.T, np.float32, order="F")  # LAPACK reads columns
-        factors, pivots, singular = sgetrf(columns, overwrite_a=True)
+        soft = max(self.contact.modes.drawn) > SOFT
+        number, factorise, invert = (np.float64, dgetrf, dgetri) if soft else (np.float32, sgetrf, sgetri)
+        columns = np.asarray(-tangent.T, number, order="F")  # LAPACK reads columns
+        factors, pivots, singular = factorise(columns, overwrite_a=True)
         if singular:
             return None
-        inverse = sgetri(factors, pivots, lwork=BLOCK * len(tangent), overwrite_lu=True)[0].T
+        inverse = invert(factors, pivots, lwork=BLOCK * len(tangent), overwrite_lu=True)[0].T
 
         def solved(r):
             w = np.zeros(r.size)
-            w[inner] = inverse @ r[inner].astype(np.float32)
+            w[inner] = inverse @ r[inner].astype(number)
             return np.where(inner, w, r + linearised.tangent(w))
 
         return solved

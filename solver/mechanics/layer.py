@@ -55,7 +55,8 @@ class Modes:
     The springs of a drive, between the top and the stage, add their compliance to that of the uniform mode q = 0.
 
     Attributes, shared between runs and not to be written to: stiffness (GPa/nm) and compliance (nm/GPa), each
-    (3, nodes//2 + 1) with rows xx, zz, c. A read-only flag would be another type, for which kernels compile again.
+    (3, nodes//2 + 1) with rows xx, zz, c; drawn (2,), the drive's share of the compliance at q = 0 along x and z. A
+    read-only flag would be another type, for which kernels compile again.
     """
 
     def __init__(self, nodes, width, height, E, nu, drive=(0.0, 0.0)):
@@ -64,7 +65,9 @@ class Modes:
         self.stiffness = stiffness(2.0 * np.pi * np.arange(nodes // 2 + 1) / width, height, E, nu)
         if nodes % 2 == 0:
             self.stiffness[2, -1] = 0.0
-        self.stiffness[:2, 0] /= 1.0 + self.stiffness[:2, 0] * drive
+        of_drive = self.stiffness[:2, 0] * drive  # compliance over that of the layer
+        self.stiffness[:2, 0] /= 1.0 + of_drive
+        self.drawn = of_drive / (1.0 + of_drive)
         self.compliance = _inverse(self.stiffness)
 
     @cached_property

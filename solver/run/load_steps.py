@@ -5,10 +5,12 @@ the one with direction (-1, 0). Every step begins with the state that the one be
 """
 
 from dataclasses import dataclass, replace
-from math import copysign, hypot, inf
+from itertools import pairwise
+from math import hypot, inf
 
 from ..mechanics.equilibrium import Equilibrium
-from .frame import moving
+from ..scene import Leg
+from .frame import STAGES, kind, moving
 from .loading import Loading, sideways, vertical
 
 # delta_0 above first touch, where a retraction ends even if the punch still adheres: a punch on E = 0.5 GPa detaches at
@@ -40,9 +42,9 @@ class LoadStep:
 
 def load_steps_of(scene) -> tuple[LoadStep, ...]:
     """The LoadSteps of a scene's path, in order."""
-    if scene.legs:
-        return tuple(_straight(number, leg) for number, leg in enumerate(scene.legs, 1))
-    return _lowering(scene, "approach"), *_FOLLOWING[scene.path](scene)
+    numbered = [f"{number} {_moving(leg)}" for number, leg in enumerate(scene.legs[1:], 2)]
+    stages, legs = ("approach", *numbered, *_STAGES.get(scene.path, ())), scene.legs or _legs(scene)
+    return tuple(_straight(scene, *each) for each in zip(stages, legs, strict=True))
 
 
 def abscissa(scene) -> str:
@@ -74,60 +76,39 @@ def lifts(scene) -> bool:
     return not any(step.loading.direction[0] for step in load_steps_of(scene))
 
 
-def _straight(number, leg):
-    """The LoadStep of a Leg; the first one is the approach."""
+# After the approach. Unload goes up to where the approach began, or until the punch is free: adhesion hysteresis
+_STAGES = {"shear": ("shear",), "unload": ("unload", "reload"), "loop": ("shear", "back", "forth")}
+
+
+def _legs(scene):
+    """The Legs of a path that has a name."""
+    begin, pressed, far = (0.0, -scene.delta_0), (0.0, scene.delta), scene.shear_at(scene.shear_increments)
+    there, back = (far, scene.delta), (-far, scene.delta)
+    ends = {"shear": (there,), "unload": (begin, pressed), "loop": (there, back, there)}[scene.path]
+    return [Leg(*ends, *scene.steps) for ends in pairwise((begin, pressed, *ends))]
+
+
+def _moving(leg):
+    """The stage of a Leg between points."""
+    if leg.across and leg.down:
+        return "move"
+    return ("shear" if leg.across > 0.0 else "back") if leg.across else "reload" if leg.down > 0.0 else "unload"
+
+
+def _straight(scene, stage, leg):
+    """The LoadStep of a Leg."""
     (x, delta), (x_end, delta_end), du_x, du_z = leg
-    if not leg.across:
-        sign = copysign(1.0, leg.down)
-        stage, loading = ("reload" if sign > 0.0 else "unload"), vertical(sign, x)
-        start, end, increment = sign * delta, sign * delta_end, du_z
-    elif not leg.down:
-        sign = copysign(1.0, leg.across)
-        stage, loading = ("shear" if sign > 0.0 else "back"), sideways(sign, -delta)
-        start, end, increment = sign * x, sign * x_end, du_x
-    else:
+    (name, sign), held = STAGES[kind(stage)], False
+    if kind(stage) == "move":
         start, end = 0.0, hypot(leg.across, leg.down)
-        stage, loading = "move", Loading("path", (x, -delta), (leg.across / end, -leg.down / end))
+        loading = Loading("path", (x, -delta), (leg.across / end, -leg.down / end))
         increment = end / leg.increments
-    return LoadStep("approach" if number == 1 else f"{number} {stage}", loading, start, increment, leg.increments, end)
-
-
-def _lowering(scene, stage):
-    """From delta_0 above first touch to the scene's indentation."""
-    du_z = scene.du_z * scene.delta_n
-    return LoadStep(stage, vertical(1.0), -scene.delta_0, du_z, scene.approach_increments, scene.delta)
-
-
-def _shear(scene):
-    return (_sliding(scene, "shear", 1.0, 0.0, scene.shear_increments),)
-
-
-def _unload(scene):
-    """Adhesion hysteresis: up to where the approach began, or until the punch is free, and down again."""
-    du_z, n = scene.du_z * scene.delta_n, scene.approach_increments
-    up = LoadStep("unload", vertical(-1.0), -scene.delta, du_z, n, scene.delta_0, until_free=True)
-    return up, _lowering(scene, "reload")
-
-
-def _loop(scene):
-    """Friction loop: to the largest U_x, back to its negative and forth again."""
-    n = scene.shear_increments
-    far = scene.shear_at(n)
-    return (
-        _sliding(scene, "shear", 1.0, 0.0, n),
-        _sliding(scene, "back", -1.0, -far, 2 * n),
-        _sliding(scene, "forth", 1.0, -far, 2 * n),
-    )
-
-
-_FOLLOWING = {"shear": _shear, "unload": _unload, "loop": _loop}
-
-
-def _sliding(scene, stage, sign, start, increments):
-    """Along sign U_x from `start` (nm), at the scene's indentation or held load."""
-    held = scene.hold == "load"
-    loading = sideways(sign, 0.0 if held else -scene.delta)
-    return LoadStep(stage, loading, start, scene.du_x * scene.delta_t, increments, held=held)
+    elif name == "delta":
+        start, end, increment, loading = sign * delta, sign * delta_end, du_z, vertical(sign, x)
+    else:
+        start, end, increment, held = sign * x, sign * x_end, du_x, scene.hold == "load"
+        loading = sideways(sign, 0.0 if held else -delta)
+    return LoadStep(stage, loading, start, increment, leg.increments, end, held, until_free=stage == "unload")
 
 
 def stretched(load_steps, step) -> tuple[LoadStep, ...]:

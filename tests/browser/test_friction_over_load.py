@@ -87,6 +87,20 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     assert len(page.evaluate(COLUMN.format("E", "L"))) == 1  # compared with the run before
 
 
+def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(visit):
+    points = "0,-1; 0,0.2; 4,0.2; 4,-1"
+    page = visit(f"?page=load&{ADDRESS}&path=points&points={points}")
+    finished(page)
+    has_points(page, 1)
+    frames = load_path(Scene(**COARSE | {"path": "points", "points": points}))
+    frame = next(frame for frame in frames if frame.stage != "approach" and frame.slips)
+    assert frame.stage == "3 unload"  # the shear ends before a slip, and the pull-off is one
+    point = [page.evaluate(COLUMN.format("several", column))[0] for column in ("L", "F")]
+    event = frame.slips[0]
+    assert point == pytest.approx([event.L_bar * frame.unit, event.F_bar * frame.unit], rel=1e-4, abs=1e-3)
+    assert page.evaluate(COLUMN.format("several", "said"))[0].startswith("first slip of the path, in stage 3 unload,")
+
+
 @pytest.mark.thorough
 def test_points_are_exported_as_table_and_csv(opened):
     page = opened

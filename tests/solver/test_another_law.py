@@ -85,6 +85,15 @@ def test_a_run_with_the_potential_law_agrees_with_an_explicit_gfmd(E, delta_bar,
         assert np.abs(ours - theirs).max() <= 1e-5 * np.abs(theirs).max()
 
 
+def test_where_it_and_the_gfmd_differ_a_node_lies_at_the_edge_of_the_window():
+    """L differs by more than the runs' tolerance allows only while such a node is inside for one of them alone."""
+    scene = SMALL.changed(delta_bar=0.3, phi_ratio=0.2, u_x_max=3.0, du_x=0.2, du_z=0.5)
+    for window_n, bound in ((10.0, 1e-4), (20.0, 1e-7)):
+        wide = scene.changed(window_n=window_n)
+        ours, theirs = (np.array([each.L_bar for each in of(wide)]) for of in (load_path, run))
+        assert np.abs(ours - theirs).max() <= bound * np.abs(theirs).max()
+
+
 def test_no_state_of_the_potential_law_can_flutter():
     """With a symmetric tangent the safe damping vanishes, however weak the damping."""
     frames = simulate(SMALL.changed(damping=0.2, nodes=256, width=640.0, u_x_max=3.0)).frames

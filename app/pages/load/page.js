@@ -50,9 +50,9 @@ function axis(range, name) {
   set(figures.load_slips[range], { start: low - room, end: high + room })
 }
 
-// The parameter that changed, and those with a slider
-const said = ({ changed, scene }) => [...new Set([changed ?? [], NAMED].flat())]
-  .map((name) => value(name, scene[name])).join(", ")
+// The parameter that changed, and those with a slider; of a path through points also the stage of the slip
+const said = ({ changed, scene, stage }) => [stage ? `first slip of the path, in stage ${stage}` : [],
+  ...[...new Set([changed ?? [], NAMED].flat())].map((name) => value(name, scene[name]))].flat().join(", ")
 
 const cell = (given) => (typeof given === "number" ? given : `"${`${given ?? ""}`.replaceAll('"', '""')}"`)
 

@@ -151,6 +151,9 @@ export class Run extends Frames {
   // What curves are drawn over after the approach: U_x, or delta where that is what changes; nm
   get along() { return this.over(this.head.abscissa) }
 
+  // The same of the stage
+  get way() { return this.curves[this.head.abscissa] }
+
   // The frame at which a run is played from
   get beginning() { return this.normal ? 0 : Math.max(0, this.sheared) }
 
@@ -314,7 +317,7 @@ export class Run extends Frames {
     const { span, step } = this.head
     if (approach) return this.head.approach.slice(0, 2)
     if (this.head.abscissa === "path") return span
-    const low = this.curves[this.head.abscissa].reduce((a, b) => Math.min(a, b), span[0])
+    const low = this.way.reduce((a, b) => Math.min(a, b), span[0])
     return [this.sheared >= 0 && low < span[0] - 0.5 * step ? low : span[0], span[1]]
   }
 }

@@ -181,6 +181,10 @@ export function eventOf(run, at) {
 }
 export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
 
+// The same, of any stage after the approach on a path through points
+export const firstOfPath = (run) => (run.head.abscissa !== "path" ? firstSlip(run)
+  : eventOf(run, run.curves.slip.findIndex((slipped, i) => slipped && i > Math.max(0, run.sheared))))
+
 const CHANGES = { // parameter: what more and less of it is called
   E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"],
   phi_ratio: ["A stronger grip sideways", "A weaker grip sideways"],
@@ -208,7 +212,7 @@ export function changeSaid(run, before) {
   const now = firstSlip(run), then = firstSlip(before)
   if (!now && !then) return swings(smooth(run, run.length - 1), smooth(before, before.length - 1), head)
   if (!now)
-    return tell("change smooth", `${head}: no slip any more within ${nm(run.curves[run.head.abscissa].at(-1))}.`, ["slips", false],
+    return tell("change smooth", `${head}: no slip any more within ${nm(run.way.at(-1))}.`, ["slips", false],
       ["slipped before", true])
   if (!then)
     return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true],

@@ -1,9 +1,11 @@
 // Friction over load: the first slip of every computed run that this visitor has seen.
 
-import { firstSlip } from "./sentence.js"
+import { firstOfPath } from "./sentence.js"
 import { exact, me, view } from "./store.js"
 
-export const points = [] // {key, U (nm), F, L (N/m), scene, changed: the one parameter that differs, or null}
+// {key, U (nm), F, L (N/m), scene, changed: the one parameter that differs, or null; stage: of a slip on a path through
+// points, whose U is that of the increment}
+export const points = []
 let last = null // the point of the run seen last
 let read = null // the run read last
 
@@ -13,8 +15,9 @@ export const connectSlips = () => view(["run", "status"], () => { if (me.run) co
 export function collect(run) {
   if (run === read || !run.whole || !exact(run) || run.carried) return
   read = run
-  const slip = firstSlip(run), { scene } = run.head
+  const slip = firstOfPath(run), { scene, abscissa } = run.head
   if (!slip) return
+  if (abscissa === "path") Object.assign(slip, { stage: run.leg(slip.at), U: run.curves.U_x[slip.at] })
   const key = JSON.stringify(scene), names = last ? Object.keys(scene).filter((name) => differ(name, scene)) : []
   const known = points.find((point) => point.key === key)
   if (!known) points.push({ key, ...slip, scene, changed: names.length === 1 ? names[0] : null })
