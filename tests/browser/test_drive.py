@@ -101,7 +101,7 @@ def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(visit):
     assert len(slip_F) == len(ends)
 
     k = next(k for k, frame in enumerate(frames) if frame.slips)
-    page.evaluate("k => { punch.at = punch.run.sheared + k; punch.fresh = true }", k)
+    page.evaluate("k => { punch.at = punch.run.sheared + k }", k)
     page.wait_for_function("k => punch.drawn === punch.run.sheared + k && !punch.fresh", arg=k)
     assert page.evaluate(f"{MODEL.format('forces.cursor')}.location") == pytest.approx(at[k], abs=1e-4)
     assert page.evaluate("([x, k]) => punch.run.nearest(x, k)", [at[k], page.evaluate("punch.at")]) >= k
