@@ -224,3 +224,24 @@ def test_page_state_rejects_undeclared_fields(tab):
     })"""
     tab.evaluate("document.body.innerHTML = ''")
     assert tab.evaluate(f"(async () => {{ 'use strict'; return await {refused} }})()") == [3, "TypeError"]
+
+
+def test_views_of_changed_fields_draw_together_once_also_if_one_fails(tab):
+    drawn = tab.evaluate(
+        """async () => {
+            const { cover, me, set, view } = await import("http://scripts/js/store.js")
+            const drawn = [], flushed = () => new Promise((then) => setTimeout(then))
+            cover(["at"], () => drawn.push(`over ${me.at}`))
+            view(["at"], () => { throw new Error("one view fails") })
+            view(["at", "preview"], () => drawn.push(`${me.at} ${me.preview}`))
+            view(["drawn"], () => drawn.push("unchanged"))
+            await flushed()
+            drawn.length = 0
+            me.at = 5
+            set({ at: 6, preview: 7 })
+            me.preview = 7
+            await flushed()
+            return drawn
+        }"""
+    )
+    assert drawn == ["6 7", "over 6"]
