@@ -80,6 +80,7 @@ function step(time) {
 // The slider of the motion, in the place of that of the run: where it is put, the motion rests
 const scrub = make("input", { type: "range", value: 0, id: "film-scrub", "aria-label": "State of the slip shown" })
 scrub.addEventListener("input", () => {
+  if (!me.film) return // it has come to its end
   film.clock = ((Number(scrub.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
   if (!me.film.paused) toggle()
 })
