@@ -10,11 +10,11 @@ from threading import Thread
 import numpy as np
 from tornado.ioloop import IOLoop, PeriodicCallback
 
-from app import telling, web
+from app import server_log, web
 from app.page import shared
 from app.service import metrics, worker
-from app.service.finished import fill, shelf
 from app.service.pool import LATER, NOBODY, pool
+from app.service.run_cache import fill, run_cache
 from app.service.stored import row
 from app.session.session import visitors
 from solver import Scene
@@ -29,13 +29,13 @@ shared(f"/{Path(__file__).parent.name}")
 
 def on_server_loaded(server_context):
     """Start the workers, then load code and compute runs that the first page does not need: the port is open."""
-    telling.begin()
+    server_log.configure()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
-    PeriodicCallback(metrics.pulse.beat, 1000 * metrics.Pulse.EVERY).start()
-    telling.say_where()
+    PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()
+    server_log.log_addresses()
     Thread(target=_load, name="load", daemon=True).start()
-    fill(shelf, pool, [preset.scene for preset in row().values()], IOLoop.current().add_callback)
+    fill(run_cache, pool, [preset.scene for preset in row().values()], IOLoop.current().add_callback)
     gc.collect()
     gc.freeze()  # Panel collects garbage after every visit: objects from before the first visit are skipped
 

@@ -1,7 +1,7 @@
 """The page, composed once for all visitors. Each visitor gets it with marks replaced, and has only few own models.
 
 A visitor's document on the server has the wire and the slots for figures of pages, with the same ids for all visitors.
-All other models exist only in the browser, which receives the document as text (session/gate.py).
+All other models exist only in the browser, which receives the document as text (session/message_filter.py).
 """
 
 import json
@@ -142,7 +142,7 @@ def _stored(files):
     return {Path(name).stem: address for name, address in files.items() if name.endswith(".bin")}
 
 
-def _told(files):
+def _declarations(files):
     """Return the declarations of presets, nodes, terms and sliders that the browser needs."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
@@ -162,11 +162,11 @@ def _player(wire, figures, slots, files):
             "wire": wire,
             "figures": figures,
             "slots": slots,
-            "told": json.dumps(_told(files)),
+            "declarations": json.dumps(_declarations(files)),
             "main": next(name for name in files if name.endswith("/main.js")),
         },
         code="""
-            const given = { wire, figures, slots, told, index: cb_context.index }
+            const given = { wire, figures, slots, declarations, index: cb_context.index }
             import(new URL(main, document.baseURI)).then(({ start }) => start(given))
         """,
     )

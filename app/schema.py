@@ -15,7 +15,7 @@ WEAK = f"attraction below {100 * FREE:g} % of its peak"
 class Node:
     """Style and label of the nodes in one state; both the shape and the colour show the state."""
 
-    said: str
+    label: str
     mark: str
     marker: str
     size: int
@@ -27,7 +27,7 @@ class Node:
 class Curve:
     """Style and label of a curve."""
 
-    said: str
+    label: str
     colour: str
     dash: str = "solid"
     symbol: str = ""

@@ -24,8 +24,8 @@ from app.hosts import NamedHost
 from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
-from app.session.controls import BESIDE, READ
-from app.session.gate import TOKEN, Gate, is_full
+from app.session.controls import FOR_BROWSER, FOR_SERVER
+from app.session.message_filter import TOKEN, MessageFilter, is_full
 from app.session.session import VISITORS
 
 log = logging.getLogger("app")
@@ -105,8 +105,8 @@ class Page(NamedHost, Plain, DocHandler):
     def known_arguments(self):
         """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
-        others = [name for name in given if name not in READ | {*BESIDE}][:STRANGE]
-        return {name: given[name] for name in given if name in READ} | {name[:40]: [] for name in others}
+        others = [name for name in given if name not in FOR_SERVER | {*FOR_BROWSER}][:STRANGE]
+        return {name: given[name] for name in given if name in FOR_SERVER} | {name[:40]: [] for name in others}
 
     def token_for(self, arguments):
         """Return the token for the connection: it has the id of a session, and the arguments of the address."""
@@ -197,7 +197,7 @@ def install():
     """Install these handlers for all servers of this process. Call it before a server is made; it may be repeated."""
     if any(issubclass(each[1], Files) for each in urls.per_app_patterns):
         return
-    ours = {"/ws": Gate, "/?": Page}
+    ours = {"/ws": MessageFilter, "/?": Page}
     patterns = [(each[0], ours.get(each[0], each[1])) for each in urls.per_app_patterns if each[0] != "/autoload.js"]
     urls.per_app_patterns[:] = [
         (r"/static/(.*)", Files),

@@ -12,7 +12,7 @@ page.html is its section of the document. Without it, the section has a title an
 A page publishes one dictionary. The browser shows these entries of it, and page.js receives all:
 
     texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)},
-    tables {element: rows}; a cell is a text or a button {said, pressed, ask: the order that it sends}
+    tables {element: rows}; a cell is a text or a button {label, pressed, ask: the order that it sends}
 """
 
 import json
@@ -71,7 +71,7 @@ class Sheet:
     def __init__(self, session, publish, views):
         self.session, self.publish, self.views = session, publish, views
         self.published = {}
-        self.sweep, self.wanted = Requests(session, self.take), Requests(session)
+        self.sweep, self.single = Requests(session, self.take), Requests(session)
 
     def start(self):
         """Called when the page opens."""
@@ -92,11 +92,11 @@ class Sheet:
     def close(self):
         """Cancel all calls."""
         self.sweep.cancel()
-        self.wanted.cancel()
+        self.single.cancel()
 
-    def draw(self, slot, label, **columns):
+    def draw(self, slot, part, **columns):
         """Replace data columns of a part of a figure."""
-        source = self.views[slot].parts[label].data_source
+        source = self.views[slot].parts[part].data_source
         source.data = dict(source.data) | columns
 
 
@@ -106,14 +106,14 @@ class Pages:
     def __init__(self, session):
         self.session = session
         self.slots = places()
-        self.name, self.page, self.kept = "", None, {}  # kept: {name: page} of those that stay
+        self.name, self.page, self.closed = "", None, {}  # closed: {name: page} of those that stay
 
     def open(self, name):
         """Show page `name` instead of the open one; '' shows none."""
         self._leave()
         if name not in listed():
             return
-        page = self.kept.pop(name, None) or self._made(name)
+        page = self.closed.pop(name, None) or self._made(name)
         self.name, self.page = name, page
         with self.session.doc.models.freeze():  # Bokeh then collects the models once
             for slot, view in page.views.items():
@@ -134,7 +134,7 @@ class Pages:
         if self.page is not None:
             page, self.page = self.page, None
             if page.stays:
-                self.kept[self.name] = page
+                self.closed[self.name] = page
             else:
                 page.close()
             for slot in page.views:
@@ -145,9 +145,9 @@ class Pages:
     def close(self):
         """Cancel all calls: the visitor left."""
         self._leave()
-        for page in self.kept.values():
+        for page in self.closed.values():
             page.close()
-        self.kept.clear()
+        self.closed.clear()
 
     def scene_changed(self):
         """The experiment shows another scene from now on."""

@@ -20,7 +20,7 @@ class Session:
     """The parts of a session that a Sheet needs. `submit` runs a call at once."""
 
     def __init__(self, scene):
-        self.scene, self.bench = scene, SimpleNamespace(told={}, hear=None)
+        self.scene, self.bench = scene, SimpleNamespace(report={}, on_change=None)
         self.doc = self.pool = self
 
     def add_next_tick_callback(self, call):
@@ -31,7 +31,7 @@ class Session:
         """Run a call and return its finished Future; see the pool."""
         done, made = Future(), call(*arguments)
         while isinstance(made, Part):
-            made = call(*arguments, made.kept)
+            made = call(*arguments, made.state)
         done.set_result(made)
         return done
 

@@ -8,7 +8,7 @@ from app.service.measuring import work
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
-turn = threading.Lock()  # one measurement at a time: two at once would slow each other down
+lock = threading.Lock()  # one measurement at a time: two at once would slow each other down
 LOOK = 0.1  # s between two checks whether a waiting measurement is still needed
 LONGEST = 600.0  # s, time limit of a measurement
 WHY = {
@@ -20,35 +20,35 @@ FINAL = ("done", "failed")
 
 
 class Job(threading.Thread):
-    """One measurement: waits for its turn, then reads from its process. This thread calls `tell(job, news)`."""
+    """One measurement: waits for the lock, then reads from its process. This thread calls `notify(job, report)`."""
 
-    def __init__(self, scene, tell):
+    def __init__(self, scene, notify):
         super().__init__(name="measurement", daemon=True)
-        self.scene, self.tell = scene, tell
+        self.scene, self.notify = scene, notify
         self.stopped = threading.Event()
         self.caller = None
 
     def run(self):
-        """Wait for the turn, then pass on every report until the process ends or the job is stopped."""
-        while not turn.acquire(timeout=LOOK):
+        """Wait for the lock, then pass on every report until the process ends or the job is stopped."""
+        while not lock.acquire(timeout=LOOK):
             if self.stopped.is_set():
                 return
         try:
             self.caller = Caller()
             if not self.stopped.is_set():
-                hear = partial(self.tell, self)
-                self.caller.call(work, self.scene, limit=LONGEST, hear=hear)
+                notify = partial(self.notify, self)
+                self.caller.call(work, self.scene, limit=LONGEST, hear=notify)
         except Lost as lost:
             if lost.kind == "error":
                 log.error("a measurement failed:\n%s", lost.reason)
-            self.tell(self, {"state": "failed", "why": WHY[lost.kind]})
+            self.notify(self, {"state": "failed", "why": WHY[lost.kind]})
         except OSError:
             log.exception("no process could be started")
-            self.tell(self, {"state": "failed", "why": WHY["error"]})
+            self.notify(self, {"state": "failed", "why": WHY["error"]})
         finally:
             if self.caller is not None:
                 self.caller.end()
-            turn.release()
+            lock.release()
 
     def stop(self):
         """End the measurement at once."""
@@ -58,19 +58,19 @@ class Job(threading.Thread):
 
 
 class Bench:
-    """The measurement of one visitor. It calls `hear()`, if set, when `told` has changed.
+    """The measurement of one visitor. It calls `on_change()`, if set, when `report` has changed.
 
-    Every method but `_heard` runs under the lock of the visitor's document.
+    Every method but `_report` runs under the lock of the visitor's document.
     """
 
     def __init__(self, doc):
-        self.doc, self.job, self.told, self.hear = doc, None, {}, None
+        self.doc, self.job, self.report, self.on_change = doc, None, {}, None
 
     def begin(self, scene):
         """Measure a scene. This ends the current measurement."""
         self.close()
-        self.job = Job(scene, self._heard)
-        self._tell({"state": "waiting", "progress": 0.0, "points": [], "scene": scene})
+        self.job = Job(scene, self._report)
+        self._set({"state": "waiting", "progress": 0.0, "points": [], "scene": scene})
         log.info("a measurement begins")
         self.job.start()
 
@@ -78,7 +78,7 @@ class Bench:
         """End the current measurement, if any, and keep its results so far."""
         if self.job is not None:
             self.close()
-            self._tell(self.told | {"state": "cancelled", "why": why})
+            self._set(self.report | {"state": "cancelled", "why": why})
 
     def close(self):
         """End the current measurement without a report."""
@@ -87,19 +87,19 @@ class Bench:
             self.job = None
             log.info("a measurement ends early")
 
-    def _heard(self, job, news):
+    def _report(self, job, report):
         """Pass a report from the job's thread to the document's thread."""
         if not job.stopped.is_set():
-            self.doc.add_next_tick_callback(lambda: self._take(job, news))
+            self.doc.add_next_tick_callback(lambda: self._take(job, report))
 
-    def _take(self, job, news):
+    def _take(self, job, report):
         if job is self.job:
-            if news["state"] in FINAL:
+            if report["state"] in FINAL:
                 self.job = None
-                log.info("a measurement is %s", news["state"])
-            self._tell(self.told | news)
+                log.info("a measurement is %s", report["state"])
+            self._set(self.report | report)
 
-    def _tell(self, news):
-        self.told = news
-        if self.hear:
-            self.hear()
+    def _set(self, report):
+        self.report = report
+        if self.on_change:
+            self.on_change()

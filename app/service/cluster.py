@@ -1,7 +1,7 @@
 """Workers of a dask cluster for the pool: `APP_SCHEDULER=tcp://host:8786 panel serve app`.
 
 This needs the extra `cluster`, and workers with one thread each that have the same version of this project. The pool
-has the queue and the time limits. A call goes to the worker of its seat only, because that worker is warm. A call that
+has the queue and the time limits. A call goes to the worker of its slot only, because that worker is warm. A call that
 takes too long is abandoned; a nanny, if there is one, restarts the worker.
 """
 
@@ -19,7 +19,7 @@ from distributed import Client
 from solver.isolated import Lost
 
 log = logging.getLogger("app")
-SEATS = 16  # default of APP_WORKERS; a seat without a worker looks for one every few seconds
+MOST_WORKERS = 16  # default of APP_WORKERS; a slot without a worker looks for one every few seconds
 LOOK = 1.0  # s between two checks for workers that left
 PATIENCE = 5.0  # s for the scheduler to answer
 
@@ -42,11 +42,11 @@ class Cluster:
             if not free:
                 raise Lost("absent", "no worker is free")
             self.remotes[free[0]] = remote = Remote(self, self.client, free[0])
-            log.info("a worker of the cluster takes a seat", extra={"worker": free[0]})
+            log.info("a worker of the cluster takes a slot", extra={"worker": free[0]})
             return remote
 
     def left(self, remote):
-        """Free the worker of a seat."""
+        """Free the worker of a slot."""
         with self.lock:
             if self.remotes.get(remote.worker) is remote:
                 del self.remotes[remote.worker]
@@ -61,7 +61,7 @@ class Cluster:
         return list(self.client.sync(self.client.scheduler.ncores, callback_timeout=PATIENCE))
 
     def _watch(self, client):
-        """Notify each seat when its worker leaves, and all seats when the connection is lost."""
+        """Notify each slot when its worker leaves, and all slots when the connection is lost."""
         there = True
         while there and self.client is client:
             sleep(LOOK)

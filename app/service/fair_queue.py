@@ -13,13 +13,13 @@ class Task(Future):
     """A call that a worker makes for an owner.
 
     Its exception is a `solver.isolated.Lost` if the worker ended before the call. The call may then be repeated, unless
-    the kind is "error". `seat` is the seat that runs or ran it; `abandoned` is true when nobody waits for it.
+    the kind is "error". `slot` is the slot that runs or ran it; `abandoned` is true when nobody waits for it.
     """
 
     def __init__(self, call, owner=None, rank=SCREEN, limit=PATIENCE):
         super().__init__()
         self.call, self.owner, self.rank, self.limit = call, owner, rank, limit
-        self.seat, self.abandoned = None, False
+        self.slot, self.abandoned = None, False
 
 
 class FairQueue:

@@ -82,7 +82,7 @@ def picture(skeleton, at, number=None):
         cells, place = _map(skeleton, v[even], T[even], every)
     header = {
         "kind": "picture",
-        "heard": number,
+        "acknowledged": number,
         "frames": loads.size,
         "columns": CURVES,
         "shown": shown,

@@ -16,7 +16,7 @@ BEGINNING = 0.1  # shear, in delta_t, that the Skeleton keeps: it needs some
 INTERVALS = 6  # between the states of this shear
 NO_LOAD = 1e-3  # of the largest |L| so far: counts as zero load
 ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # ends of a slider, the smoother first
-SAID = {"E": "slides smoothly", "phi_ratio": "slips above"}  # behaviour above the mark
+LABELS = {"E": "slides smoothly", "phi_ratio": "slips above"}  # behaviour above the mark
 FACTOR = 1.25  # largest ratio of two successive values
 PART = 0.6  # largest step, as a part of the distance to the predicted end of slips: beyond it slips get lost
 CLOSE = 0.1  # relative distance: the prediction is accepted if it repeats this near, or following stops
@@ -48,7 +48,7 @@ def of_skeleton(skeleton, name):
         found = (_no_load(there), "no load"), (there.jumps_in, "jumps in")
         return tuple((value, said) for value, said in found if value is not None and -1.0 <= value <= 1.0)
     border = _border(there, name)
-    return () if border is None else ((border, SAID[name]),)
+    return () if border is None else ((border, LABELS[name]),)
 
 
 def of_flat(scene, name):
@@ -56,7 +56,7 @@ def of_flat(scene, name):
     value = critical_modulus(scene)
     if name == "phi_ratio":
         value = scene.phi_ratio / (softening(scene) * scene.shear_compliance)
-    return ((value, SAID[name]),) if min(ENDS[name]) <= value <= max(ENDS[name]) else ()
+    return ((value, LABELS[name]),) if min(ENDS[name]) <= value <= max(ENDS[name]) else ()
 
 
 def _no_load(skeleton):

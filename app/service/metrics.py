@@ -8,18 +8,18 @@ from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, disa
 KNOWN = {  # counters since the start
     "pages": "pages sent",
     "visits": "visits",
-    "turned_away": "visits rejected because the server was full",
+    "rejected_visits": "visits rejected because the server was full",
     "slices": "slices of runs computed",
     "evaluations": "force evaluations in slices of runs",
-    "shelf_hits": "runs found in the cache",
-    "shelf_misses": "runs that were not in the cache",
+    "run_cache_hits": "runs found in the cache",
+    "run_cache_misses": "runs that were not in the cache",
     "followed": "pictures of predicted runs during drags of sliders",
     "agreed": "runs that agreed with their prediction: slips to 1e-4 nm, F to 1e-3 of its largest",
     "disagreed": "runs that disagreed with their prediction",
     "tasks": "tasks that workers finished",
     "tasks_lost": "tasks that took too long or lost their worker",
     "worker_restarts": "workers replaced",
-    "refused_messages": "rejected messages of browsers: the page sends no such message",
+    "rejected_messages": "rejected messages of browsers: the page sends no such message",
 }
 disable_created_metrics()
 _registry, _begun = CollectorRegistry(), monotonic()
@@ -58,8 +58,8 @@ def memory():
         return float("nan")
 
 
-class Pulse:
-    """Lag of the server's event loop: call `beat` every EVERY seconds."""
+class LoopLag:
+    """Lag of the server's event loop: call `record` every EVERY seconds."""
 
     EVERY = 0.05  # s
     BUCKETS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # s
@@ -71,14 +71,14 @@ class Pulse:
             Histogram("contact_loop_lag_seconds", said, registry=registry, buckets=self.BUCKETS),
         )
 
-    def beat(self):
-        """Record the time since the last beat minus EVERY."""
+    def record(self):
+        """Record the time since the last call minus EVERY."""
         now = monotonic()
         if self.last is not None:
             self.lags.observe(max(0.0, now - self.last - self.EVERY))
         self.last = now
 
 
-pulse = Pulse(_registry)
+loop_lag = LoopLag(_registry)
 gauge("uptime_seconds", "seconds since the start of the server", lambda: monotonic() - _begun)
 gauge("memory_bytes", "resident memory of the server's process", memory)

@@ -1,4 +1,4 @@
-"""The worker processes that all visitors share. They warm up when the server starts; each seat replaces a lost worker.
+"""The worker processes that all visitors share. They warm up when the server starts; each slot replaces a lost worker.
 
 Sessions and pages use only `submit` (a pure function of picklable arguments), `abandon`, `position`, `status` and
 `why`. A worker is a process of this machine, or any object with the methods of `solver.isolated.Caller` that this
@@ -24,8 +24,8 @@ set_forkserver_preload([worker.__name__])  # imports take two thirds of a worker
 __all__ = ["EXACT", "HEAVY", "LATER", "NOBODY", "SCREEN", "FairQueue", "Pool", "Task", "pool"]
 LOOK = 0.5  # s between two checks that the process of an idle worker lives
 WARMING = 300.0  # s to compile the kernels on a slow machine
-STARTS = 3  # failed starts of a seat in a row before waiting tasks fail
-HOPE = 60.0  # s since a worker was last ready before waiting tasks fail
+STARTS = 3  # failed starts of a slot in a row before waiting tasks fail
+GIVE_UP = 60.0  # s since a worker was last ready before waiting tasks fail
 SILENT = 60.0  # s without an answer of any worker before the pool counts as dead
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
@@ -37,7 +37,7 @@ def default_size():
 
 
 @dataclass(eq=False)
-class Seat:
+class WorkerSlot:
     """A slot for one worker process, with a thread that starts the worker; `task` is its current task."""
 
     caller: Any = None
@@ -57,39 +57,39 @@ class Pool:
         self.replaced = 0  # workers lost
         self.why = ""  # why no worker can start
         self.compiled = 0  # kernels that the first worker has compiled, of worker.KERNELS
-        self._seats, self._queue = [], FairQueue()
-        self._lock = Condition()  # notifies seats of tasks and of the end
+        self._slots, self._queue = [], FairQueue()
+        self._lock = Condition()  # notifies slots of tasks and of the end
         self._closing, self._warm = Event(), Event()
         self._answered = -inf  # time of the last answer of a worker, s, monotonic
-        self._fit = -inf  # time when a worker was last ready, s, monotonic
+        self._last_ready = -inf  # time when a worker was last ready, s, monotonic
 
     @property
     def status(self):
-        if not self._seats:
+        if not self._slots:
             return "closed"
-        return "ready" if any(seat.ready for seat in self._seats) else "failing" if self.why else "warming"
+        return "ready" if any(slot.ready for slot in self._slots) else "failing" if self.why else "warming"
 
     @property
     def ready(self):
         """Number of workers that are ready."""
-        return sum(seat.ready for seat in self._seats)
+        return sum(slot.ready for slot in self._slots)
 
     @property
     def in_flight(self):
         """Number of tasks that wait or run for visitors."""
         with self._lock:
-            tasks = [task for task in (*self._queue, *(seat.task for seat in self._seats)) if task is not None]
+            tasks = [task for task in (*self._queue, *(slot.task for slot in self._slots)) if task is not None]
             return sum(task.owner != NOBODY and not task.abandoned and not task.done() for task in tasks)
 
     def start(self):
         """Start the first worker, which compiles or loads the kernels, then the others; may be called twice."""
         with self._lock:
-            if self._seats or self._closing.is_set():
+            if self._slots or self._closing.is_set():
                 return
             self._answered = monotonic() + WARMING - SILENT  # no answer is due before the warm-up ends
-            self._seats = [Seat() for _ in range(self.size)]
-            for number, seat in enumerate(self._seats):
-                Thread(target=self._sit, args=(seat, number), name=f"seat {number}", daemon=True).start()
+            self._slots = [WorkerSlot() for _ in range(self.size)]
+            for number, slot in enumerate(self._slots):
+                Thread(target=self._run_slot, args=(slot, number), name=f"slot {number}", daemon=True).start()
         atexit.register(self.close)
 
     def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0):
@@ -122,7 +122,7 @@ class Pool:
         if self.why:
             return False, self.why
         with self._lock:
-            idle = any(seat.ready and seat.task is None and seat.caller.alive() for seat in self._seats)
+            idle = any(slot.ready and slot.task is None and slot.caller.alive() for slot in self._slots)
             silent = monotonic() - self._answered
         if idle or silent <= SILENT:
             return True, ""
@@ -131,7 +131,7 @@ class Pool:
     def processes(self):
         """Process ids of the workers on this machine."""
         with self._lock:
-            return [seat.caller.process.pid for seat in self._seats if isinstance(seat.caller, Caller)]
+            return [slot.caller.process.pid for slot in self._slots if isinstance(slot.caller, Caller)]
 
     def close(self):
         """End every worker at once, even during a slice."""
@@ -139,9 +139,9 @@ class Pool:
         self._warm.set()
         atexit.unregister(self.close)
         with self._lock:
-            seats, self._seats = self._seats, []
+            slots, self._slots = self._slots, []
             waiting, self._queue = self._queue, FairQueue()
-            callers = [seat.caller for seat in seats if seat.caller]
+            callers = [slot.caller for slot in slots if slot.caller]
             self._lock.notify_all()
         for task in waiting:
             task.cancel()
@@ -150,76 +150,76 @@ class Pool:
 
     def _dispatch(self):
         """Give the next tasks to idle workers."""
-        while idle := [seat for seat in self._seats if seat.ready and seat.task is None]:
+        while idle := [slot for slot in self._slots if slot.ready and slot.task is None]:
             rank = self._queue.rank
-            free = sum(seat.ready and (seat.task is None or seat.task.rank <= EXACT) for seat in self._seats)
-            hoped = sum(seat.failures < STARTS for seat in self._seats)
-            if rank is None or (rank > EXACT and free <= (hoped > 1)):
+            free = sum(slot.ready and (slot.task is None or slot.task.rank <= EXACT) for slot in self._slots)
+            expected = sum(slot.failures < STARTS for slot in self._slots)
+            if rank is None or (rank > EXACT and free <= (expected > 1)):
                 break
             task = self._queue.take()
             if task.set_running_or_notify_cancel():
-                task.seat, idle[0].task = idle[0], task
+                task.slot, idle[0].task = idle[0], task
                 self._lock.notify_all()
 
-    # The following methods run in the thread of a seat.
+    # The following methods run in the thread of a slot.
 
-    def _sit(self, seat, number):
-        """Run a worker in the seat, and replace it when lost, until the pool closes."""
+    def _run_slot(self, slot, number):
+        """Run a worker in the slot, and replace it when lost, until the pool closes."""
         if number:
             self._warm.wait()
-        while not self._closing.wait(PAUSES[min(seat.failures, len(PAUSES) - 1)]):
+        while not self._closing.wait(PAUSES[min(slot.failures, len(PAUSES) - 1)]):
             try:
-                self._fill(seat)
-                self._serve(seat)
+                self._start_worker(slot)
+                self._serve(slot)
             except Lost as lost:
-                self._emptied(seat, lost)
+                self._worker_lost(slot, lost)
             except Exception as error:  # the process did not start
                 log.exception("a worker could not be started")
-                self._emptied(seat, Lost("crash", str(error)))
+                self._worker_lost(slot, Lost("crash", str(error)))
 
-    def _fill(self, seat):
+    def _start_worker(self, slot):
         """Start a worker and make it ready."""
-        seat.caller = self.make()
+        slot.caller = self.make()
         if self._closing.is_set():  # `close` may have run before the caller existed
-            seat.caller.end()
-        if isinstance(seat.caller, Caller):
-            seat.caller.call(worker.start_up, limit=WARMING, hear=self._hear)
+            slot.caller.end()
+        if isinstance(slot.caller, Caller):
+            slot.caller.call(worker.start_up, limit=WARMING, hear=self._count_kernels)
         else:
-            seat.caller.call(worker.start, limit=WARMING)
+            slot.caller.call(worker.start, limit=WARMING)
         with self._lock:
             if self.status != "ready":
                 log.info("workers are warm")
-            seat.ready, seat.failures, self.why, self._fit = True, 0, "", monotonic()
+            slot.ready, slot.failures, self.why, self._last_ready = True, 0, "", monotonic()
             self._answered = monotonic()
         self._warm.set()
 
-    def _hear(self, compiled):
+    def _count_kernels(self, compiled):
         self.compiled = max(self.compiled, compiled)
 
-    def _serve(self, seat):
+    def _serve(self, slot):
         """Run tasks until the worker is lost."""
         while True:
             with self._lock:
                 self._dispatch()
-                while seat.task is None:
+                while slot.task is None:
                     self._lock.wait(LOOK)
                     if self._closing.is_set():
                         raise Lost("closed", "the server is being stopped")
-                    if not seat.caller.alive():
+                    if not slot.caller.alive():
                         raise Lost("crash", "the process ended while it was idle")
-            self._do(seat)
+            self._run_task(slot)
 
-    def _do(self, seat):
-        task = seat.task
+    def _run_task(self, slot):
+        task = slot.task
         try:
-            result = seat.caller.call(*task.call, limit=task.limit)
+            result = slot.caller.call(*task.call, limit=task.limit)
         except Lost as lost:
             if lost.kind != "error":
                 raise
             log.error("a task failed in a worker:\n%s", lost.reason)
             result = lost
         with self._lock:
-            seat.task, self._answered = None, monotonic()
+            slot.task, self._answered = None, monotonic()
         self._settle(task, result)
 
     def _settle(self, task, result):
@@ -229,27 +229,27 @@ class Pool:
         else:
             task.set_result(result)
 
-    def _emptied(self, seat, lost):
+    def _worker_lost(self, slot, lost):
         """Handle a worker that ended or did not start: its task fails; after STARTS failures all waiting tasks fail."""
-        if seat.caller is not None:
-            seat.caller.end()
+        if slot.caller is not None:
+            slot.caller.end()
         with self._lock:
-            task, seat.task = seat.task, None
-            warm, seat.ready, seat.caller = seat.ready, False, None
+            task, slot.task = slot.task, None
+            warm, slot.ready, slot.caller = slot.ready, False, None
             if self._closing.is_set():
                 lost = Lost("closed", "the server is being stopped")
             else:
-                seat.failures += not warm
+                slot.failures += not warm
                 if lost.kind != "absent":  # no worker of the cluster is free yet
                     self.replaced += 1
                     metrics.count("worker_restarts")
                     log.warning("a worker is replaced (%s): %s", lost.kind, lost.reason)
             if warm:
-                self._fit = monotonic()
-            hopeless = seat.failures >= STARTS and monotonic() > self._fit + HOPE
-            hopeless = hopeless and not any(other.ready for other in self._seats)
+                self._last_ready = monotonic()
+            no_worker = slot.failures >= STARTS and monotonic() > self._last_ready + GIVE_UP
+            no_worker = no_worker and not any(other.ready for other in self._slots)
             waiting = ()
-            if hopeless:
+            if no_worker:
                 self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
                 waiting, self._queue = self._queue, FairQueue()
         if task is not None:
@@ -263,9 +263,9 @@ def made():
     """Return the pool that the environment variables select."""
     if "APP_SCHEDULER" not in os.environ:
         return Pool()
-    from app.service.cluster import SEATS, Cluster
+    from app.service.cluster import MOST_WORKERS, Cluster
 
-    return Pool(int(os.environ.get("APP_WORKERS", SEATS)), make=Cluster(os.environ["APP_SCHEDULER"]))
+    return Pool(int(os.environ.get("APP_WORKERS", MOST_WORKERS)), make=Cluster(os.environ["APP_SCHEDULER"]))
 
 
 pool = made()

@@ -18,65 +18,65 @@ from solver.isolated import Lost
 
 log = logging.getLogger("app")
 CAPACITY = 50e6  # bytes of cached results
-LIVES = 3  # attempts at a slice that loses its worker or takes too long
+ATTEMPTS = 3  # attempts at a slice that loses its worker or takes too long
 ERROR = RuntimeError("the server could not compute it; its log says why")
 
 
 @dataclass
-class Request:
-    """A call in progress: its hearers, the options of `Pool.submit`, and its partial results."""
+class Pending:
+    """A call in progress: its listeners, the options of `Pool.submit`, and its partial results."""
 
-    hearers: list
+    listeners: list
     how: dict
     task: Any = None
     lost: int = 0  # failed attempts
-    kept: tuple = ()
+    state: tuple = ()
     made: list = field(default_factory=list)  # partial results
 
 
-class Shared:
+class SharedRequests:
     """Cache of results by call. When several visitors need the same call, one worker makes it once."""
 
     def __init__(self, capacity=CAPACITY):
-        self._kept = LRUCache(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
+        self._results = LRUCache(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
         self._requests, self._lock = {}, RLock()
 
     def clear(self):
         """Drop all results and requests."""
         with self._lock:
-            self._kept.clear()
+            self._results.clear()
             self._requests.clear()
 
-    def ask(self, pool, call, hear, **how):
-        """Request call = (function, *arguments). `hear(call, result)` is called once, in any thread.
+    def ask(self, pool, call, notify, **how):
+        """Request call = (function, *arguments). `notify(call, result)` is called once, in any thread.
 
-        If the result is cached, return it and do not call `hear`. A result may be an Exception.
+        If the result is cached, return it and do not call `notify`. A result may be an Exception.
         """
         with self._lock:
-            made = self._kept.get(call)
+            made = self._results.get(call)
             if made is not None:
                 return made[1]
             if call in self._requests:
-                self._requests[call].hearers.append(hear)
+                self._requests[call].listeners.append(notify)
             else:
-                self._requests[call] = Request([hear], how)
+                self._requests[call] = Pending([notify], how)
                 self._submit(pool, call)
         return None
 
-    def leave(self, pool, call, hear):
-        """Remove a hearer. Without hearers the call is abandoned."""
+    def leave(self, pool, call, notify):
+        """Remove a listener. Without listeners the call is abandoned."""
         with self._lock:
             request = self._requests.get(call)
             if request is not None:
-                if hear in request.hearers:
-                    request.hearers.remove(hear)
-                if not request.hearers:
+                if notify in request.listeners:
+                    request.listeners.remove(notify)
+                if not request.listeners:
                     del self._requests[call]
                     pool.abandon(request.task)
 
     def _submit(self, pool, call):
         request = self._requests[call]
-        request.task = pool.submit(*call, *request.kept, **request.how)
+        request.task = pool.submit(*call, *request.state, **request.how)
         request.task.add_done_callback(partial(self._made, pool, call))
 
     def _made(self, pool, call, task):
@@ -89,30 +89,30 @@ class Shared:
             except (Lost, CancelledError) as error:
                 result = ERROR if getattr(error, "kind", "") == "error" else error
             if isinstance(result, Part):
-                request.kept = (result.kept,)
+                request.state = (result.state,)
                 request.made += [] if result.made is None else [result.made]
                 return self._submit(pool, call)
             if isinstance(result, OutOfTime) or getattr(result, "kind", "") == "crash":  # the machine is busy
                 request.lost += 1
-                if request.lost < LIVES:
+                if request.lost < ATTEMPTS:
                     return self._submit(pool, call)
             if request.made and not isinstance(result, Exception):
                 result = sum([*request.made[1:], result], request.made[0])
             if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # these may differ next time
                 with suppress(ValueError):  # the result is larger than the cache
-                    self._kept[call] = call, result
+                    self._results[call] = call, result
             del self._requests[call]
-        for hear in request.hearers:
-            hear(call, result)
+        for notify in request.listeners:
+            notify(call, result)
 
 
-shared = Shared()
+shared_requests = SharedRequests()
 
 
 class Requests:
     """The calls that one part of a page waits for. Every method runs under the lock of the document."""
 
-    def __init__(self, session, take=None, shared=shared):
+    def __init__(self, session, take=None, shared=shared_requests):
         """take(call, result) receives the results of `add`."""
         self.session, self._take_each, self.shared = session, take, shared
         self.waiting, self.count = {}, 0  # {call: the function that receives its result}
@@ -125,9 +125,9 @@ class Requests:
     def add(self, calls):
         """Request calls = [(function, *arguments)] in the background."""
         for call in calls:
-            self.also(call, partial(self._take_each, call), rank=LATER)
+            self.add_one(call, partial(self._take_each, call), rank=LATER)
 
-    def also(self, call, take, **how):
+    def add_one(self, call, take, **how):
         """Request one more call; take(result) receives its result or Exception, at once if cached.
 
         Calls already requested continue. how: rank and seconds of `Pool.submit`.
@@ -141,7 +141,7 @@ class Requests:
         self.cancel()
         known = self._ask(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
         if known is not None:
-            self._hear(call, known)
+            self._on_result(call, known)
 
     def cancel(self):
         """Cancel all calls."""
@@ -151,7 +151,7 @@ class Requests:
         """Cancel some calls."""
         for call in self.waiting.keys() & set(calls):
             del self.waiting[call]
-            self.shared.leave(self.session.pool, call, self._hear)
+            self.shared.leave(self.session.pool, call, self._on_result)
 
     def _ask(self, call, take, **how):
         """Return a cached result, or None and register `take` for later."""
@@ -159,9 +159,9 @@ class Requests:
             return None
         self.count = self.count + 1 if self.waiting else 1
         self.waiting[call] = take
-        return self.shared.ask(self.session.pool, call, self._hear, owner=id(self.session), **how)
+        return self.shared.ask(self.session.pool, call, self._on_result, owner=id(self.session), **how)
 
-    def _hear(self, call, result):
+    def _on_result(self, call, result):
         self.session.doc.add_next_tick_callback(lambda: self._answered(call, result))
 
     def _answered(self, call, result):

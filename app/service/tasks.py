@@ -38,30 +38,30 @@ DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 
 
 @dataclass(frozen=True)
 class Part:
-    """An unfinished call: a further call with `kept` after its arguments continues it.
+    """An unfinished call: a further call with `state` after its arguments continues it.
 
     made: a partial result. It is not sent to a worker again; the sum of all parts is the result.
     """
 
-    kept: Any
+    state: Any
     made: Any = None
 
 
-def whole_run(scene, kept=None):
+def whole_run(scene, state=None):
     """Return the Frames of a scene, a Part, or the NotConverged that ended the run."""
-    piece = worker.compute(scene, kept, SLICE)
+    piece = worker.compute(scene, state, SLICE)
     if piece.failure:
         return NotConverged(piece.failure)
     frames = Frames() + piece
-    return frames if piece.done else Part(piece.kept, frames)
+    return frames if piece.done else Part(piece.state, frames)
 
 
-def flat_curve(scene, kept=None):
+def flat_curve(scene, state=None):
     """Return (U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin.
 
     It may also return a Part, or the NotConverged that ended the run.
     """
-    rows, checkpoint = kept or ([], None)
+    rows, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     for frame in frames:
         if frame.stage == "shear":
@@ -72,9 +72,9 @@ def flat_curve(scene, kept=None):
     return NotConverged(checkpoint.failure) if checkpoint.failure else tuple(np.array(rows, dtype=np.float32).T)
 
 
-def flat_friction(scene, kept=None):
+def flat_friction(scene, state=None):
     """Return the largest and the smallest F_bar of a run during sliding, and its increments; or Part, or the error."""
-    done, checkpoint = kept or ([], None)
+    done, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]  # all nodes of a flat are alike
     if not checkpoint.done:
@@ -88,10 +88,10 @@ def flat_friction(scene, kept=None):
     return force.F_s, force.F_k, len(done)
 
 
-def onset_of(scene, kept=None):
+def onset_of(scene, state=None):
     """Return the Onset of a scene, its curves float32 with about DRAWN points; a Part; or a str: why there is none."""
     try:
-        search = search_on(scene, kept or Search(), SLICE, worker.SLOW)
+        search = search_on(scene, state or Search(), SLICE, worker.SLOW)
     except NotConverged as error:
         return str(error)
     found = search.outcome
@@ -133,17 +133,17 @@ def what_matters(scene):
     return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
 
 
-def map_tile(tile, kept=()):
+def map_tile(tile, state=()):
     """Return [(Point, its Skeleton as of `skeletons.pickled`, or None)] of a Tile with such `known`; or a Part."""
-    begun, kept = perf_counter(), list(kept)
-    there = {(point.i, point.j) for point, _ in kept}
+    begun, state = perf_counter(), list(state)
+    there = {(point.i, point.j) for point, _ in state}
     asked = tuple(place for place in tile.asked if place not in there)
-    known = tuple((point, skeleton and pickle.loads(skeleton)) for point, skeleton in (*tile.known, *kept))
+    known = tuple((point, skeleton and pickle.loads(skeleton)) for point, skeleton in (*tile.known, *state))
     for point, skeleton in points_of(replace(tile, asked=asked, known=known, keep=True)):
-        kept.append((point, skeleton and pickled(skeleton)))
-        if perf_counter() - begun > SLICE and len(kept) < len(tile.asked):
-            return Part(tuple(kept))
-    return [(point, skeleton if tile.keep else None) for point, skeleton in kept]
+        state.append((point, skeleton and pickled(skeleton)))
+        if perf_counter() - begun > SLICE and len(state) < len(tile.asked):
+            return Part(tuple(state))
+    return [(point, skeleton if tile.keep else None) for point, skeleton in state]
 
 
 def layer_table(scene, depth, rows, modes):

@@ -35,12 +35,12 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 class Slice(Frames):
     """The outcome of one task.
 
-    ahead: number of frames left, None while earlier runs of the history are repeated. kept: pickled state from which
+    ahead: number of frames left, None while earlier runs of the history are repeated. state: pickled state from which
     the next slice continues, None when the run is done; the server does not read it.
     """
 
     ahead: int | None = None
-    kept: bytes | None = None
+    state: bytes | None = None
     done: bool = False
     failure: str | None = None
     heavy: bool = False  # whether an increment takes longer than QUICK
@@ -92,7 +92,7 @@ def ready():
 
 
 @dataclass(frozen=True)
-class Carrying:
+class Repeated:
     """State while earlier runs are repeated: number of finished legs, frames of the current leg, its Checkpoint."""
 
     legs: int = 0
@@ -100,16 +100,16 @@ class Carrying:
     checkpoint: Checkpoint = field(default_factory=Checkpoint)
 
 
-def compute(scene, kept, budget, history=(), limit=SLOW):
+def compute(scene, state, budget, history=(), limit=SLOW):
     """Advance `scene` for about `budget` seconds, or longer if that ends in the approach, and pack the frames.
 
-    kept: of the previous Slice, or None; history: ((Scene, frames), ...) of the earlier runs that this one continues;
+    state: of the previous Slice, or None; history: ((Scene, frames), ...) of the earlier runs that this one continues;
     limit: s of processor time per increment. A longer one is left out; a further call may repeat it with more time.
     """
     begun = perf_counter()
-    checkpoint, last = pickle.loads(kept) if kept else (None, None)
-    if history and (checkpoint is None or isinstance(checkpoint, Carrying)):
-        checkpoint = _on_the_way(scene, checkpoint, begun, budget, history, limit)
+    checkpoint, last = pickle.loads(state) if state else (None, None)
+    if history and (checkpoint is None or isinstance(checkpoint, Repeated)):
+        checkpoint = _repeated(scene, checkpoint, begun, budget, history, limit)
         if isinstance(checkpoint, Slice):
             return checkpoint
     frames, checkpoint = _advanced(scene, checkpoint, begun, budget, limit)
@@ -126,7 +126,7 @@ def compute(scene, kept, budget, history=(), limit=SLOW):
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
-        kept=None if checkpoint.done else pickle.dumps((checkpoint, last)),
+        state=None if checkpoint.done else pickle.dumps((checkpoint, last)),
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
@@ -142,15 +142,17 @@ def _skeleton(scene, checkpoint):
     return None
 
 
-def _on_the_way(scene, way, begun, budget, history, limit):
+def _repeated(scene, repeated, begun, budget, history, limit):
     """Return the Checkpoint where the run continues others; or a Slice without frames: unfinished, or failed."""
     try:
-        found = carried((*history, (scene, 0)), way or Carrying(), begun + budget, limit)
+        found = carried((*history, (scene, 0)), repeated or Repeated(), begun + budget, limit)
     except (NotConverged, SceneError, NotInShear) as error:  # the state does not continue into this scene
         if isinstance(error, OutOfTime) and limit < SLOW:
-            return Slice(kept=pickle.dumps((way, None)), heavy=True)
+            return Slice(state=pickle.dumps((repeated, None)), heavy=True)
         return Slice(ahead=0, done=True, failure=str(error))
-    return Slice(kept=pickle.dumps((found, None)), heavy=_slow(begun, budget)) if isinstance(found, Carrying) else found
+    return (
+        Slice(state=pickle.dumps((found, None)), heavy=_slow(begun, budget)) if isinstance(found, Repeated) else found
+    )
 
 
 def _advanced(scene, checkpoint, begun, budget, limit):
@@ -167,21 +169,21 @@ def _slow(begun, budget):
     return perf_counter() > begun + budget + QUICK
 
 
-def carried(history, way=None, until=inf, limit=inf):
+def carried(history, repeated=None, until=inf, limit=inf):
     """Return the Checkpoint from which the last scene of history [(scene, frames), ...] continues: see `carry_on`.
 
     This repeats every earlier run up to the frame where the next one continues it, so nothing needs to be stored.
-    At time `until` of perf_counter it returns the Carrying reached so far.
+    At time `until` of perf_counter it returns the Repeated reached so far.
     """
-    way = way or Carrying()
-    checkpoint, frame = way.checkpoint, None
+    repeated = repeated or Repeated()
+    checkpoint, frame = repeated.checkpoint, None
     for k, ((scene, count), (changed, _)) in enumerate(pairwise(history)):
-        if k < way.legs:
+        if k < repeated.legs:
             continue
         run = Run(scene)
-        for frames in range(way.frames if k == way.legs else 0, count):
+        for frames in range(repeated.frames if k == repeated.legs else 0, count):
             if frame and perf_counter() > until:
-                return Carrying(k, frames, checkpoint)
+                return Repeated(k, frames, checkpoint)
             if checkpoint.done:
                 raise NotInShear("the run ended before the increment from which this one should continue")
             frame, checkpoint = run.next_frame(checkpoint, deadline(limit))

@@ -17,9 +17,9 @@ class Comparison(Requests):
 
     def compare(self, skeleton, scene, blocks):
         """Compare the pickled Skeleton of a picture with the packed exact run of the same scene."""
-        self.ask((compared, skeleton, tuple(blocks)), lambda off: self._judge(off, scene), rank=LATER)
+        self.ask((compared, skeleton, tuple(blocks)), lambda off: self._report(off, scene), rank=LATER)
 
-    def _judge(self, off, scene):
+    def _report(self, off, scene):
         """Count the outcome, and show a note if the picture was off."""
         if off is None:
             return

@@ -81,8 +81,9 @@ NAMES = tuple(control.name for control in CONTROLS)
 LABELS = {control.name: control.label for control in CONTROLS}
 RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # in the app
 WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # {unit: name of that length in Scene}
-READ = {"preset", "profile", *PARAMETERS}  # in an address, for the server
-BESIDE = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force", "over")  # in an address, for the browser
+FOR_SERVER = {"preset", "profile", *PARAMETERS}  # in an address, for the server
+# In an address, for the browser
+FOR_BROWSER = ("v", "k", "page", "theme", "embed", "tour", "view", "pin", "force", "over")
 STAYS = " The run on screen stays."
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -132,7 +133,7 @@ def read(name, text, notes=None, scene=None):
     return RANGES[name].checked(name, number_from_text(name, text, notes, RANGES[name], whole))
 
 
-def told(error, text=None):
+def message_of(error, text=None):
     """Return a SceneError as a message in the page's terms: 'Press depth “-3”: allowed: ...'."""
     value = shown(error.value) if isinstance(error.value, float) else error.value
     said = f"“{str(text or value)[:40]}”: {in_words(f'{error.allowed}; {error.remedy}')}"
@@ -158,7 +159,7 @@ def changed_scene(scene, entries, notes=None):
             try:
                 values[name] = read(name, entries[name], said, scene)
             except SceneError as error:
-                errors[name] = f"{told(error, entries[name])}.{STAYS}"
+                errors[name] = f"{message_of(error, entries[name])}.{STAYS}"
     if notes is not None:
         notes += map(in_words, said)
     try:
@@ -169,7 +170,7 @@ def changed_scene(scene, entries, notes=None):
         return changed, errors
     except SceneError as error:
         where = error.name if error.name in PARAMETERS else next(iter(values), NAMES[0])
-        return scene, errors | {where: f"{told(error, entries.get(error.name))}.{STAYS}"}
+        return scene, errors | {where: f"{message_of(error, entries.get(error.name))}.{STAYS}"}
 
 
 def with_profile(scene, profile):
@@ -197,7 +198,10 @@ def _refuse_large(scene, values):
 def scene_from_address(arguments):
     """Return (scene, preset, notes) of the page's address {name: [bytes]}, with a note per invalid value."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
-    known, notes = presets(), [_unknown(name) for name in arguments if name not in READ and name not in BESIDE]
+    known, notes = (
+        presets(),
+        [_unknown(name) for name in arguments if name not in FOR_SERVER and name not in FOR_BROWSER],
+    )
     name = entries.get("preset", DEFAULT)
     if name not in known:
         notes.append(f"There is no preset “{name[:40]}”: Menu, Preset lists all. The default is shown.")

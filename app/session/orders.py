@@ -104,11 +104,11 @@ class Scene(Order):
         session.change(self.values, self.after and tuple(self.after), self.held, self.at)
 
 
-class Rest(Order):
+class Release(Order):
     """Compute the exact run: the visitor released the slider."""
 
     def obey(self, session):
-        session.pursuit.rest()
+        session.pursuit.release()
 
 
 class Skip(Order):
@@ -125,18 +125,18 @@ class Pause(Order):
         session.pursuit.pause()
 
 
-class Go(Order):
+class Resume(Order):
     """Continue a paused run."""
 
     def obey(self, session):
-        session.pursuit.go()
+        session.pursuit.resume()
 
 
-class One(Order):
+class Step(Order):
     """Compute one increment of a paused run."""
 
     def obey(self, session):
-        session.pursuit.one()
+        session.pursuit.step()
 
 
 class Restore(Order):
@@ -148,14 +148,14 @@ class Restore(Order):
         session.restore(self.values)
 
 
-class Beside(Order):
+class Pin(Order):
     """Send the run of a pin, given by its address."""
 
-    beside: Whole
+    pin: Whole
     values: Address
 
     def obey(self, session):
-        session.pinned.want(self.beside, self.values)
+        session.pinned.request(self.pin, self.values)
 
 
 class File(Order):
@@ -178,7 +178,7 @@ class Film(Order):
     frame: Whole
 
     def obey(self, session):
-        session.film.want(vars(self))
+        session.film.request(vars(self))
 
 
 class Layer(Order):
@@ -189,7 +189,7 @@ class Layer(Order):
     depth: Number
 
     def obey(self, session):
-        session.layer.want(vars(self))
+        session.layer.request(vars(self))
 
 
 class Share(Order):
@@ -201,13 +201,13 @@ class Share(Order):
         session.share.sheet(self.link)
 
 
-class Take(Order):
+class Export(Order):
     """Send the run on screen as a file."""
 
     kind: Format
 
     def obey(self, session):
-        session.share.take(self.kind)
+        session.share.export(self.kind)
 
 
 class Page(Order):

@@ -1,12 +1,12 @@
-"""The computation for a visitor: idle, following a held slider, or computing the exact run. The newest Wish wins.
+"""The computation for a visitor: idle, following a held slider, or computing the exact run. The newest RunRequest wins.
 
 A drag, from the slider to the screen:
 
 1. `steer.js` sends the newest position after the server has answered the previous one: an order "scene" with `held`.
-2. `Session.change` reads the order and hands the scene to `Pursuit.want`.
-3. `Pursuit` submits one call to the workers. A newer wish waits until the call ends; those in between are dropped.
+2. `Session.change` reads the order and hands the scene to `Pursuit.request`.
+3. `Pursuit` submits one call to the workers. A newer request waits until the call ends; those in between are dropped.
 4. A worker continues the run on screen to the new parameters and packs the picture (service/following.py).
-5. `Pursuit` sends the picture and starts the newest wish. The number of the picture acknowledges the order.
+5. `Pursuit` sends the picture and starts the newest request. The number of the picture acknowledges the order.
 6. `player.js` unpacks the picture and draws it.
 
 When the visitor releases the slider, the exact run replaces the last picture, and a worker compares the two. If
@@ -32,7 +32,7 @@ log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first slice: the approach and the first shear, so that the page shows it soon
 BUDGET = 0.12  # s of work in any other slice: most runs end in the second, and a slow run visibly grows
 SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
-PATIENCE = 0.5  # s that a newer wish waits for a slice: its budget plus the longest increment of most runs
+PATIENCE = 0.5  # s that a newer request waits for a slice: its budget plus the longest increment of most runs
 RUNS = 40  # runs of a visitor from which another run may continue
 WAITS = 1.0  # s in the queue before a visitor sees the position
 
@@ -47,7 +47,7 @@ class Pursuit:
     def __init__(self, session):
         self.session = session
         self.run, self.runs = None, FIFOCache(RUNS)  # the last run, and all by number
-        self.wanted = None  # the newest Wish, while `task` is in flight
+        self.requested = None  # the newest RunRequest, while `task` is in flight
         self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
         self.held = False  # whether a slider is held
         self.skeleton = self.shown = None  # pickled start of predictions; the Scene of the picture on screen, or None
@@ -62,9 +62,9 @@ class Pursuit:
     @property
     def legs(self):
         """((Scene, frames), ..., (Scene, None)) that lead to the last requested run: see `solver.carried_path`."""
-        if self.wanted is not None:
-            after = self.wanted.after
-            return (*(self.runs[after[0]].up_to(after[1]) if after else ()), (self.wanted.scene, None))
+        if self.requested is not None:
+            after = self.requested.after
+            return (*(self.runs[after[0]].up_to(after[1]) if after else ()), (self.requested.scene, None))
         return (*self.run.history, (self.run.scene, None)) if self.run else ((self.session.scene, None),)
 
     @property
@@ -77,44 +77,44 @@ class Pursuit:
         """Cancel every call."""
         self.abandon()
         self.comparison.cancel()
-        self.run = self.wanted = None
+        self.run = self.requested = None
 
     # requests of the visitor
 
-    def want(self, wish):
-        """Show the run of a Wish, at once or after the call in flight."""
+    def request(self, request):
+        """Show the run of a RunRequest, at once or after the call in flight."""
         self.session.bench.cancel("the scene has changed")
         self.session.pages.scene_changed()
-        self.wanted, self.held = wish, wish.held
+        self.requested, self.held = request, request.held
         state = self.state
-        if (state == "following" and not wish.held) or (state == "exact" and (self.run.refines or self._queued())):
+        if (state == "following" and not request.held) or (state == "exact" and (self.run.refines or self._queued())):
             self.abandon()
         if self.task is None:
-            self._take_up()
+            self._start_newest()
         elif state == "exact":
-            self.session.doc.add_timeout_callback(partial(self._lose_patience, self.task), round(1000 * PATIENCE))
+            self.session.doc.add_timeout_callback(partial(self._time_out, self.task), round(1000 * PATIENCE))
             self.session.publish()  # acknowledges the order: the browser then sends the newest position
 
-    def rest(self):
+    def release(self):
         """Compute the exact run of the picture on screen: the visitor released the slider."""
         self.held = False
         if self.task is None and self.shown is not None:
             self._begin(self.shown, refines=True)
 
     def pause(self):
-        """Submit no further slice until `go`."""
+        """Submit no further slice until `resume`."""
         if self.run and self.run.state in ("running", "warming") and not self.run.refines:
             self.run.state = "paused"
             self.session.publish()
 
-    def go(self):
+    def resume(self):
         """Continue a paused run."""
         if self.run and self.run.state == "paused":
             self.run.state = "running"
             self._slice(BUDGET)
             self.session.publish()
 
-    def one(self):
+    def step(self):
         """Compute one further increment of a paused run."""
         if self.run and self.run.state == "paused":
             self._slice(0.0)
@@ -153,23 +153,23 @@ class Pursuit:
         except Exception:
             self.fail_unexpectedly()
 
-    def _lose_patience(self, task):
-        """Abandon this call if a newer wish waits for it."""
-        if self.wanted is not None and task is self.task:
+    def _time_out(self, task):
+        """Abandon this call if a newer request waits for it."""
+        if self.requested is not None and task is self.task:
             self.abandon()
-            self._take_up()
+            self._start_newest()
 
-    def _take_up(self):
-        """Start the newest wish."""
-        wish, self.wanted = self.wanted, None
-        skeleton = self._nearest(wish.scene) if wish.held and not wish.after else None
+    def _start_newest(self):
+        """Start the newest request."""
+        request, self.requested = self.requested, None
+        skeleton = self._nearest(request.scene) if request.held and not request.after else None
         if skeleton is None:
-            return self._begin(wish.scene, wish.after)
+            return self._begin(request.scene, request.after)
         if self.run and self.run.state == "running":
             self.run.state = "skipped"
         self.session.marks.cancel()  # until the next run has ended
-        call = (followed, skeleton, wish.scene, wish.at, wish.number)
-        self._submit(call, partial(self._show_picture, wish=wish), rank=SCREEN)
+        call = (followed, skeleton, request.scene, request.at, request.number)
+        self._submit(call, partial(self._show_picture, request=request), rank=SCREEN)
 
     # following
 
@@ -178,26 +178,26 @@ class Pursuit:
         origin = (self.shown or self.run.scene) if self.skeleton else None
         return self.session.pages.nearer(scene, origin) or self.skeleton
 
-    def _show_picture(self, made, wish):
-        """Send the picture and start the next wish; without a picture, start the exact run."""
+    def _show_picture(self, made, request):
+        """Send the picture and start the next request; without a picture, start the exact run."""
         if not isinstance(made, Followed):
             metrics.not_followed.labels(made if isinstance(made, str) else "the worker was lost").inc()
-            self.shown, wish = None, self.wanted or wish
-            return self._begin(wish.scene, wish.after)
+            self.shown, request = None, self.requested or request
+            return self._begin(request.scene, request.after)
         metrics.count("followed")
-        self.skeleton, self.shown = made.skeleton, wish.scene
+        self.skeleton, self.shown = made.skeleton, request.scene
         self.session.wire.deliver(made.picture)
-        if self.wanted is not None:
-            self._take_up()
+        if self.requested is not None:
+            self._start_newest()
         elif not self.held:
-            self.rest()
+            self.release()
 
     # the exact run
 
     def _begin(self, scene, after=None, refines=False):
         """Start the run of a scene, or continue from the frame `after`. refines: the run replaces a picture."""
         self.abandon()
-        self.wanted = None
+        self.requested = None
         if not self.held and not refines:
             self.skeleton = self.shown = None
         if self.run:
@@ -208,8 +208,8 @@ class Pursuit:
         if after:
             run.after, run.history, run.frames = after, self.runs[after[0]].up_to(after[1]), after[1] + 1
         self.run = self.runs[number] = run
-        known = None if after else self.session.shelf.get(scene)
-        metrics.count("shelf_misses" if known is None else "shelf_hits")
+        known = None if after else self.session.run_cache.get(scene)
+        metrics.count("run_cache_misses" if known is None else "run_cache_hits")
         if known is None:
             self._slice(BUDGET if refines else FIRST)
         else:
@@ -226,7 +226,7 @@ class Pursuit:
             self._submit(call, self._show_slice, **how)
 
     def _show_slice(self, piece):
-        """Send a slice, then submit the next one or start a newer wish."""
+        """Send a slice, then submit the next one or start a newer request."""
         if isinstance(piece, Exception):
             return self._lost(piece)
         run, before = self.run, self.run.frames
@@ -236,23 +236,23 @@ class Pursuit:
         self._send(piece.blocks)
         if piece.done:
             self._end()
-        if self._gives_way():
-            return self._take_up()
+        if self._is_replaced():
+            return self._start_newest()
         if run.state == "running":
             self._slice(BUDGET)
         elif run.state == "paused" and self.budget == 0.0 and run.frames == before:
             self._slice(0.0)  # the single increment took too long: repeat it with a longer limit
         self.session.publish()
 
-    def _gives_way(self):
-        """Whether a newer wish ends the run now; not during a drag if the run ends soon by itself."""
+    def _is_replaced(self):
+        """Whether a newer request ends the run now; not during a drag if the run ends soon by itself."""
         ends = self.held and self.run.state == "running" and self.run.ends_within(SOON)
-        return self.wanted is not None and not ends
+        return self.requested is not None and not ends
 
     def _end(self):
         """End the run and put it into the cache."""
-        self.run.shelve(self.session.shelf)
-        self._ended(self.run.made)
+        self.run.store(self.session.run_cache)
+        self._ended(self.run.packed)
         self.run.leave()
 
     def _ended(self, whole):
@@ -277,15 +277,15 @@ class Pursuit:
         if why := self.run.lose(lost):
             return self._fail(why)
         self.session.notes = ["A worker process ended unexpectedly. Another worker repeats its slice."]
-        if self._gives_way():
-            return self._take_up()
+        if self._is_replaced():
+            return self._start_newest()
         self._slice(self.budget)
         self.session.publish()
 
     def _fail(self, why):
         """End the run as failed, with its frames so far."""
-        if self.wanted is not None:
-            return self._take_up()
+        if self.requested is not None:
+            return self._start_newest()
         if self.run:
             self.run.state, self.run.why = "failed", why
         self.session.publish()
@@ -293,5 +293,5 @@ class Pursuit:
     def fail_unexpectedly(self):
         """Log the traceback of a programming error, and show the visitor a message."""
         log.exception("a visitor's run failed")
-        self.wanted = None
+        self.requested = None
         self._fail(ERROR)

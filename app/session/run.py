@@ -1,4 +1,4 @@
-"""A wish of a visitor, and one run of a scene: its progress, its next slice, and its status for the browser."""
+"""A request of a visitor, and one run of a scene: its progress, its next slice, and its status for the browser."""
 
 from dataclasses import dataclass, field, replace
 
@@ -7,15 +7,15 @@ from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, SCREEN
 from solver import Scene
 
-LIVES = 3  # slices that may be lost with their worker before the run fails
+ATTEMPTS = 3  # slices that may be lost with their worker before the run fails
 ERROR = "an error of the server, which its log describes; choose an experiment to start again"
 
 
 @dataclass(frozen=True)
-class Wish:
+class RunRequest:
     """The Scene to show; after: (number of a run, frame) from which it continues.
 
-    held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order with this wish.
+    held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order with this request.
     """
 
     scene: Scene
@@ -34,33 +34,33 @@ class Run:
     total: int  # expected number of frames
     state: str
     started: float  # s, monotonic
-    kept: bytes | None = None  # state of the last slice, for the next
+    checkpoint: bytes | None = None  # state of the last slice, for the next
     history: tuple = ()  # ((Scene, frames), ...) of the runs that this one continues
     after: tuple = ()  # (number of a run, frame) from which this one continues, in the browser's count
     frames: int = 0  # including those of the history
-    made: Frames = field(default_factory=Frames)  # its own frames; their blocks are dropped after the run
+    packed: Frames = field(default_factory=Frames)  # its own frames; their blocks are dropped after the run
     seconds: float = 0.0
     heavy: bool = False  # whether an increment is so expensive that the run must not delay others
     refines: bool = False  # whether it replaces a picture: the browser shows it when complete
     lost: int = 0
     why: str = ""
-    kept_as: object = None  # key of the blocks in the cache
+    cache_key: object = None  # key of the blocks in the cache
 
     def slice(self, budget):
         """Return (call, {"rank", "seconds"}) of the next slice; budget: s of work."""
         rank = HEAVY if self.heavy else EXACT if self.refines else SCREEN
         limit = worker.SLOW if self.heavy else worker.QUICK
-        call = worker.compute, self.scene, self.kept, budget, self.history, limit
+        call = worker.compute, self.scene, self.checkpoint, budget, self.history, limit
         return call, {"rank": rank, "seconds": worker.APPROACH * budget}
 
     def add(self, piece, now):
         """Add a Slice; now: s, monotonic."""
-        self.kept = piece.kept
+        self.checkpoint = piece.state
         self.frames += piece.frames
         self.heavy = piece.heavy
         if piece.ahead is not None:
             self.total = self.frames + piece.ahead
-        self.made += piece
+        self.packed += piece
         self.seconds = now - self.started
         if self.state == "warming":
             self.state, self.started = "running", now
@@ -75,10 +75,10 @@ class Run:
     def lose(self, lost):
         """Count a lost slice; return why the run fails, or an empty text if the slice should be repeated."""
         self.lost, kind = self.lost + 1, getattr(lost, "kind", "closed")
-        if kind == "crash" and self.lost < LIVES:
+        if kind == "crash" and self.lost < ATTEMPTS:
             return ""
         if kind == "crash":
-            return f"{LIVES} workers ended during this run; change a parameter or choose an experiment"
+            return f"{ATTEMPTS} workers ended during this run; change a parameter or choose an experiment"
         if kind == "hang":
             return f"{lost}, so the worker was ended; what is computed stays. Change a parameter"
         why = str(lost) or "the server is being stopped"
@@ -86,18 +86,18 @@ class Run:
 
     def take_over(self, known):
         """Finish the run with its cached Frames."""
-        self.state, self.kept_as, self.made = "finished", self.scene, replace(known, blocks=(), skeleton=None)
+        self.state, self.cache_key, self.packed = "finished", self.scene, replace(known, blocks=(), skeleton=None)
         self.total = self.frames = known.frames
 
-    def shelve(self, shelf):
+    def store(self, run_cache):
         """Put the run into the cache: for all visitors if it is complete and starts from nothing, else for this one."""
-        self.kept_as = self.scene if self.state == "finished" and not self.history else object()
-        shelf.put(self.kept_as, self.made)
+        self.cache_key = self.scene if self.state == "finished" and not self.history else object()
+        run_cache.put(self.cache_key, self.packed)
 
     def leave(self):
         """Drop the blocks; keep the history, from which frames can be computed again."""
-        self.kept = None
-        self.made = replace(self.made, blocks=(), skeleton=None)
+        self.checkpoint = None
+        self.packed = replace(self.packed, blocks=(), skeleton=None)
 
     def up_to(self, frame):
         """Return ((Scene, frames), ...) up to and including a frame: see `solver.carried_path`."""
@@ -109,11 +109,11 @@ class Run:
             left -= count
         return (*found, (self.scene, left))
 
-    def place(self, k, shelf):
+    def place(self, k, run_cache):
         """Return (packed block, row) of frame k in the browser's count, or None if the cache has dropped it."""
         k -= sum(frames for _, frames in self.history)  # frames of earlier runs are not stored
-        known = shelf.get(self.kept_as)
-        for block in self.made.blocks or (known.blocks if known else ()):
+        known = run_cache.get(self.cache_key)
+        for block in self.packed.blocks or (known.blocks if known else ()):
             frames = packing.header(block)["frames"]
             if 0 <= k < frames:
                 return block, k
@@ -128,9 +128,9 @@ class Run:
             "after": self.after or None,
             "frames": self.frames,
             "total": self.total,
-            "evaluations": self.made.evaluations,
+            "evaluations": self.packed.evaluations,
             "seconds": round(self.seconds, 3),
-            "residual": self.made.residual,
+            "residual": self.packed.residual,
             "tolerance": self.scene.tolerance,
             "why": self.why,
             "known": self.state == "finished" and self.seconds == 0.0,

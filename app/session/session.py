@@ -7,15 +7,15 @@ import os
 from app.limits import INCREMENTS
 from app.service import metrics, tasks
 from app.service.bench import Bench
-from app.service.finished import shelf as shared_shelf
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.requests import Requests
+from app.service.run_cache import run_cache as shared_run_cache
 from app.service.worker import KERNELS
 from app.session import controls, orders
-from app.session.aside import Film, Layer, Marks, Pinned
+from app.session.extras import Film, Layer, Marks, Pinned
 from app.session.pursuit import Pursuit
-from app.session.run import Wish
+from app.session.run import RunRequest
 from app.session.share import Share
 from app.session.wire import Wire
 from solver import SceneError
@@ -30,9 +30,9 @@ visitors = set()  # sessions of this process; Panel's own count is late
 class Session:
     """The session of one visitor. Every method runs under the lock of the visitor's document."""
 
-    def __init__(self, doc, pages, arguments=None, pool=shared_pool, shelf=shared_shelf):
+    def __init__(self, doc, pages, arguments=None, pool=shared_pool, run_cache=shared_run_cache):
         """pages(session) makes the pages beside the experiment."""
-        self.doc, self.pool, self.shelf = doc, pool, shelf
+        self.doc, self.pool, self.run_cache = doc, pool, run_cache
         self.wire = Wire()
         self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
         self.errors = {}
@@ -42,7 +42,7 @@ class Session:
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.pinned, self.marks = Pinned(self), Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores older values
-        self.told_position = self.told_order = None
+        self.published_position = self.published_order = None
         self.reading = Requests(self)  # reads an uploaded profile
         self.closed = False
         visitors.add(self)
@@ -82,18 +82,18 @@ class Session:
         except Exception:
             self.pursuit.fail_unexpectedly()
         pictured = getattr(order, "held", False) and self.pursuit.state == "following"
-        if self.told_order != self.acknowledged and not pictured:
+        if self.published_order != self.acknowledged and not pictured:
             self.publish()
 
     def _refuse(self, refused):
-        metrics.count("refused_messages")
+        metrics.count("rejected_messages")
         self.acknowledged = self.acknowledged if refused.n is None else refused.n
         self.notes = [f"{refused}{controls.STAYS}"]
         self.publish()
 
     def hello(self):
         """Start the first run: the page is ready."""
-        self.pursuit.want(Wish(self.scene))
+        self.pursuit.request(RunRequest(self.scene))
 
     def change(self, entries, after=None, held=False, at=0.0):
         """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
@@ -108,7 +108,7 @@ class Session:
         else:
             after = self._usable(scene, after)
             self.scene = scene
-            self.pursuit.want(Wish(scene, after, held, at, self.acknowledged))
+            self.pursuit.request(RunRequest(scene, after, held, at, self.acknowledged))
 
     def _usable(self, scene, after):
         """Return the (run, frame) to continue from, or None with a note if the scene must start from the beginning."""
@@ -143,7 +143,7 @@ class Session:
             self.errors = {"profile": f"profile: {why}.{controls.STAYS}"}
             return self.publish()
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
-        self.pursuit.want(Wish(scene))
+        self.pursuit.request(RunRequest(scene))
 
     def restore(self, entries):
         """Show the scene of an address {name: text}."""
@@ -154,7 +154,7 @@ class Session:
         """Show another scene, based on `preset`, with notes on how it was read."""
         self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
-        self.pursuit.want(Wish(scene))
+        self.pursuit.request(RunRequest(scene))
 
     @property
     def run(self):
@@ -164,7 +164,7 @@ class Session:
     def look(self):
         """Publish the position in the queue and the number of compiled kernels; a timer calls this, in any thread."""
         warming = self.run is not None and self.run.state == "warming"
-        if not self.closed and (warming or self.told_position or self.pursuit.position):
+        if not self.closed and (warming or self.published_position or self.pursuit.position):
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
 
     def publish(self):
@@ -172,12 +172,12 @@ class Session:
         run = self.run
         if run is None:
             return
-        self.told_position = self.pursuit.position
-        waits = [f"{self.told_position} before you in the queue of the server."] if self.told_position else []
-        own = {"values": controls.values_of(self.scene), "heard": self.acknowledged, "errors": self.errors}
+        self.published_position = self.pursuit.position
+        waits = [f"{self.published_position} before you in the queue of the server."] if self.published_position else []
+        own = {"values": controls.values_of(self.scene), "acknowledged": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
-        own |= {"scene": controls.values_of(run.scene), "marks": self.marks.told}  # scene: of the run
-        self.told_order = self.acknowledged
+        own |= {"scene": controls.values_of(run.scene), "marks": self.marks.values}  # scene: of the run
+        self.published_order = self.acknowledged
         if run.state == "warming":
             own["compiled"] = min(self.pool.compiled, KERNELS), KERNELS
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}

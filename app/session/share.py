@@ -29,7 +29,7 @@ class Share(Requests):
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
 
-    def take(self, kind):
+    def export(self, kind):
         """Let a worker write the file of the run: `kind` is npz or json."""
         call = (tasks.file_of_run, self.session.pursuit.legs, kind)
         self.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)

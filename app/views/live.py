@@ -38,120 +38,122 @@ def live_figures():
 
 def punch(x, name="punch"):
     """The deformed punch above the lattice sites of the rigid substrate, nodes by state."""
-    said = [("x", "@at{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
-    made = blank(name, x, Range1d(-1.2, 7), POSITION, "height (nm)")
-    add(made, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
-    draw(made, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
-    draw(made, "line", "surface", "--body", "x", "gap")
-    draw(made, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
+    tooltips = [("x", "@at{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
+    plot = blank(name, x, Range1d(-1.2, 7), POSITION, "height (nm)")
+    add(plot, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
+    draw(plot, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
+    draw(plot, "line", "surface", "--body", "x", "gap")
+    draw(plot, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
     for state, node in reversed(NODES.items()):  # the first is on top
-        look = {"marker": node.marker, "size": node.size, "hover": {"tooltips": [(state, node.meaning), *said]}}
-        draw(made, "scatter", state, node.colour, "x", "gap", more=["at", "T_n", "T_t"], **look)
-    _pins(made)
-    return made
+        look = {"marker": node.marker, "size": node.size, "hover": {"tooltips": [(state, node.meaning), *tooltips]}}
+        draw(plot, "scatter", state, node.colour, "x", "gap", more=["at", "T_n", "T_t"], **look)
+    _pins(plot)
+    return plot
 
 
 def traction(x):
     """Normal and tangential traction along the interface."""
-    made = blank("traction", x, Range1d(-1, 2), POSITION, "traction (GPa)")
-    _zero(made)
-    _curves(made, "x", "T", "x", "GPa", "T_n", "T_t")
-    return made
+    plot = blank("traction", x, Range1d(-1, 2), POSITION, "traction (GPa)")
+    _zero(plot)
+    _curves(plot, "x", "T", "x", "GPa", "T_n", "T_t")
+    return plot
 
 
 def forces(x):
     """Friction and load along the path, with the previous run as pale curves."""
-    made = blank("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)")
-    _zero(made)
-    _along(made, "N/m", "F", "L")
-    return made
+    plot = blank("forces", x, Range1d(-1, 2), TOP, "F, L (N/m)")
+    _zero(plot)
+    _along(plot, "N/m", "F", "L")
+    return plot
 
 
 def area(x):
     """Contact area along the path."""
-    made = blank("area", x, Range1d(0, 100), TOP, "A (nm)")
-    _along(made, "nm", "A")
-    return made
+    plot = blank("area", x, Range1d(0, 100), TOP, "A (nm)")
+    _along(plot, "nm", "A")
+    return plot
 
 
 def contact_map(x):
     """Normal traction over path and position: shows where the contact repels, adheres or is open."""
-    made = blank("map", x, Range1d(-250, 250), TOP, UNDEFORMED)
+    plot = blank("map", x, Range1d(-250, 250), TOP, UNDEFORMED)
     empty = {"image": [np.zeros((2, 2), np.float32)], "x": [0], "y": [-1], "dw": [1], "dh": [2]}
     colours = LinearColorMapper(palette=["#888888"], low=0, high=1, nan_color="#00000000")
-    said = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
-    draw(made, "image", "map", "", *empty, hover={"tooltips": said}, data=empty, color_mapper=colours, level="glyph")
+    tooltips = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
+    draw(
+        plot, "image", "map", "", *empty, hover={"tooltips": tooltips}, data=empty, color_mapper=colours, level="glyph"
+    )
     stripes = {"hatch_pattern": "right_diagonal_line", "hatch_color": "#808080", "hatch_weight": 2, "hatch_scale": 8}
-    draw(made, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
-    draw(made, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # contact edges, off screen
-    _pins(made)
-    draw(made, "scatter", "slips_map", "--slip", "U_x", "x", **SLIP)
-    _cursor(made)
-    return made
+    draw(plot, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
+    draw(plot, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # contact edges, off screen
+    _pins(plot)
+    draw(plot, "scatter", "slips_map", "--slip", "U_x", "x", **SLIP)
+    _cursor(plot)
+    return plot
 
 
-def _along(made, unit, *names):
+def _along(plot, unit, *names):
     """Curves along the path, above those of the previous run and of pinned runs, with the slips of the first curve."""
-    _pins(made)
+    _pins(plot)
     for name in names:
         ghost = {"line_width": 3, "line_dash": CURVES[name].dash}
-        draw(made, "line", f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
-    _curves(made, "U_x", "value", "Uₓ", unit, *names)
-    draw(made, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", **SLIP)
-    _cursor(made)
+        draw(plot, "line", f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
+    _curves(plot, "U_x", "value", "Uₓ", unit, *names)
+    draw(plot, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", **SLIP)
+    _cursor(plot)
     heads = {"angle": "angle", "marker": "triangle", "size": 11}  # of arrows along the curve
-    draw(made, "scatter", "ways", "--text", "U_x", "value", more=["angle"], **heads)
+    draw(plot, "scatter", "ways", "--text", "U_x", "value", more=["angle"], **heads)
 
 
-def _curves(made, x, y, along, unit, *names):
+def _curves(plot, x, y, along, unit, *names):
     """Curves with tooltips. Two curves have theirs on opposite sides of the mouse, so that both stay visible."""
     for name, side in zip(names, ("right", "left") if len(names) == 2 else ("horizontal",), strict=True):
         curve = CURVES[name]
-        said = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
-        hover = {"tooltips": said, "mode": "vline", "attachment": side}
-        draw(made, "line", name, curve.colour, x, y, hover=hover, line_width=2, line_dash=curve.dash)
+        tooltips = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
+        hover = {"tooltips": tooltips, "mode": "vline", "attachment": side}
+        draw(plot, "line", name, curve.colour, x, y, hover=hover, line_width=2, line_dash=curve.dash)
 
 
-def _pins(made):
+def _pins(plot):
     """Lines of pinned runs, each with its own colour, dash and width."""
     looks = {"line_color": field("colour"), "line_dash": field("dash"), "line_width": field("width")}
-    draw(made, "multi_line", "pins", "", "xs", "ys", more=["colour", "dash", "width"], **looks)
+    draw(plot, "multi_line", "pins", "", "xs", "ys", more=["colour", "dash", "width"], **looks)
 
 
-def _zero(made):
-    add(made, "zero", Span(location=0), "--grid")
+def _zero(plot):
+    add(plot, "zero", Span(location=0), "--grid")
 
 
-def _cursor(made):
+def _cursor(plot):
     """The line at the increment on screen; it has its own canvas, so that moving it redraws nothing else."""
-    add(made, "cursor", Span(location=0, dimension="height", line_width=1.5, level="overlay"), "--cursor")
+    add(plot, "cursor", Span(location=0, dimension="height", line_width=1.5, level="overlay"), "--cursor")
 
 
-def draw(made, kind, label, colour, *columns, more=(), data=None, hover=None, **look):
+def draw(plot, kind, label, colour, *columns, more=(), data=None, hover=None, **look):
     """Add the glyph of a figure's method `kind` over columns, empty at first; hover: options of its tooltip."""
     source = ColumnDataSource(data or {column: [] for column in (*columns, *more)})
-    part = getattr(made, kind)(*columns, source=source, **look)
-    part.update(**_named(made, label, colour), **ONE_LOOK)
+    part = getattr(plot, kind)(*columns, source=source, **look)
+    part.update(**_named(plot, label, colour), **ONE_LOOK)
     if hover:
-        made.add_tools(HoverTool(renderers=[part], **hover))
+        plot.add_tools(HoverTool(renderers=[part], **hover))
 
 
-def add(made, label, model, colour):
+def add(plot, label, model, colour):
     """Add a line or a band to a figure."""
-    model.update(**_named(made, label, colour))
-    made.renderers.append(model)
+    model.update(**_named(plot, label, colour))
+    plot.renderers.append(model)
 
 
-def _named(made, label, colour):
+def _named(plot, label, colour):
     """Return the name of a part of a figure, for the browser, and its colour in style.css."""
-    return {"name": f"{made.name}.{label}", "tags": [colour]}
+    return {"name": f"{plot.name}.{label}", "tags": [colour]}
 
 
 def blank(name, x, y, x_label, y_label, **axes):
     """Return a figure with axes and a grid, without tools that capture the wheel or touch."""
     axes |= {"x_axis_label": x_label, "y_axis_label": y_label}
-    made = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
-    for axis in made.axis:
+    plot = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
+    for axis in plot.axis:
         axis.update(**AXIS, major_label_policy=NoOverlap(min_distance=6))  # px
-    made.yaxis.ticker.desired_num_ticks = 4
-    return made
+    plot.yaxis.ticker.desired_num_ticks = 4
+    return plot

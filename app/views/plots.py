@@ -28,7 +28,7 @@ class Part(NamedTuple):
     kind: str | type
     label: str
     quantities: tuple = ()
-    said: list | None = None
+    tooltips: list | None = None
     mode: str = "mouse"
     look: dict = {}  # noqa: RUF012 (never changed)
 
@@ -44,14 +44,14 @@ class View:
     parts: dict
 
 
-def curve(label, *quantities, said=None, mode="mouse", **look):
-    """A curve of the first two quantities; its tooltip `said` may name the others."""
-    return Part("line", label, quantities, said, mode, look)
+def curve(label, *quantities, tooltips=None, mode="mouse", **look):
+    """A curve of the first two quantities; its tooltip `tooltips` may name the others."""
+    return Part("line", label, quantities, tooltips, mode, look)
 
 
-def dots(label, *quantities, said=None, **look):
+def dots(label, *quantities, tooltips=None, **look):
     """Markers; the arguments are those of `curve`."""
-    return Part("scatter", label, quantities, said, look=look)
+    return Part("scatter", label, quantities, tooltips, look=look)
 
 
 def texts(label, *quantities, **look):
@@ -59,9 +59,9 @@ def texts(label, *quantities, **look):
     return Part("text", label, quantities, look=look)
 
 
-def picture(label, x, y, said=None, bounds=(0, 0, 1, 1), palette=("#888888",)):
+def picture(label, x, y, tooltips=None, bounds=(0, 0, 1, 1), palette=("#888888",)):
     """An image over x and y, within (left, bottom, right, top)."""
-    return Part("image", label, (x, y), said, look={"bounds": bounds, "palette": list(palette)})
+    return Part("image", label, (x, y), tooltips, look={"bounds": bounds, "palette": list(palette)})
 
 
 def level(label):
@@ -79,7 +79,7 @@ def rendered(name, parts, colours, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
     across, up = next(part.quantities[:2] for part in parts if part.quantities)
     made = blank(name, Range1d(*x), Range1d(*y), across.title, up.title, **axes)
     for part in parts:
-        colour, hover = colours.get(part.label, ""), part.said and {"tooltips": part.said, "mode": part.mode}
+        colour, hover = colours.get(part.label, ""), part.tooltips and {"tooltips": part.tooltips, "mode": part.mode}
         if isinstance(part.kind, type):
             add(made, part.label, part.kind(**part.look), colour)
         elif part.kind == "image":

@@ -65,10 +65,10 @@ def test_cautions_are_published_after_new_and_known_runs(pool):
     assert page.status()["cautions"] == []
     page.until("finished")
     assert "smoothed away" in page.status()["cautions"][0]
-    other = Page(pool, page.session.scene, shelf=page.session.shelf)
+    other = Page(pool, page.session.scene, run_cache=page.session.run_cache)
     other.order("hello")
     assert other.status()["cautions"] == page.status()["cautions"]
-    assert page.session.run.made.widest == other.session.run.made.widest > 0.0
+    assert page.session.run.packed.widest == other.session.run.packed.widest > 0.0
     page.session.close()
     other.session.close()
 
@@ -85,7 +85,7 @@ class Visitor:
 
     @property
     def state(self):
-        return self.bench.told["state"]
+        return self.bench.report["state"]
 
 
 @pytest.mark.slow
@@ -97,7 +97,7 @@ def test_cancelling_an_accuracy_measurement_ends_its_process():
     process = job.caller.process
     assert visitor.state == "measuring" and process.is_alive()
     visitor.bench.cancel("enough")
-    assert visitor.state == "cancelled" and visitor.bench.told["why"] == "enough"
+    assert visitor.state == "cancelled" and visitor.bench.report["why"] == "enough"
     job.join(WAIT)
     assert not process.is_alive() and process not in multiprocessing.active_children()
     while not visitor.calls.empty():
@@ -118,7 +118,7 @@ def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
     first.bench.job.caller.process.kill()
     while first.state != "failed":
         first.calls.get(timeout=WAIT)()
-    assert "Measure again" in first.bench.told["why"]
+    assert "Measure again" in first.bench.report["why"]
     second.calls.get(timeout=WAIT)()
     assert second.state == "measuring"
     second.bench.close()
@@ -138,10 +138,10 @@ def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session
     point = {"series": "fast", "tolerance": 1e-5, "seconds": 0.03, "evaluations": 700, "error": 2e-6, "astray": True}
     order(session, "page", page="accuracy")
     assert page_state(session)["texts"]["accuracy-state"].startswith("takes")
-    session.bench.told = {"state": "done", "points": [point], "scene": session.scene, "sentence": "It is right."}
-    session.bench.hear()
+    session.bench.report = {"state": "done", "points": [point], "scene": session.scene, "sentence": "It is right."}
+    session.bench.on_change()
     order(session, "page", page="")
-    assert session.bench.hear is None
+    assert session.bench.on_change is None
     order(session, "page", page="accuracy")
     texts = page_state(session)["texts"]
     assert texts["accuracy-state"] == "done" and texts["accuracy-sentence"] == "It is right."

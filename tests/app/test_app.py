@@ -119,15 +119,15 @@ def test_drawer_holds_every_parameter_without_a_slider_once():
 
 def test_a_flat_is_packed_with_only_the_drawn_nodes():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
-    frames, _ = advance(scene, None, 60.0)
-    head, _, fields = unpacked(worker.compute(scene, None, 60.0).blocks[-1])
+    frames, _ = advance(scene, None, np.inf)
+    head, _, fields = unpacked(worker.compute(scene, None, np.inf).blocks[-1])
     assert head["nodes"] == packing.FLAT and head["first"] == (scene.nodes - packing.FLAT) // 2
     assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
 
 def test_packed_frames_match_the_solver():
     scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
-    frames, _ = advance(scene, None, 60.0)
+    frames, _ = advance(scene, None, np.inf)
     blocks = worker.compute(scene, None, 60.0).blocks
     head, curves, fields = unpacked(blocks[-1])
     frame, nodes = frames[-1], head["nodes"]
@@ -219,7 +219,7 @@ def test_a_new_scene_does_not_wait_for_a_slow_slice(page, pool, monkeypatch):
 def test_visitors_share_computed_runs(page, pool):
     page.order("hello")
     page.until("finished")
-    other = Page(pool, shelf=page.session.shelf)
+    other = Page(pool, run_cache=page.session.run_cache)
     other.order("hello")
     assert other.status()["state"] == "finished" and other.session.pursuit.task is None
     assert other.status()["frames"] == page.status()["frames"]
@@ -241,11 +241,11 @@ def test_pause_stops_submitting_slices_and_go_continues(page, slices):
     while page.session.pursuit.task is not None:
         page.calls.get(timeout=PATIENCE)()
     frames = page.status()["frames"]
-    page.order("one")
+    page.order("step")
     while page.session.pursuit.task is not None:
         page.calls.get(timeout=PATIENCE)()
     assert page.status()["state"] == "paused" and page.status()["frames"] == frames + 1
-    page.order("go")
+    page.order("resume")
     page.until("finished")
 
 
@@ -254,7 +254,7 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
     page.order("hello")
     page.until("finished")
     undisturbed = page.curve("F_bar")
-    page.session.shelf.clear()
+    page.session.run_cache.clear()
     monkeypatch.setattr(pursuit, "FIRST", 60.0)  # the whole run is one slice
     lost = pool.replaced
     page.order("hello")

@@ -31,7 +31,7 @@ def workers(local, monkeypatch):
     from app.service.cluster import Cluster
 
     monkeypatch.setattr("app.service.pool.PAUSES", (0.0, 0.2))
-    pool = Pool(size=3, make=Cluster(local.address))  # one seat more than there are workers
+    pool = Pool(size=3, make=Cluster(local.address))  # one slot more than there are workers
     pool.start()
     until(lambda: pool.ready == 2)
     yield pool
@@ -51,7 +51,7 @@ def test_cluster_frames_equal_local_frames_bitwise(workers):
 def test_cluster_uses_both_workers_and_abandons_a_hanging_task(workers):
     asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
     until(lambda: all(task.running() or task.done() for task in asked))
-    assert len({task.seat for task in asked}) == 2
+    assert len({task.slot for task in asked}) == 2
     workers.patience = 0.2
     assert workers.submit(time.sleep, 2.0).exception(PATIENCE).kind == "hang"
     workers.patience = 5.0

@@ -61,10 +61,10 @@ def test_initially_free_parameters_are_identified_by_example_data_of_the_default
 def test_an_invalid_measurement_is_reported_and_the_previous_one_stays(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
-    assert "19 points" in page_state(session)["texts"]["fit-said"]
+    assert "19 points" in page_state(session)["texts"]["fit-text"]
     send_file(session, "measurement", "U_x,F\n1,2\n1,x\n")
     answer(session)
-    assert re.search(r"line 3: F = 'x'.*stays", page_state(session)["texts"]["fit-said"])
+    assert re.search(r"line 3: F = 'x'.*stays", page_state(session)["texts"]["fit-text"])
     assert page.measured.U_x.size == 19
 
 
@@ -75,7 +75,7 @@ def test_no_fit_starts_without_a_measurement_or_a_free_parameter(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="nodes,")
-    assert page_state(session)["texts"]["fit-said"].startswith("No parameter is free")
+    assert page_state(session)["texts"]["fit-text"].startswith("No parameter is free")
 
 
 def test_a_fit_continues_while_its_page_is_closed(session, page):
@@ -87,10 +87,10 @@ def test_a_fit_continues_while_its_page_is_closed(session, page):
     assert not task.cancelled()
     answer_with(task, "nothing slips")
     order(session, "page", page="fit")
-    assert page_state(session)["busy"] is None and "nothing slips" in page_state(session)["texts"]["fit-said"]
+    assert page_state(session)["busy"] is None and "nothing slips" in page_state(session)["texts"]["fit-text"]
     assert session.pages.page is page and page.measured.U_x.size == 19 and page_state(session)["fit"] is None
     session.close()
-    assert not session.pages.kept
+    assert not session.pages.closed
 
 
 def test_a_new_file_cancels_the_running_fit(session, page):
@@ -100,7 +100,7 @@ def test_a_new_file_cancels_the_running_fit(session, page):
     order(session, "file", entry="measurement", text=CURVE + "20,40\n")
     assert page_state(session)["busy"] is None
     answer(session)
-    assert "20 points" in page_state(session)["texts"]["fit-said"]
+    assert "20 points" in page_state(session)["texts"]["fit-text"]
 
 
 def test_normalised_forces_are_plotted_with_the_current_stiffness(session, page):
@@ -121,7 +121,7 @@ def test_example_data_state_their_parameters_and_a_rejected_file_is_marked(sessi
     assert fit["values"]["phi_ratio"] == pytest.approx(fit["truth"]["phi_ratio"], rel=0.1)
     order(session, "file", entry="measurement", text="nonsense")
     answer(session)
-    assert page_state(session)["refused"] and "stays" in page_state(session)["texts"]["fit-said"]
+    assert page_state(session)["refused"] and "stays" in page_state(session)["texts"]["fit-text"]
 
 
 def test_cancel_stops_the_fit(session, page):

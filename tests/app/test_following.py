@@ -9,10 +9,10 @@ import pytest
 from visitor import NoPool, Page, say, slices, unpacked
 
 from app.service import following, metrics, packing, worker
-from app.service.finished import Shelf
 from app.service.packing import Frames
 from app.service.pool import EXACT, LATER, SCREEN
-from app.service.requests import shared
+from app.service.requests import shared_requests
+from app.service.run_cache import RunCache
 from app.session import pursuit
 from app.session.comparison import OFF
 from solver import Scene
@@ -133,10 +133,10 @@ class Answered(NoPool):
 @pytest.fixture
 def page(runs):
     """A visitor who looks at the finished run of SCENE."""
-    shared.clear()  # as if no other test had compared these runs
-    shelf = Shelf()
-    shelf.put(SCENE, runs[SCENE])
-    visit = Page(Answered(), SCENE, shelf=shelf)
+    shared_requests.clear()  # as if no other test had compared these runs
+    run_cache = RunCache()
+    run_cache.put(SCENE, runs[SCENE])
+    visit = Page(Answered(), SCENE, run_cache=run_cache)
     visit.order("hello")
     visit.pool = visit.session.pool
     yield visit
@@ -152,7 +152,7 @@ def move(page, value, at=9.0):
 def test_only_the_newest_slider_position_is_predicted_next(page):
     for value in (0.01, 0.02, 0.03, 0.04):
         move(page, value)
-    assert page.status()["heard"] not in (1.0, 2.0, 3.0, 4.0)  # the pictures acknowledge these orders
+    assert page.status()["acknowledged"] not in (1.0, 2.0, 3.0, 4.0)  # the pictures acknowledge these orders
     assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.01]
     page.pool.answer(
         page, following.followed, following.Followed(packing.headed({"kind": "picture"}, b"!"), b"skeleton")
@@ -177,8 +177,8 @@ def test_exact_run_starts_on_release_behind_predictions_of_others(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     sent = len(page.chunks)
-    page.order("rest")
-    page.order("rest")
+    page.order("release")
+    page.order("release")
     (task,) = page.pool.waiting(worker.compute)
     assert task.call[1] == NEXT and task.rank == EXACT
     assert page.status()["state"] == "refining"
@@ -194,7 +194,7 @@ def test_exact_run_starts_on_release_behind_predictions_of_others(page, runs):
 
 def test_a_new_drag_cancels_the_exact_run(page, runs):
     move(page, 0.02)
-    page.order("rest")
+    page.order("release")
     assert not page.pool.waiting(worker.compute)  # one call at a time: the picture comes first
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     (task,) = page.pool.waiting(worker.compute)
@@ -205,7 +205,7 @@ def test_a_new_drag_cancels_the_exact_run(page, runs):
 def test_a_wrong_prediction_is_counted_and_reported(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
-    page.order("rest")
+    page.order("release")
     page.pool.answer(page, worker.compute, worker.compute(NEXT, None, 600.0))
     before = metrics.counted("disagreed")
     page.pool.answer(page, following.compared, (0.02, 0.01))
@@ -247,7 +247,7 @@ def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
     (task,) = page.pool.waiting(worker.compute)
     task.set_running_or_notify_cancel()
     page.order("scene", phi_ratio=0.6)
-    assert page.pool.waiting(worker.compute) == [task] and page.status()["heard"] is not None
+    assert page.pool.waiting(worker.compute) == [task] and page.status()["acknowledged"] is not None
     while not page.calls.empty():  # the time is over
         page.calls.get()()
     assert [task.call[1].phi_ratio for task in page.pool.waiting(worker.compute)] == [0.5, 0.6]

@@ -70,7 +70,7 @@ def test_exports_of_a_continued_run_contain_every_part_with_its_own_stiffness(pa
     for _, head, curves, _ in page.chunks:
         assert head["force"] == head["scene"]["E"] * SHORT.width
         shown += [(head["scene"]["E"], head["force"] * F) for F in curves["F_bar"]]
-    first = page.session.shelf.get(SHORT).frames
+    first = page.session.run_cache.get(SHORT).frames
     shown = shown[: frame + 1] + shown[first:]
     assert [(f.scene.E, f.F) for f in made["frames"]] == [(E, pytest.approx(F, rel=1e-5, abs=1e-6)) for E, F in shown]
     with np.load(io.BytesIO(tasks.file_of_run(legs, "npz"))) as data:
@@ -82,7 +82,7 @@ def test_exports_of_a_continued_run_contain_every_part_with_its_own_stiffness(pa
 
 def test_a_continued_run_is_not_stored_as_a_run_from_the_start(page):
     change(page, (1, page.status()["frames"] - 10), E=90)
-    assert page.session.shelf.get(SHORT.changed(E=90.0)) is None
+    assert page.session.run_cache.get(SHORT.changed(E=90.0)) is None
 
 
 def test_a_change_of_the_grid_restarts_the_run_with_a_note(page):

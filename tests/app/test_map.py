@@ -27,7 +27,7 @@ def test_a_sliced_map_tile_matches_exact_runs(monkeypatch):
         for tile in grid.tiles(level, known):
             made, parts = tasks.map_tile(tile), 1
             while isinstance(made, tasks.Part):
-                parts, made = parts + 1, tasks.map_tile(tile, made.kept)
+                parts, made = parts + 1, tasks.map_tile(tile, made.state)
             assert parts == len(tile.asked)
             known |= {(point.i, point.j): (point, skeleton) for point, skeleton in made}
             assert all(skeleton is None or isinstance(skeleton, bytes) for _, skeleton in made)
@@ -63,7 +63,7 @@ def test_map_is_refined_from_coarse_to_complete(session):
     outline = np.array(view.parts["outline"].data_source.data["i"])
     assert np.nanmin(outline) == np.nanmax(outline) == COLUMNS // 2 + 0.5
     told = json.loads(session.wire.page)
-    assert told["busy"] is None and told["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
+    assert told["busy"] is None and told["texts"]["regimes-text"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
 def test_a_click_on_the_map_starts_from_the_nearest_stored_skeleton(session, monkeypatch):
@@ -144,7 +144,7 @@ def test_a_cancelled_map_can_be_resumed(session):
     order(session, "ask", what="resume")
     assert json.loads(session.wire.page)["busy"] is not None
     answered(session)
-    assert json.loads(session.wire.page)["texts"]["regimes-said"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
+    assert json.loads(session.wire.page)["texts"]["regimes-text"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
 def test_map_title_names_the_displayed_quantity(session):

@@ -5,7 +5,7 @@ import pickle
 import pytest
 
 from app.service import marks
-from app.session.aside import Marks
+from app.session.extras import Marks
 from solver import Scene, follow, load_path, skeleton_of
 from solver.analysis.friction_laws import critical_modulus
 from solver.presets import preset

@@ -40,6 +40,6 @@ def test_a_visitor_receives_the_sensitivities_of_the_scene_on_screen(session):
     order(session, "page", page="matters")
     (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.what_matters]
     assert task.call[1] == session.scene
-    assert json.loads(session.wire.page)["texts"]["matters-said"].startswith("Computing")
+    assert json.loads(session.wire.page)["texts"]["matters-text"].startswith("Computing")
     order(session, "page", page="")
     assert task.abandoned or task.cancelled()

@@ -1,4 +1,4 @@
-"""The pool of worker processes and the shelf of finished runs, which all visitors share."""
+"""The pool of worker processes and the cache of finished runs, which all visitors share."""
 
 import os
 import signal
@@ -9,10 +9,10 @@ from helpers import until
 from visitor import NoPool
 
 from app.service import worker
-from app.service.finished import BESIDE, Shelf, fill
 from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, FairQueue, Pool, Task
-from app.service.requests import shared
+from app.service.requests import shared_requests
+from app.service.run_cache import OVERHEAD, RunCache, fill
 from app.service.tasks import whole_run
 from solver import Scene, isolated
 
@@ -117,14 +117,14 @@ def test_owners_take_turns_in_the_queue():
 
 
 def test_shelf_keeps_the_most_recently_used_runs_within_its_capacity():
-    shelf = Shelf(capacity=2 * BESIDE + 250)
+    run_cache = RunCache(capacity=2 * OVERHEAD + 250)
     for E in (20.0, 30.0, 40.0):
-        shelf.put(Scene(E=E), Frames((bytes(60), bytes(40)), 1, 1, 0.0))
-        shelf.get(Scene(E=20.0))
-    assert len(shelf) == 2 and shelf.currsize == 2 * BESIDE + 200
-    assert shelf.get(Scene(E=20.0)) and shelf.get(Scene(E=40.0)) and shelf.get(Scene(E=30.0)) is None
-    shelf.put(Scene(E=50.0), Frames((bytes(int(shelf.maxsize)),), 1, 1, 0.0))
-    assert shelf.get(Scene(E=50.0)) is None
+        run_cache.put(Scene(E=E), Frames((bytes(60), bytes(40)), 1, 1, 0.0))
+        run_cache.get(Scene(E=20.0))
+    assert len(run_cache) == 2 and run_cache.currsize == 2 * OVERHEAD + 200
+    assert run_cache.get(Scene(E=20.0)) and run_cache.get(Scene(E=40.0)) and run_cache.get(Scene(E=30.0)) is None
+    run_cache.put(Scene(E=50.0), Frames((bytes(int(run_cache.maxsize)),), 1, 1, 0.0))
+    assert run_cache.get(Scene(E=50.0)) is None
 
 
 @pytest.mark.thorough
@@ -187,27 +187,27 @@ def call_now(function, *arguments):
 
 
 def test_server_precomputes_runs_one_by_one_at_background_rank():
-    shared.clear()
-    pool, shelf, scenes = NoPool(), Shelf(), [Scene(), Scene(E=80.0), Scene(E=90.0)]
-    shelf.put(scenes[1], Frames())
-    fill(shelf, pool, scenes, call_now)
+    shared_requests.clear()
+    pool, run_cache, scenes = NoPool(), RunCache(), [Scene(), Scene(E=80.0), Scene(E=90.0)]
+    run_cache.put(scenes[1], Frames())
+    fill(run_cache, pool, scenes, call_now)
     for scene in (scenes[0], scenes[2]):
         (task,) = (task for task in pool.tasks if not task.done())
         assert task.call == (whole_run, scene) and (task.owner, task.rank) == (NOBODY, LATER)
         task.set_result(Frames(frames=7))
-        assert shelf[scene].frames == 7
+        assert run_cache[scene].frames == 7
     assert all(task.done() for task in pool.tasks)
-    shared.clear()
+    shared_requests.clear()
 
 
 def test_precomputing_runs_ends_with_the_pool():
-    shared.clear()
+    shared_requests.clear()
     pool = NoPool()
-    fill(Shelf(), pool, [Scene(), Scene(E=80.0)], call_now)
+    fill(RunCache(), pool, [Scene(), Scene(E=80.0)], call_now)
     pool.tasks[0].cancel()
     pool.tasks[0].set_running_or_notify_cancel()
     assert len(pool.tasks) == 1
-    shared.clear()
+    shared_requests.clear()
 
 
 def test_background_tasks_of_the_server_do_not_count_as_in_flight():

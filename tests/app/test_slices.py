@@ -19,7 +19,7 @@ def made(task, scene):
     """(result of a task, number of slices), called as the pages call it."""
     kept, count = (), 0
     while isinstance(result := task(scene, *kept), tasks.Part):
-        kept, count = (result.kept,), count + 1
+        kept, count = (result.state,), count + 1
     return result, count
 
 
@@ -64,7 +64,7 @@ def test_a_continued_run_in_slices_equals_the_whole_run():
         count += 1
     assert count > 100
     whole = worker.compute(changed, None, 60.0, history, 60.0)
-    rest = worker.compute(changed, piece.kept, 60.0, history, 60.0)
+    rest = worker.compute(changed, piece.state, 60.0, history, 60.0)
     assert whole.done and rest.done and piece.frames + rest.frames == whole.frames
     F, G = (packing.unpack(each.blocks[-1])[1]["F_bar"][-1] for each in (whole, rest))
     assert pytest.approx(G, rel=1e-6) == F
@@ -72,7 +72,7 @@ def test_a_continued_run_in_slices_equals_the_whole_run():
 
 def test_a_finished_run_returns_only_packed_frames_and_its_skeleton():
     piece = worker.compute(SHORT, None, 600.0)
-    assert piece.done and piece.kept is None
+    assert piece.done and piece.state is None
     assert len(pickle.dumps(piece)) < sum(map(len, piece.blocks)) + len(piece.skeleton) + 2000
 
 
@@ -87,7 +87,7 @@ def test_an_increment_out_of_time_is_postponed_and_finally_ends_the_run(monkeypa
     piece = worker.compute(SHORT, None, 60.0, limit=0.0)
     assert not piece.done and piece.heavy and piece.failure is None
     monkeypatch.setattr(worker, "SLOW", 0.0)
-    last = worker.compute(SHORT, piece.kept, 60.0, limit=0.0)
+    last = worker.compute(SHORT, piece.state, 60.0, limit=0.0)
     assert last.done and "Not converged at" in last.failure and "0 s of processor time" in last.failure
 
 

@@ -8,7 +8,7 @@ import pytest
 from visitor import SHORT, NoPool, order
 
 from app.service import tasks, worker
-from app.service.requests import Requests, Shared
+from app.service.requests import Requests, SharedRequests
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
 from solver.isolated import Lost
 from solver.presets import presets
@@ -30,7 +30,7 @@ def pool():
 
 
 def test_equal_requests_of_visitors_are_computed_once(pool):
-    shared, seen = Shared(), []
+    shared, seen = SharedRequests(), []
     sweeps = [Requests(Visitor(pool), lambda call, result, k=k: seen.append((k, result)), shared) for k in range(3)]
     for sweep in sweeps[:2]:
         sweep.add([(abs, -3)])
@@ -42,7 +42,7 @@ def test_equal_requests_of_visitors_are_computed_once(pool):
 
 
 def test_a_shared_call_is_cancelled_when_its_last_visitor_leaves(pool):
-    shared = Shared()
+    shared = SharedRequests()
     first, second = (Requests(Visitor(pool), lambda call, result: None, shared) for _ in range(2))
     for sweep in (first, second):
         sweep.add([(abs, -3)])
@@ -55,7 +55,7 @@ def test_a_shared_call_is_cancelled_when_its_last_visitor_leaves(pool):
 def test_a_cancelled_sweep_receives_no_results(pool):
     seen = []
     sweep, other = (
-        Requests(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [Shared()] * 2
+        Requests(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [SharedRequests()] * 2
     )
     sweep.add([(abs, -3)])
     other.add([(abs, -3)])
@@ -66,7 +66,7 @@ def test_a_cancelled_sweep_receives_no_results(pool):
 
 def test_a_call_lost_with_its_worker_is_retried_and_finally_reported(pool):
     seen = []
-    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), Shared())
+    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), SharedRequests())
     sweep.add([(abs, -3)])
     for attempt in range(3):
         assert len(pool.tasks) == attempt + 1 and not seen
@@ -77,7 +77,7 @@ def test_a_call_lost_with_its_worker_is_retried_and_finally_reported(pool):
 def test_partial_results_are_accumulated_on_the_server(pool, monkeypatch):
     monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each, behind the approach
     seen = []
-    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), Shared())
+    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), SharedRequests())
     sweep.add([(tasks.whole_run, SHORT)])
     while not seen:
         call, *arguments = pool.tasks[-1].call
@@ -89,7 +89,7 @@ def test_partial_results_are_accumulated_on_the_server(pool, monkeypatch):
 
 
 def test_least_recently_used_results_are_dropped(pool):
-    shared = Shared(capacity=2 * len(pickle.dumps(((abs, -1), 1))))
+    shared = SharedRequests(capacity=2 * len(pickle.dumps(((abs, -1), 1))))
     sweep = Requests(Visitor(pool), lambda call, result: None, shared)
     for k in range(3):
         sweep.add([(abs, -k)])
@@ -182,7 +182,7 @@ def test_an_interface_is_added_once_and_replaces_the_oldest(session):
         assert not page_state(session)["hidden"]["arealaws-add"]
         order(session, "ask", what="add")
         assert page_state(session)["hidden"]["arealaws-add"]
-    names = [pick["said"] for _, pick, *_ in page_state(session)["tables"]["arealaws-series"]]
+    names = [pick["label"] for _, pick, *_ in page_state(session)["tables"]["arealaws-series"]]
     asked = [task for task in session.pool.tasks if task.call[0] is tasks.onset_of and not task.cancelled()]
     assert len(asked) == 50  # nothing is computed any longer for the series that had to go
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"

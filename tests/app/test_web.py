@@ -27,10 +27,10 @@ from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
 
-from app import page, telling, web
+from app import page, server_log, web
 from app.service import metrics
 from app.service.pool import Pool
-from app.session import gate
+from app.session import message_filter
 from app.session import session as session_module
 from app.session.wire import Wire
 
@@ -119,15 +119,15 @@ def test_a_failed_page_shows_a_message_without_internal_details(address, monkeyp
 
 
 def test_a_full_class_answers_503_with_automatic_retry(address, monkeypatch):
-    monkeypatch.setattr(gate, "here", {"one", "two"})
-    monkeypatch.setattr(gate, "VISITORS", 2)
+    monkeypatch.setattr(message_filter, "connected", {"one", "two"})
+    monkeypatch.setattr(message_filter, "VISITORS", 2)
     status, headers, body = get(f"{address}/app")
     assert status == 503 and headers["Retry-After"] == "10"
     assert b"class is full" in body and b'http-equiv="refresh" content="10"' in body
 
 
 def test_plain_requests_do_not_count_as_visitors(address, monkeypatch):
-    monkeypatch.setattr(gate, "VISITORS", 1)
+    monkeypatch.setattr(message_filter, "VISITORS", 1)
     assert [get(f"{address}/app")[0] for _ in range(5)] == [200] * 5
 
 
@@ -232,11 +232,11 @@ def test_metrics_have_the_prometheus_format(address):
 
 def test_event_loop_lag_is_counted_once_however_often_it_is_read(monkeypatch):
     now, registry = [0.0], CollectorRegistry()
-    pulse = metrics.Pulse(registry)
+    loop_lag = metrics.LoopLag(registry)
     monkeypatch.setattr(metrics, "monotonic", lambda: now[0])
     for step in (0.05, 0.05, 0.35, 0.06):
         now[0] += step
-        pulse.beat()
+        loop_lag.record()
     for _ in range(2):
         late = {
             edge: registry.get_sample_value("contact_loop_lag_seconds_bucket", {"le": edge}) for edge in ("0.2", "0.5")
@@ -258,26 +258,26 @@ def test_liveness_reflects_the_workers(address, monkeypatch):
 def test_log_records_are_one_line_of_keys_and_values():
     record = logging.makeLogRecord({"name": "app", "levelname": "INFO", "msg": "a %s came", "args": ("visitor",)})
     record.visitors, record.why = 3, 'two\nlines, "quoted"'
-    line = telling.Lines().format(record)
+    line = server_log.Lines().format(record)
     assert re.match(r'time=\d{4}-\d\d-\d\dT[\d:.]+ level=info event="a visitor came" visitors=3 why=', line)
     assert json.loads(line.split("why=")[1]) == record.why and "\n" not in line
     try:
         raise ValueError("wrong")
     except ValueError as error:
         record.exc_info = (type(error), error, error.__traceback__)
-    assert "\n" not in telling.Lines().format(record) and "ValueError: wrong" in telling.Lines().format(record)
+    assert "\n" not in server_log.Lines().format(record) and "ValueError: wrong" in server_log.Lines().format(record)
 
 
 def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     caplog.set_level(logging.INFO, "app")
-    monkeypatch.setattr(telling, "addresses", lambda: ["192.0.2.7"])
+    monkeypatch.setattr(server_log, "addresses", lambda: ["192.0.2.7"])
     monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)
-    telling.say_where(["serve", "app", "--port", "5007"])
+    server_log.log_addresses(["serve", "app", "--port", "5007"])
     assert "--address 0.0.0.0 --port 5007 --allow-websocket-origin=192.0.2.7:5007" in caplog.messages[-1]
-    telling.say_where(["serve", "app", "--port=5007", "--allow-websocket-origin", "192.0.2.7:5007"])
+    server_log.log_addresses(["serve", "app", "--port=5007", "--allow-websocket-origin", "192.0.2.7:5007"])
     assert caplog.messages[-1] == "visitors open http://192.0.2.7:5007/app"
     monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example")
-    telling.say_where(["serve", "app"])
+    server_log.log_addresses(["serve", "app"])
     assert caplog.messages[-1] == "visitors open http://contact.example/app"
-    telling.say_where(["serve", "app", "--use-xheaders", "--prefix", "/lab/"])
+    server_log.log_addresses(["serve", "app", "--use-xheaders", "--prefix", "/lab/"])
     assert caplog.messages[-1] == "visitors open https://contact.example/lab/app"

@@ -91,7 +91,7 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
     )
     now = page.evaluate("punch.clock")
     page.wait_for_function(f"punch.clock > {now} + 1")
-    assert page.evaluate("heard") == []
+    assert page.evaluate("acknowledged") == []
     page.locator("body").press("Space")
     page.wait_for_function("heard.length >= 2")  # that it is paused, and where
     assert "newtons per metre" in page.inner_text("#told")
@@ -149,7 +149,7 @@ def test_every_plot_can_be_read_as_a_table(look):
 QUICK = "&nodes=256&width=625&du_x=0.5&du_z=0.5"  # an inexpensive scene for Area laws
 WHOLE = {  # page: condition that it has drawn everything
     "law": "document.getElementById('law-stick').textContent",
-    "stickslip": "document.getElementById('stickslip-said').textContent"
+    "stickslip": "document.getElementById('stickslip-text').textContent"
     " && document.querySelector('#stickslip progress').hidden",
     "arealaws": "document.querySelectorAll('#arealaws-rows tr').length > 4",
     "solid": "document.getElementById('solid-name').textContent",

@@ -17,7 +17,7 @@ DRAWN = {  # title of a page: condition that its result is drawn
     "Inside the solid": f"({MODEL.format('solid_field.field')}?.data_source.data.image[0].length === 400 * 100)",
     "Friction over load": "(parseInt(document.getElementById('load-count').textContent) > 0)",
     "What matters": "(document.querySelectorAll('#matters-bars button').length > 5)",
-    "Map": "document.getElementById('regimes-said').textContent.includes(' points')",
+    "Map": "document.getElementById('regimes-text').textContent.includes(' points')",
     "Fit": f"({COUNT.format('fit_curve.run', 'U_x')} > 50)",
     "Accuracy": "document.getElementById('accuracy-state').textContent.includes('takes')",
 }
@@ -159,7 +159,7 @@ def test_close_button_and_back_close_a_page_after_later_changes_are_undone(visit
 
 def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
     page = look("?page=regimes")
-    page.wait_for_function("document.getElementById('regimes-said').textContent")
+    page.wait_for_function("document.getElementById('regimes-text').textContent")
     page.select_option("#regimes-x", "phi_ratio")
     assert page.input_value("#regimes-y") == "delta_bar"
     page.wait_for_function("document.querySelector('#regimes-at').textContent.startsWith('Point')")
@@ -174,7 +174,7 @@ def test_a_rejected_file_keeps_the_measurement_in_use(look):
         page.set_input_files("#measurement", {"name": name, "mimeType": "text/csv", "buffer": text.encode()})
         page.wait_for_function("() => document.getElementById('measurement').value === ''")
         assert page.inner_text("#fit-of") == "good.csv"
-    assert page.inner_text("#fit-said").endswith("stays.")
+    assert page.inner_text("#fit-text").endswith("stays.")
 
 
 @pytest.mark.thorough

@@ -120,7 +120,7 @@ async def lesson(server, options):
     report["server"] = round((server.processor_time() - before) / (time.monotonic() - start), 3)
     if not options.kill:  # what limits a machine that has nothing else to do
         new, now = sum(map(server.processor_time, server.workers())) - computed, server.metrics()
-        runs = now["shelf_misses_total"] - known["shelf_misses_total"]
+        runs = now["run_cache_misses_total"] - known["run_cache_misses_total"]
         report |= {"runs computed": round(runs), "s of workers per run": round(new / max(1, runs), 3)}
     report |= {"memory": round(server.memory()), "tracebacks": server.tracebacks()}
     report |= {"errors": found["errors"], "failed": dict(Counter(found["failed"])), "hogs": sorted(set(found["hogs"]))}

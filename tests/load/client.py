@@ -100,7 +100,7 @@ class Tab:
                 pictures += 1
                 first = first or time.perf_counter() - start
         begun = time.perf_counter()
-        await self.give({"do": "rest"})
+        await self.give({"do": "release"})
         while await self.heard() != "status" or self.status["state"] not in ENDS:
             first = first or time.perf_counter() - start
         return first, time.perf_counter() - begun, pictures, self.status
@@ -120,7 +120,7 @@ class Tab:
                     self.status = json.loads(event["new"])
                 elif what == "message" and message.buffers:
                     what = header(message.buffers[0].to_bytes())["kind"]
-                if what in ("run", "picture") or (what == "status" and self.status["heard"] == self.orders):
+                if what in ("run", "picture") or (what == "status" and self.status["acknowledged"] == self.orders):
                     return what
 
     def leave(self):

@@ -9,8 +9,8 @@ import numpy as np
 
 from app.pages import Pages
 from app.service import packing, worker
-from app.service.finished import Shelf
 from app.service.pool import Task
+from app.service.run_cache import RunCache
 from app.session.session import Session
 from solver import Scene
 
@@ -21,9 +21,9 @@ PATIENCE = 240  # s; a limit against hanging, not a claim about speed
 class Page:
     """A stand-in for the visitor's document and browser: runs what is scheduled, collects what is sent."""
 
-    def __init__(self, pool, scene=SHORT, arguments=None, shelf=None):
+    def __init__(self, pool, scene=SHORT, arguments=None, run_cache=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Session(self, Pages, arguments, pool, shelf or Shelf())
+        self.session = Session(self, Pages, arguments, pool, run_cache or RunCache())
         self.session.scene = scene
         self.messages = []  # [(header, body)], but for packed frames
         self.session.wire.on_change("message", self._take)
@@ -70,7 +70,7 @@ def slices(scene, budget, **how):
     piece = worker.compute(scene, None, budget, **how)
     yield piece
     while not piece.done:
-        piece = worker.compute(scene, piece.kept, budget, **how)
+        piece = worker.compute(scene, piece.state, budget, **how)
         yield piece
 
 
@@ -105,7 +105,7 @@ class NoPool:
 
 
 def say(session, order):
-    """Give an order, a text or what is one in JSON, as the gate does."""
+    """Give an order, a text or what is one in JSON, as the message filter does."""
     session.obey(order if isinstance(order, str | bytes) else json.dumps(order))
 
 

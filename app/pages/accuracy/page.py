@@ -21,7 +21,7 @@ SERIES = {  # method: marker, colour; offset (px, right and down) and alignment 
     "FIRE": ("diamond", "--slip", -9, -6, "right"),
 }
 WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", "")}
-SAID, TOLERANCE = Quantity("said", ""), Quantity("text", "tolerance", "nm")
+LABEL, TOLERANCE = Quantity("label", ""), Quantity("text", "tolerance", "nm")
 ERROR = Quantity("error", "relative error")
 
 
@@ -35,7 +35,7 @@ def _figure(name, work):
     for series, (marker, colour, *_) in SERIES.items():
         elements += [
             curve(f"way {series}", work, ERROR, line_width=2),
-            dots(f"mark {series}", work, ERROR, SAID, said=[("", "@said")], marker=marker, size=9),
+            dots(f"mark {series}", work, ERROR, LABEL, tooltips=[("", "@label")], marker=marker, size=9),
             texts(series, work, ERROR, TOLERANCE),
         ]
         colours |= dict.fromkeys((f"way {series}", f"mark {series}", series), colour)
@@ -53,7 +53,7 @@ def figure(scene):
     """Measure error over run time and force evaluations of a Scene, for a notebook."""
     page = page_of(sys.modules[__name__], scene)
     for news in measuring.reports(scene):
-        page.session.bench.told |= news
+        page.session.bench.report |= news
     page.start()
     return laid_out(page)
 
@@ -63,12 +63,12 @@ class Page(Sheet):
 
     def start(self):
         """Show the last measurement."""
-        self.session.bench.hear = self._hear
-        self._hear()
+        self.session.bench.on_change = self._update
+        self._update()
 
     def scene_changed(self):
         """Update the text: the measurement of the previous scene stays."""
-        self._tell()
+        self._publish_texts()
 
     def order(self, values):
         """Start or cancel a measurement."""
@@ -79,25 +79,29 @@ class Page(Sheet):
 
     def close(self):
         """Close the page; the measurement continues."""
-        self.session.bench.hear = None
+        self.session.bench.on_change = None
         super().close()
 
-    def _hear(self):
-        self._draw(self.session.bench.told.get("points", ()))
-        self._tell()
+    def _update(self):
+        self._draw(self.session.bench.report.get("points", ()))
+        self._publish_texts()
 
-    def _tell(self):
-        told, now = self.session.bench.told, _said(self.session.scene)
-        state, why, before = told.get("state"), told.get("why", ""), _said(told.get("scene", self.session.scene))
-        busy = told["progress"] if state in ("waiting", "measuring") else None
+    def _publish_texts(self):
+        report, now = self.session.bench.report, _description(self.session.scene)
+        state, why, before = (
+            report.get("state"),
+            report.get("why", ""),
+            _description(report.get("scene", self.session.scene)),
+        )
+        busy = report["progress"] if state in ("waiting", "measuring") else None
         text = {
             None: "takes 10 s to 2 minutes",
             "waiting": "getting ready, or waiting for another visitor's measurement",
             "measuring": f"{busy or 0.0:.0%}",
         }.get(state, f"{state}: {why}" if why else state)
         text += f", with {before}" if busy is None and before != now else ""
-        texts = {"scene": now, "state": text, "sentence": told.get("sentence", "")}
-        texts |= {"others": " ".join(told.get("others", ()))}
+        texts = {"scene": now, "state": text, "sentence": report.get("sentence", "")}
+        texts |= {"others": " ".join(report.get("others", ()))}
         self.publish(busy=busy, texts={f"accuracy-{name}": text for name, text in texts.items()})
 
     def _draw(self, points):
@@ -106,7 +110,7 @@ class Page(Sheet):
                 of = [point for point in points if point["series"] == series]
                 place = {name: [point[name] for point in of] for name in (work, "error")}
                 self.draw(work, f"way {series}", **place)
-                self.draw(work, f"mark {series}", **place, said=[_point(point) for point in of])
+                self.draw(work, f"mark {series}", **place, label=[_point(point) for point in of])
                 self.draw(work, series, **place, text=[_power(point["tolerance"]) for point in of])
             astray = [point for point in points if point["astray"]]
             self.draw(work, "astray", **{name: [point[name] for point in astray] for name in (work, "error")})
@@ -122,7 +126,7 @@ def _decades(values, least):
     return 10.0 ** min(floor(low), ceil(high) - least), 10.0 ** ceil(high)
 
 
-def _said(scene):
+def _description(scene):
     return f"δ/δ₀ = {scene.delta_bar:g}, φₜ/φₙ = {scene.phi_ratio:g}, E = {scene.E:g} GPa".replace("-", "−")
 
 

@@ -38,11 +38,11 @@ NONE = "–"  # an empty cell of a table
 
 def compose():
     """Return the figures of the page."""
-    said = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
+    tooltips = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
     runs = rendered(
         "arealaws_runs",
         [
-            curve("runs", FORCE, AREA, DEPTH, said=said, line_width=2),
+            curve("runs", FORCE, AREA, DEPTH, tooltips=tooltips, line_width=2),
             curve("fits", FORCE, AREA, line_width=2, line_dash="dashed"),
             dots("onsets", FORCE, AREA, marker="circle", size=8),
         ],
@@ -51,7 +51,7 @@ def compose():
     lines, points, beyond, colours = [], [], [], {}
     for k, (marker, _, colour, dash) in enumerate(MARKS):
         lines.append(curve(f"line{k}", FORCE, AREA, line_width=2, line_dash=dash))
-        points.append(dots(f"points{k}", FORCE, AREA, DEPTH, said=said, marker=marker, size=9))
+        points.append(dots(f"points{k}", FORCE, AREA, DEPTH, tooltips=tooltips, marker=marker, size=9))
         beyond.append(dots(f"beyond{k}", FORCE, AREA, marker="x", size=9))
         colours |= dict.fromkeys((f"line{k}", f"points{k}", f"beyond{k}"), colour)
     threshold = rendered("arealaws_threshold", [*lines, *points, *beyond], colours)
@@ -250,7 +250,7 @@ class Page(Sheet):
         own, why = self._own()
         series = []
         for k, one in enumerate(self.series.values()):
-            pick = {"said": one.name, "pressed": one is self.shown, "ask": {"what": "show", "series": k}}
+            pick = {"label": one.name, "pressed": one is self.shown, "ask": {"what": "show", "series": k}}
             series.append([MARKS[one.mark][1], pick, *one.row()])
         results = [each for one in self.series.values() for each in one.results.items()]
         failures = [f"δ̄ = {depth:g}: {result}" for depth, result in results if not isinstance(result, dict)]

@@ -19,7 +19,7 @@ const chosen = () => [...document.querySelectorAll("#fit-free input")].filter((b
 
 export function connect() {
   on("measurement", "change", ({ target: { files: [file] } }) => { sent = file?.name ?? "" })
-  sendFile("measurement", (why) => { by("fit-said").textContent = why })
+  sendFile("measurement", (why) => { by("fit-text").textContent = why })
   on("fit-go", "click", () => ask({ what: "fit", free: chosen().map((box) => box.name).join() }))
   on("fit-show", "click", show)
 }

@@ -39,7 +39,7 @@ LONG = 120.0  # s, time limit of a fit
 SEEDS = 2**32  # number of seeds of example data
 LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin out the data"
 NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # true values that example data do not change
-ROOM = 0.08  # margin above and below a curve, over its height
+MARGIN = 0.08  # margin above and below a curve, over its height
 PLACE, FORCE = Quantity("U_x", "displacement Uₓ", "nm"), Quantity("F", "F", "N/m")
 OFF = Quantity("off", "difference", "noise")
 
@@ -97,28 +97,28 @@ class Page(Sheet):
         """Read a file, generate example data, start a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if what == "file":
-            self.wanted.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
-            self.publish(busy=None, texts={"fit-said": "Reading the file …"})
+            self.single.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
+            self.publish(busy=None, texts={"fit-text": "Reading the file …"})
         elif what == "example":
             call, seed = tasks.made_up_curve, randrange(SEEDS)
             made = tasks.made_up_scene(scene, seed)
             truth = {name: getattr(made, name, NEUTRAL.get(name)) for name in FREE}
-            self.wanted.ask(
+            self.single.ask(
                 (call, scene, seed), lambda made: self.take_measurement(made, truth), rank=HEAVY, seconds=LONG
             )
-            self.publish(busy=None, texts={"fit-said": "Generating example data …"})
+            self.publish(busy=None, texts={"fit-text": "Generating example data …"})
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:
-                return self.publish(texts={"fit-said": "No parameter is free. Tick at least one."})
+                return self.publish(texts={"fit-text": "No parameter is free. Tick at least one."})
             if "drive_t" in free and scene.drive_t == inf:
-                return self.publish(texts={"fit-said": "The drive is rigid: give drive_t a number under Parameters."})
-            self.wanted.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
+                return self.publish(texts={"fit-text": "The drive is rigid: give drive_t a number under Parameters."})
+            self.single.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
             said = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
-            self.publish(busy=0.0, texts={"fit-said": said})
+            self.publish(busy=0.0, texts={"fit-text": said})
         elif what == "cancel":
             self.close()
-            self.publish(busy=None, texts={"fit-said": "Cancelled."})
+            self.publish(busy=None, texts={"fit-text": "Cancelled."})
 
     def take_measurement(self, result, truth=None):
         """Take (Measurement, None) or (None, why there is none); truth: {parameter: value} of example data."""
@@ -127,7 +127,7 @@ class Page(Sheet):
         if measured is None:
             there = "The previous measurement stays." if self.measured else "Choose another file."
             said = f"Not read: {why}. {there}"
-            return self.publish(answers=self.answers, refused=True, texts={"fit-said": said})
+            return self.publish(answers=self.answers, refused=True, texts={"fit-text": said})
         self.measured, self.found, self.truth = measured, None, truth or {}
         self._draw_measured()
         self._draw_fitted()
@@ -139,7 +139,7 @@ class Page(Sheet):
         said = f"{points}, {slips} recognised, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
         said += " Move the sliders until the curves meet, or click Fit."
         news = {"answers": self.answers, "refused": False, "made": bool(truth), "fit": None}
-        self.publish(texts={"fit-said": said}, **news)
+        self.publish(texts={"fit-text": said}, **news)
 
     @property
     def _unit(self):
@@ -151,8 +151,8 @@ class Page(Sheet):
         measured, unit = self.measured, self._unit
         forces = {name: measured.values[name] * unit for name in PARTS if name in measured.values}
         every = np.concatenate([*forces.values()])
-        room = ROOM * (float(np.ptp(every)) or 1.0)
-        self.views["curve"].figure.y_range.update(start=float(every.min()) - room, end=float(every.max()) + room)
+        margin = MARGIN * (float(np.ptp(every)) or 1.0)
+        self.views["curve"].figure.y_range.update(start=float(every.min()) - margin, end=float(every.max()) + margin)
         for name, (points, _) in PARTS.items():
             there = name in forces
             self.draw("curve", points, U_x=measured.U_x if there else [], F=forces.get(name, []))
@@ -169,7 +169,7 @@ class Page(Sheet):
 
     def _fitted(self, found):
         if found is None or isinstance(found, str):
-            return self.publish(busy=None, texts={"fit-said": f"No fit: {found or LOST}."})
+            return self.publish(busy=None, texts={"fit-text": f"No fit: {found or LOST}."})
         self.found = found
         self._draw_fitted()
         runs = counted(found.runs, "predicted run")
@@ -180,7 +180,7 @@ class Page(Sheet):
             "truth": {name: float(f"{value:.5g}") for name, value in self.truth.items() if name in found.values},
             "correlations": np.round(found.correlations, 2).tolist(),
         }
-        self.publish(busy=None, texts={"fit-said": said}, fit=told)
+        self.publish(busy=None, texts={"fit-text": said}, fit=told)
 
 
 def in_words(sentence):

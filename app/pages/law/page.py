@@ -119,7 +119,7 @@ class Page(Sheet):
         self.publish(
             images=limits,
             law={"spacing": a, "peak": peak, "opening": cohesive_law.OPENING[scene.law]},
-            texts={"law-numbers": _said(scene)},
+            texts={"law-numbers": _numbers(scene)},
         )
 
     def _fit(self, scene, largest):
@@ -140,7 +140,7 @@ def _share(scene, gap):
     return cohesive_law.traction(scene, ahead, gap)[0] / cohesive_law.traction(scene, ahead, 0.0 * gap)[0]
 
 
-SAID = {
+TEXTS = {
     "np1": "With NP1 the resistance to shear grows where the surfaces overlap (gap < 0).",
     "xu-needleman": (
         "With this law the resistance to shear falls where the surfaces overlap (gap < 0), and changes sign below −δₙ:"
@@ -149,11 +149,11 @@ SAID = {
 }
 
 
-def _said(scene):
+def _numbers(scene):
     sigma = scene.phi_n / scene.delta_n / np.e
     tau = scene.phi_t / scene.delta_t * np.sqrt(2.0 / np.e)
     return (
         f"One spring (Eq. 5): σₘₐₓ = φₙ/(e δₙ) = {sigma:.3g} GPa, τₘₐₓ = √(2/e) φₜ/δₜ = {tau:.3g} GPa at zero gap."
         f" All sites within range act on a node; their spacing is a = {scene.spacing / scene.delta_t:.3g} δₜ."
-        f" {SAID[scene.law]}"
+        f" {TEXTS[scene.law]}"
     )

@@ -42,7 +42,7 @@ function draw() {
 }
 
 const show = (label, list) => fill("load_slips", label,
-  { L: list.map(({ L }) => L), F: list.map(({ F }) => F), said: list.map(said) })
+  { L: list.map(({ L }) => L), F: list.map(({ F }) => F), label: list.map(said) })
 
 function axis(range, name) {
   const [low, high] = extent(points.map((point) => point[name]))

@@ -16,14 +16,14 @@ TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
 TEMPLATE = {"changes": CHANGES}
 LOAD = Quantity("L", "load L", "N/m")
 FRICTION = Quantity("F", "friction Fₛ at the first slip", "N/m")
-CHANGE = Quantity("said", "")
+CHANGE = Quantity("label", "")
 DEPTHS = (-0.2, 0.0, 0.2, 0.4)  # delta_bar of a notebook's figure
 
 
 def compose():
-    said = [("", "@said"), ("L", "@L{0.0} N/m"), ("Fₛ", "@F{0.0} N/m")]
+    tooltips = [("", "@label"), ("L", "@L{0.0} N/m"), ("Fₛ", "@F{0.0} N/m")]
     marks = [
-        dots(name, LOAD, FRICTION, CHANGE, said=said, marker=node.marker, size=node.size)
+        dots(name, LOAD, FRICTION, CHANGE, tooltips=tooltips, marker=node.marker, size=node.size)
         for name, node in CHANGES.items()
     ]
     parts = [

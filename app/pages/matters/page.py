@@ -38,10 +38,10 @@ class Page(Sheet):
 
     def scene_changed(self):
         """Request the derivatives of the scene on screen."""
-        self.publish(matters=None, texts={"matters-said": "Computing the derivatives …"})
-        self.wanted.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)
+        self.publish(matters=None, texts={"matters-text": "Computing the derivatives …"})
+        self.single.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)
 
     def _take(self, found):
         if found is None or isinstance(found, str):
-            return self.publish(matters=None, texts={"matters-said": f"No result: {found or LOST}."})
-        self.publish(matters=found, texts={"matters-said": ""})
+            return self.publish(matters=None, texts={"matters-text": f"No result: {found or LOST}."})
+        self.publish(matters=found, texts={"matters-text": ""})

@@ -41,7 +41,7 @@ QUANTITIES = {  # of a Point: label, unit, and the parameters that normalise it
     "L_min": ("load L at pull-off", "N/m", ("width", "E")),
 }
 TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
-ASIDE = 2.0  # least distance of a regime's name from the edges, columns or rows
+MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
 COLUMN, ROW = Quantity("i", "x"), Quantity("j", "y")
@@ -89,7 +89,7 @@ class Page(Sheet):
             grid = self._around(self.session.scene)
         except SceneError as error:
             self.sweep.cancel()
-            return self.publish(texts={"regimes-said": f"Not drawn: {error}"}, busy=None)
+            return self.publish(texts={"regimes-text": f"Not drawn: {error}"}, busy=None)
         if grid != self.grid:
             self._begin(grid)
         self._draw()
@@ -221,7 +221,7 @@ class Page(Sheet):
         ends = limits(image)
         low, high = (f"{value + 0.0:.3g}".replace("-", "−") for value in ends)  # no -0
         beyond = np.any(image < ends[0]), np.any(image > ends[1])
-        said = {"low": "≤ " * bool(beyond[0]) + low, "high": "≥ " * bool(beyond[1]) + f"{high} {unit}", "said": text}
+        said = {"low": "≤ " * bool(beyond[0]) + low, "high": "≥ " * bool(beyond[1]) + f"{high} {unit}", "text": text}
         said["quantity"] = label if self.of == "L_min" else f"{label} of the first slip"
         said["none"] = "no contact to pull off" if self.of == "L_min" else "no slip"
         done = len(points) / self.grid.size if self.sweep.waiting else None
@@ -242,7 +242,7 @@ def _inside(region):
     """Return (i, j) of the point of a region (rows, columns) farthest from its edge, not too near the map's edge."""
     deep = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
     j, i = np.unravel_index(deep.argmax(), deep.shape)
-    return float(np.clip(i, ASIDE, COLUMNS - 1 - ASIDE)), float(np.clip(j, ASIDE / 2, ROWS - 1 - ASIDE / 2))
+    return float(np.clip(i, MARGIN, COLUMNS - 1 - MARGIN)), float(np.clip(j, MARGIN / 2, ROWS - 1 - MARGIN / 2))
 
 
 def limits(image):

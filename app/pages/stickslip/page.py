@@ -36,23 +36,23 @@ LOG_PHI = Quantity("phi_t", "φₜ", "N/m")
 
 
 def compose():
-    said = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
+    tooltips = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
     forces = rendered(
         "stickslip_forces",
         [
             level("zero"),
             *(curve(name, U_X, FORCE, line_width=2, line_dash=flat.dash) for name, flat in FLATS.items()),
-            curve("own", U_X, FORCE, said=said, mode="vline", line_width=3),
+            curve("own", U_X, FORCE, tooltips=tooltips, mode="vline", line_width=3),
         ],
         {name: flat.colour for name, flat in FLATS.items()} | {"own": "--text", "zero": "--grid"},
         x=(0, END),
     )
-    said = [("E/τₘₐₓ", "@ratio{0}"), ("⟨F⟩/(w τₘₐₓ)", "@mean{0.000}")]
+    tooltips = [("E/τₘₐₓ", "@ratio{0}"), ("⟨F⟩/(w τₘₐₓ)", "@mean{0.000}")]
     mean = rendered(
         "stickslip_mean",
         [
             band("low"),
-            curve("exact", RATIO, MEAN, said=said, mode="vline", line_width=2),
+            curve("exact", RATIO, MEAN, tooltips=tooltips, mode="vline", line_width=2),
             dots("runs", RATIO, MEAN, marker="circle", size=9),
             dots("own", RATIO, MEAN, marker="diamond", size=14),
         ],
@@ -67,11 +67,11 @@ def compose():
 def _map():
     """Return mean friction over the logarithms of stiffness and strength: a Bokeh image needs linear axes."""
     bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
-    said = [("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")]
+    tooltips = [("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")]
     figure = rendered(
         "stickslip_map",
         [
-            picture("map", LOG_E, LOG_PHI, said, bounds, cividis(256)),
+            picture("map", LOG_E, LOG_PHI, tooltips, bounds, cividis(256)),
             curve("boundary", LOG_E, LOG_PHI, line_width=3),
             dots("presets", LOG_E, LOG_PHI, marker="circle", size=9),
             dots("own", LOG_E, LOG_PHI, marker="diamond", size=14),
@@ -112,7 +112,7 @@ class Page(Sheet):
             if before is None or before.changed(E=own.E, phi_ratio=own.phi_ratio, phi_n=own.phi_n) != own:
                 self._draw_layer(own)
         except SceneError as error:
-            return self.publish(texts={"stickslip-said": f"Not drawn: {error}"}, busy=None)
+            return self.publish(texts={"stickslip-text": f"Not drawn: {error}"}, busy=None)
         self.own = own
         self._draw_own()
         self.sweep.add([(tasks.flat_curve, scene) for scene in (own, *self.chosen.values())])
@@ -210,7 +210,7 @@ class Page(Sheet):
             " as every slip swings back to the opposite force."
         )
         most = f"{self.curve[1].max():.2g}"  # of the map's colours; it depends on the node spacing
-        self.publish(texts={"stickslip-said": text, "stickslip-most": most}, busy=self.sweep.part)
+        self.publish(texts={"stickslip-text": text, "stickslip-most": most}, busy=self.sweep.part)
 
 
 def _mean(scene, ratio):

@@ -58,7 +58,7 @@ export function drawnBy(renderer) {
     const { shape: [rows, columns] } = data.image[0]
     return { image: data.image[0], rows, columns, x: data.x[0], y: data.y[0], dw: data.dw[0], dh: data.dh[0] }
   }
-  const said = data[renderer.glyph.text?.field ?? "said"]
+  const said = data[renderer.glyph.text?.field ?? "label"]
   return x?.field && y?.field ? { x: data[x.field], y: data[y.field], said } : null
 }
 

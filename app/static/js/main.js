@@ -23,11 +23,11 @@ import * as glossary from "./terms.js"
 import { connectStored } from "./stored.js"
 import * as units from "./words.js"
 
-// wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages; told: JSON
-// of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a word: term} and
-// positions {slider: values}; index: Bokeh's index of views
-export function start({ wire, figures, slots, told, index }) {
-  Object.assign(declared, JSON.parse(told))
+// wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
+// declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a
+// word: term} and positions {slider: values}; index: Bokeh's index of views
+export function start({ wire, figures, slots, declarations, index }) {
+  Object.assign(declared, JSON.parse(declarations))
   useIndex(index)
   figures = plain(figures)
   for (const name in figures) adopt(name, figures[name])

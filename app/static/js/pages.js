@@ -107,7 +107,7 @@ export function told(news) {
 }
 
 const cellOf = (cell) => (typeof cell === "string" ? minus(cell)
-  : makeButton({ "aria-pressed": cell.pressed, onclick: () => ask(cell.ask) }, cell.said))
+  : makeButton({ "aria-pressed": cell.pressed, onclick: () => ask(cell.ask) }, cell.label))
 
 // Until the figures are on screen, the page says so
 function awaitFigures(name) {

@@ -43,7 +43,7 @@ function replaced(chunk) {
 
 // A picture of where the hand is, or was a moment ago; first the server hears where it is now
 export function follow(message) {
-  heard(message.head.heard)
+  heard(message.head.acknowledged)
   sendNext()
   if (!me.run?.length) return
   const picture = new Picture(message, me.run, me.status.values)
@@ -113,7 +113,7 @@ export function play(on) {
     me.at = Math.min(me.at, (me.run?.length ?? 1) - 1)
     summarise("Paused")
   } else by("told").textContent = ""
-  if (!me.run?.stored && ["running", "paused", "warming"].includes(me.status.state)) order(on ? "go" : "pause")
+  if (!me.run?.stored && ["running", "paused", "warming"].includes(me.status.state)) order(on ? "resume" : "pause")
 }
 
 export function toggle() {
@@ -125,7 +125,7 @@ export function move(frames) {
   const target = Math.floor(me.at) + frames
   if (frames > 0 && target >= (me.run?.length ?? 0) && me.status.state === "paused") {
     me.following = true
-    order("one")
+    order("step")
   } else goto(target)
 }
 

@@ -204,7 +204,7 @@ function connect() {
     button.addEventListener("click", () => {
       say("computing the run once more, in full precision …")
       button.disabled = true
-      order("take", { kind: button.dataset.file })
+      order("export", { kind: button.dataset.file })
     })
   }
 }

@@ -23,7 +23,7 @@ export function connect() {
 export function heard(text) {
   const old = me.status
   me.status = JSON.parse(text)
-  acknowledged(me.status.heard)
+  acknowledged(me.status.acknowledged)
   sendNext()
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
   if (me.run?.number === me.status.run && !me.run.scene) {

@@ -69,6 +69,6 @@ function rests() {
   if (!me.dragging) return
   me.dragging = false
   sendNext(true)
-  order("rest")
+  order("release")
   redraw()
 }

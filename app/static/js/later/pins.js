@@ -92,7 +92,7 @@ export function fromLink(texts) {
     const asked = new URLSearchParams()
     for (let i = 0; i + 1 < pairs.length; i += 2) asked.set(pairs[i], pairs[i + 1])
     const scene = sceneOf(asked), { slot } = add(null, scene, name.slice(0, 40) || "pinned run")
-    order("beside", scene, { beside: slot })
+    order("pin", scene, { pin: slot })
   }
 }
 

@@ -64,7 +64,7 @@ def test_restoring_a_scene_reuses_a_known_run_and_resets_the_preset(page):
 def test_pinned_runs_are_sent_beside_the_run_on_screen(page):
     page.order("hello")
     page.until("finished")
-    say(page.session, {"do": "beside", "values": {"u_x_max": "4", "E": "100"}, "beside": 2})
+    say(page.session, {"do": "pin", "values": {"u_x_max": "4", "E": "100"}, "pin": 2})
     while page.chunks[-1][0] != ("pin", 2) or not page.chunks[-1][1]["last"]:
         page.calls.get(timeout=PATIENCE)()
     assert page.curve("U_x")[-1] == pytest.approx(4.0)
@@ -77,9 +77,9 @@ def test_pinned_runs_are_sent_beside_the_run_on_screen(page):
         {"do": "restore", "values": {"E": 80}},
         {"do": "restore", "values": {"name": "x"}},
         {"do": "restore", "values": {"profile": "1" * 9000}},
-        {"do": "beside", "values": {"E": "80"}},
-        {"do": "beside", "values": {}, "beside": "1"},
-        {"do": "take", "values": {"kind": "py"}},
+        {"do": "pin", "values": {"E": "80"}},
+        {"do": "pin", "values": {}, "pin": "1"},
+        {"do": "export", "values": {"kind": "py"}},
         {"do": "share", "values": {"link": 5}},
         {"do": "share", "values": {"link": "x" * 6000}},
     ],
@@ -101,7 +101,7 @@ def test_share_dialog_has_a_qr_code_unless_the_link_is_too_long(page):
 def test_exported_files_leave_no_copy_on_the_server_and_large_ones_are_rejected(page, monkeypatch):
     for largest, why in ((share.LARGEST, ""), (10, share.LARGE)):
         monkeypatch.setattr(share, "LARGEST", largest)
-        page.order("take", kind="json")
+        page.order("export", kind="json")
         while not page.messages:
             page.calls.get(timeout=PATIENCE)()
         head, body = page.messages.pop()
@@ -123,16 +123,16 @@ def test_server_keeps_no_copy_of_sent_messages(page):
 def test_a_continued_run_is_stored_for_its_visitor_only(page):
     page.order("hello")
     page.until("finished")
-    made = page.session.run.made
-    assert (made.blocks, made.skeleton) == ((), None) and page.session.run.kept_as == page.session.scene
+    made = page.session.run.packed
+    assert (made.blocks, made.skeleton) == ((), None) and page.session.run.cache_key == page.session.scene
     say(page.session, {"do": "scene", "values": {"delta_bar": "0.1"}, "after": [1, 120]})
     page.until("finished")
-    run, shelf = page.session.run, page.session.shelf
-    assert run.history and run.made.blocks == () and page.session.scene not in shelf
-    assert sum(packing.header(block)["frames"] for block in shelf.get(run.kept_as).blocks) == run.frames - 121
-    shelf.put(page.session.scene, Frames((b"of the whole run of that scene",), 1, 1, 0.0))
-    block, row = run.place(run.frames - 1, shelf)
-    assert block is shelf.get(run.kept_as).blocks[-1] and row == packing.header(block)["frames"] - 1
+    run, run_cache = page.session.run, page.session.run_cache
+    assert run.history and run.packed.blocks == () and page.session.scene not in run_cache
+    assert sum(packing.header(block)["frames"] for block in run_cache.get(run.cache_key).blocks) == run.frames - 121
+    run_cache.put(page.session.scene, Frames((b"of the whole run of that scene",), 1, 1, 0.0))
+    block, row = run.place(run.frames - 1, run_cache)
+    assert block is run_cache.get(run.cache_key).blocks[-1] and row == packing.header(block)["frames"] - 1
 
 
 def test_number_of_chained_runs_is_limited(session, monkeypatch):
@@ -178,11 +178,11 @@ def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
 def test_a_failed_pinned_run_sends_its_reason(session):
     sent = []
     session.wire.on_change("message", lambda attribute, old, new: new and sent.append(opened(new)[0]))
-    say(session, {"do": "beside", "values": {"delta_bar": "0.3"}, "beside": 3})
+    say(session, {"do": "pin", "values": {"delta_bar": "0.3"}, "pin": 3})
     (task,) = session.pool.tasks
     task.set_result(NotConverged("no equilibrium"))
     assert sent == [{"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}]
-    say(session, {"do": "beside", "values": {}, "beside": 9})  # no pin
+    say(session, {"do": "pin", "values": {}, "pin": 9})  # no pin
     assert session.pool.tasks == [task]
 
 
@@ -190,11 +190,11 @@ def test_a_rejected_order_is_acknowledged_and_leaves_the_pinned_run_to_be_comput
     sent = []
     session.wire.on_change("message", lambda attribute, old, new: new and sent.append(opened(new)[0]))
     session.hello()
-    say(session, {"do": "beside", "values": {"delta_bar": "0.3"}, "beside": 3, "n": 1})
+    say(session, {"do": "pin", "values": {"delta_bar": "0.3"}, "pin": 3, "n": 1})
     waiting = session.pool.tasks[-1]
-    say(session, {"do": "beside", "values": {"delta_bar": 0.4}, "beside": "4", "n": 2})
+    say(session, {"do": "pin", "values": {"delta_bar": 0.4}, "pin": "4", "n": 2})
     status = json.loads(session.wire.status)
-    assert status["heard"] == 2 and "Reload the page" in status["notes"][0]
+    assert status["acknowledged"] == 2 and "Reload the page" in status["notes"][0]
     assert session.pool.tasks[-1] is waiting and not waiting.cancelled()
     waiting.set_result(NotConverged("no equilibrium"))
     assert sent == [{"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}]
@@ -204,4 +204,4 @@ def test_exports_use_the_newest_scene_while_it_waits(session):
     session.hello()
     session.pool.tasks[-1].set_running_or_notify_cancel()
     session.change({"E": "90"})
-    assert session.pursuit.wanted and session.pursuit.legs == ((session.scene, None),)
+    assert session.pursuit.requested and session.pursuit.legs == ((session.scene, None),)

@@ -23,14 +23,14 @@ class Lines(logging.Formatter):
 
     def format(self, record):
         """Return one line of text."""
-        told = {"time": self.formatTime(record), "level": record.levelname.lower()}
+        fields = {"time": self.formatTime(record), "level": record.levelname.lower()}
         if record.name != "app":
-            told["from"] = record.name
-        told["event"] = record.getMessage()
-        told |= {name: value for name, value in vars(record).items() if name not in USUAL}
+            fields["from"] = record.name
+        fields["event"] = record.getMessage()
+        fields |= {name: value for name, value in vars(record).items() if name not in USUAL}
         if record.exc_info:
-            told["traceback"] = self.formatException(record.exc_info)
-        return " ".join(f"{name}={_quoted(value)}" for name, value in told.items())
+            fields["traceback"] = self.formatException(record.exc_info)
+        return " ".join(f"{name}={_quoted(value)}" for name, value in fields.items())
 
 
 def _quoted(value):
@@ -38,7 +38,7 @@ def _quoted(value):
     return text if BARE.fullmatch(text) else json.dumps(text, ensure_ascii=False)
 
 
-def begin():
+def configure():
     """Make all loggers of this process write such lines to standard error."""
     root = logging.getLogger()
     if not root.handlers:
@@ -59,7 +59,7 @@ def addresses():
     return [address for address in dict.fromkeys(found) if not address.startswith(("127.", "0."))]
 
 
-def say_where(arguments=None):
+def log_addresses(arguments=None):
     """Log the address of the page for a class, or the command that makes the page reachable."""
     given = sys.argv[1:] if arguments is None else arguments
     port = (_option(given, "--port") or ["5006"])[-1]

@@ -19,13 +19,13 @@ ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser 
 class Film(Requests):
     """The transient during a slip of the run on screen."""
 
-    def want(self, values):
+    def request(self, values):
         """Send the transient that led to frame values["frame"] of run values["run"], or the reason for a failure."""
         self.cancel()
         session, run, k = self.session, self.session.pursuit.run, values["frame"]
         if run is None or run.number != values["run"]:
             return
-        places = [run.place(frame, session.shelf) for frame in (k - 1, k)]
+        places = [run.place(frame, session.run_cache) for frame in (k - 1, k)]
         if None in places:
             why = "the server has dropped the increment before this slip; compute the run again"
             return session.wire.send("film failed", why=why)
@@ -42,7 +42,7 @@ class Film(Requests):
 class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
-    def want(self, values):
+    def request(self, values):
         """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
 
         A browser repeats its request while it waits. That must not start the work again.
@@ -57,7 +57,7 @@ class Layer(Requests):
         call = tasks.layer_table, scene, depth, rows, modes
         if len(self.waiting) >= TABLES and call not in self.waiting:
             self.cancel()
-        self.also(call, lambda made: self._made(made, head))
+        self.add_one(call, lambda made: self._made(made, head))
 
     def _made(self, made, head):
         if not isinstance(made, Exception):  # without a table the browser draws nothing
@@ -72,12 +72,12 @@ class Pinned(Requests):
         super().__init__(session, self._made)
         self.pins = {}  # {call: pins that show its run}
 
-    def want(self, pin, entries):
+    def request(self, pin, entries):
         """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
         if 0 < pin <= MOST_PINNED:
             call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in entries.items()})[0]
             self.pins.setdefault(call, []).append(pin)
-            known = self.session.shelf.get(call[1])
+            known = self.session.run_cache.get(call[1])
             if known is None:
                 self.add([call])
             else:
@@ -86,7 +86,7 @@ class Pinned(Requests):
     def _made(self, call, run):
         pins = self.pins.pop(call, ())
         if isinstance(run, Frames):
-            self.session.shelf.put(call[1], run)
+            self.session.run_cache.put(call[1], run)
         for pin in pins:
             if isinstance(run, Exception):
                 self.session.wire.send("pinned failed", pin=pin, why=str(run))
@@ -96,21 +96,21 @@ class Pinned(Requests):
 
 
 class Marks(Requests):
-    """The marks beside the sliders; `told`: {slider: ((value, label), ...)} of those found so far."""
+    """The marks beside the sliders; `values`: {slider: ((value, label), ...)} of those found so far."""
 
     def __init__(self, session):
         super().__init__(session, self._made)
-        self.calls, self.keys, self.told = {}, {}, {}
+        self.calls, self.keys, self.values = {}, {}, {}
 
     def seek(self, scene, skeleton):
         """Search the unknown marks of a scene; skeleton: the pickled Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
-        self.told = {name: found for name, found in self.told.items() if found and keys[name] == self.keys[name]}
+        self.values = {name: found for name, found in self.values.items() if found and keys[name] == self.keys[name]}
         calls, self.keys = marks.calls(scene, skeleton), keys
-        self.calls = {call: name for name, call in calls.items() if name not in self.told}
+        self.calls = {call: name for name, call in calls.items() if name not in self.values}
         self.add(list(self.calls))
 
     def _made(self, call, found):
-        self.told[self.calls[call]] = () if isinstance(found, Exception) else found
+        self.values[self.calls[call]] = () if isinstance(found, Exception) else found
         self.session.publish()

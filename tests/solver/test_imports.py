@@ -118,7 +118,7 @@ def test_public_functions_annotate_what_they_return(path):
 
 
 APP = HERE.parent / "app"
-WALLS = {
+NOT_IMPORTED = {
     "service": {"app.session", "app.views", "app.pages"},
     "session": {"app.views", "app.pages"},
     "views": {"app.session", "app.pages"},
@@ -126,11 +126,13 @@ WALLS = {
 }
 
 
-@pytest.mark.parametrize("room", WALLS)
-def test_rooms_of_the_app_do_not_import_each_other_but_what_they_stand_on(room):
+@pytest.mark.parametrize("folder", NOT_IMPORTED)
+def test_folders_of_the_app_import_only_downwards(folder):
     """Pages are given a session and never make one, and a session is given its pages (app/page.py)."""
-    for path in (APP / room).rglob("*.py"):
-        through = [name for name in imported(path) if any(f"{name}.".startswith(f"{wall}.") for wall in WALLS[room])]
+    for path in (APP / folder).rglob("*.py"):
+        through = [
+            name for name in imported(path) if any(f"{name}.".startswith(f"{other}.") for other in NOT_IMPORTED[folder])
+        ]
         assert not through, f"{path.name}: {through}"
 
 

@@ -8,18 +8,18 @@ from cachetools import LRUCache
 from app.service import metrics, tasks
 from app.service.packing import Frames
 from app.service.pool import LATER, NOBODY
-from app.service.requests import shared
+from app.service.requests import shared_requests
 from solver.isolated import Lost
 
 CAPACITY = 100e6  # bytes, about 70 runs
-BESIDE = 2000  # bytes of a run without its frames: its Scene and its record
+OVERHEAD = 2000  # bytes of a run without its frames: its Scene and its record
 
 
-class Shelf(LRUCache):
+class RunCache(LRUCache):
     """Cache of whole runs by Scene, or by a key of one visitor; keeps the latest used, up to `maxsize` bytes."""
 
     def __init__(self, capacity=CAPACITY):
-        super().__init__(capacity, lambda run: BESIDE + sum(map(len, run.blocks)) + len(run.skeleton or b""))
+        super().__init__(capacity, lambda run: OVERHEAD + sum(map(len, run.blocks)) + len(run.skeleton or b""))
 
     def put(self, key, run):
         """Keep a run, unless it is larger than the cache."""
@@ -27,7 +27,7 @@ class Shelf(LRUCache):
             self[key] = run
 
 
-def fill(shelf, pool, scenes, later):
+def fill(run_cache, pool, scenes, later):
     """Compute the runs of scenes one by one on idle workers, and put them into the cache.
 
     later(function, *arguments): makes a call in the thread that uses the cache.
@@ -35,22 +35,22 @@ def fill(shelf, pool, scenes, later):
     scenes = iter(scenes)
 
     def compute_next():
-        scene = next((scene for scene in scenes if scene not in shelf), None)
-        known = scene and shared.ask(pool, (tasks.whole_run, scene), hear, owner=NOBODY, rank=LATER)
+        scene = next((scene for scene in scenes if scene not in run_cache), None)
+        known = scene and shared_requests.ask(pool, (tasks.whole_run, scene), notify, owner=NOBODY, rank=LATER)
         if known:
-            hear((tasks.whole_run, scene), known)
+            notify((tasks.whole_run, scene), known)
 
-    def hear(call, run):
-        later(keep, call, run)
+    def notify(call, run):
+        later(store, call, run)
 
-    def keep(call, run):
+    def store(call, run):
         if isinstance(run, Frames):
-            shelf.put(call[1], run)
+            run_cache.put(call[1], run)
         if not isinstance(run, (Lost, CancelledError)):  # the pool has been closed
             compute_next()
 
     compute_next()
 
 
-shelf = Shelf()
-metrics.gauge("shelf_bytes", "bytes of the finished runs in the cache", lambda: shelf.currsize)
+run_cache = RunCache()
+metrics.gauge("run_cache_bytes", "bytes of the finished runs in the cache", lambda: run_cache.currsize)

@@ -20,8 +20,8 @@ from visitor import NoPool, say
 
 from app.pages import Pages
 from app.service import packing
-from app.service.finished import Shelf
-from app.session import gate, orders
+from app.service.run_cache import RunCache
+from app.session import message_filter, orders
 from app.session.session import Session
 
 HELLO = '{"do":"hello","n":0}'
@@ -34,20 +34,20 @@ def waited(coroutine):
 
 
 class Visit:
-    """A Gate as Tornado makes one, for a session; `obeyed`: orders that reach it, `closed`: codes of closing."""
+    """A MessageFilter as Tornado makes one, `obeyed`: orders that reach it, `closed`: codes of closing."""
 
     def __init__(self, session, monkeypatch):
         self.session, self.obeyed, self.closed = session, [], []
-        self.gate = gate.Gate.__new__(gate.Gate)
-        self.gate.parts, self.gate.name, self.gate.turned_away = 0, None, False
-        self.gate.spent, self.gate.since = 0.0, 0.0
-        self.gate.receiver = Receiver(Protocol())
+        self.filter = message_filter.MessageFilter.__new__(message_filter.MessageFilter)
+        self.filter.parts, self.filter.name, self.filter.rejected = 0, None, False
+        self.filter.spent, self.filter.since = 0.0, 0.0
+        self.filter.receiver = Receiver(Protocol())
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
-        self.gate.connection = SimpleNamespace(session=server)
+        self.filter.connection = SimpleNamespace(session=server)
         session.wire._id = "wire"
         session.doc.add_root(session.wire)
-        monkeypatch.setattr(gate, "here", set())
-        monkeypatch.setattr(self.gate, "close", self.closed.append)
+        monkeypatch.setattr(message_filter, "connected", set())
+        monkeypatch.setattr(self.filter, "close", self.closed.append)
         monkeypatch.setattr(session, "obey", self.obeyed.append)
 
     async def _locked(self, call, *arguments):
@@ -59,7 +59,7 @@ class Visit:
 
         async def send():
             for fragment in fragments:
-                await self.gate.on_message(fragment)
+                await self.filter.on_message(fragment)
 
         self.obeyed.clear()
         waited(send())
@@ -108,21 +108,21 @@ def test_patches_of_bokeh_figures_are_dropped(visit):
 @pytest.mark.parametrize("token", [None, "", "x" * 9000, "e30", "W10", "eyJzZXNzaW9uX2lkIjogM30", "é"])
 def test_a_connection_without_a_valid_token_is_rejected_without_a_traceback(visit, caplog, token):
     caplog.set_level(logging.INFO, "app")
-    visit.gate._token = token
-    visit.gate.open()
-    assert visit.closed == [gate.TRY_LATER] and "turned away" in caplog.text and "Traceback" not in caplog.text
+    visit.filter._token = token
+    visit.filter.open()
+    assert visit.closed == [message_filter.TRY_LATER] and "rejected" in caplog.text and "Traceback" not in caplog.text
 
 
 @pytest.mark.slow
 def test_a_browser_receives_the_shared_document(visit, monkeypatch):
     visit.session.doc.models.recompute()
-    visit.gate.application_context = SimpleNamespace(url="/app")
-    visit.gate.write_lock, sent = locks.Lock(), []
+    visit.filter.application_context = SimpleNamespace(url="/app")
+    visit.filter.write_lock, sent = locks.Lock(), []
 
-    async def write(gate, text, locked=True):
+    async def write(self, text, locked=True):
         sent.append(json.loads(text))
 
-    monkeypatch.setattr(gate.Gate, "write_message", write)
+    monkeypatch.setattr(message_filter.MessageFilter, "write_message", write)
     assert visit.say({}, "PULL-DOC-REQ") == []
     assert sent[0] | {"msgid": ""} == {"msgid": "", "msgtype": "PULL-DOC-REPLY", "reqid": "1"}
     assert sent[2]["doc"]["title"] and len(sent[2]["doc"]["roots"]) == 5 + len(visit.session.pages.slots)
@@ -131,12 +131,12 @@ def test_a_browser_receives_the_shared_document(visit, monkeypatch):
 
 @pytest.fixture
 def connected(visit, monkeypatch):
-    """A gate that has a token, without the session behind it; what was opened."""
+    """A filter that has a token, without the session behind it; what was opened."""
     opened = []
-    monkeypatch.setattr(gate.WSHandler, "open", lambda gate: opened.append(gate))
-    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: None)
-    visit.gate._token = generate_jwt_token("a page of mine")
-    return visit.gate, opened
+    monkeypatch.setattr(message_filter.WSHandler, "open", lambda self: opened.append(self))
+    monkeypatch.setattr(message_filter.WSHandler, "on_close", lambda self: None)
+    visit.filter._token = generate_jwt_token("a page of mine")
+    return visit.filter, opened
 
 
 def test_a_page_accepts_one_connection_at_a_time(visit, connected):
@@ -144,7 +144,7 @@ def test_a_page_accepts_one_connection_at_a_time(visit, connected):
     own.open()
     assert len(opened) == 1 and not visit.closed
     own.open()
-    assert len(opened) == 1 and visit.closed == [gate.TRY_LATER]
+    assert len(opened) == 1 and visit.closed == [message_filter.TRY_LATER]
     own.on_close()
     own.open()
     assert len(opened) == 2
@@ -152,11 +152,11 @@ def test_a_page_accepts_one_connection_at_a_time(visit, connected):
 
 def test_connections_beyond_the_visitor_limit_are_rejected(visit, connected, monkeypatch):
     own, opened = connected
-    monkeypatch.setattr(gate, "VISITORS", 2)
-    gate.here.update({"one", "other"})
+    monkeypatch.setattr(message_filter, "VISITORS", 2)
+    message_filter.connected.update({"one", "other"})
     own.open()
-    assert opened == [] and visit.closed == [gate.TRY_LATER]
-    gate.here.discard("one")
+    assert opened == [] and visit.closed == [message_filter.TRY_LATER]
+    message_filter.connected.discard("one")
     own.open()
     assert opened == [own]
 
@@ -169,21 +169,21 @@ def test_messages_of_a_closed_connection_are_ignored_without_a_traceback(visit, 
         def session(self):
             raise AssertionError
 
-    monkeypatch.setattr(visit.gate, "connection", Detached())
-    monkeypatch.setattr(gate.WSHandler, "on_close", lambda gate: gate.connection.session)
+    monkeypatch.setattr(visit.filter, "connection", Detached())
+    monkeypatch.setattr(message_filter.WSHandler, "on_close", lambda self: self.connection.session)
     assert visit.say(visit.patch(HELLO)) == visit.say({}, "PULL-DOC-REQ") == []
-    visit.gate.on_close()
+    visit.filter.on_close()
 
 
 def test_messages_that_wait_when_a_browser_leaves_are_dropped_without_a_word(visit, caplog, monkeypatch):
     async def refused(*_, **__):
         raise WebSocketClosedError
 
-    monkeypatch.setattr(visit.gate, "write_message", refused)
-    visit.gate.write_lock, visit.gate.application_context = locks.Lock(), SimpleNamespace(url="/app")
-    monkeypatch.setattr(gate, "shared", lambda url: SimpleNamespace(document="{}"))
+    monkeypatch.setattr(visit.filter, "write_message", refused)
+    visit.filter.write_lock, visit.filter.application_context = locks.Lock(), SimpleNamespace(url="/app")
+    monkeypatch.setattr(message_filter, "shared", lambda url: SimpleNamespace(document="{}"))
     with caplog.at_level(logging.INFO):
-        waited(visit.gate.send_message(Protocol().create("ACK")))
+        waited(visit.filter.send_message(Protocol().create("ACK")))
         visit.say({}, "PULL-DOC-REQ")
     assert not caplog.records and not visit.closed
 
@@ -195,9 +195,9 @@ def test_other_visitors_are_served_during_a_flood_of_messages(visit):
     async def flood():
         other = asyncio.create_task(count())
         for k in range(50):
-            await visit.gate.on_message(json.dumps({"msgid": f"{k}", "msgtype": "PATCH-DOC"}))
-            await visit.gate.on_message("{}")
-            await visit.gate.on_message(json.dumps(visit.patch(HELLO)))
+            await visit.filter.on_message(json.dumps({"msgid": f"{k}", "msgtype": "PATCH-DOC"}))
+            await visit.filter.on_message("{}")
+            await visit.filter.on_message(json.dumps(visit.patch(HELLO)))
         other.cancel()
 
     async def count():
@@ -211,16 +211,16 @@ def test_other_visitors_are_served_during_a_flood_of_messages(visit):
 
 def test_rate_limit_scales_with_active_visitors(visit, monkeypatch):
     now = [1000.0]
-    monkeypatch.setattr(gate, "monotonic", lambda: now[0])
+    monkeypatch.setattr(message_filter, "monotonic", lambda: now[0])
     for others in (1, 10):
-        gate.here.clear()
-        gate.here.update(range(others))
-        visit.gate.spent, visit.gate.since = 0.0, now[0]
-        assert visit.gate._wait(gate.AT_ONCE) == 0.0  # a visitor who opens pages is not slowed
-        wait = visit.gate._wait(0.1)
-        assert wait == pytest.approx(0.1 * others / gate.SHARE)
+        message_filter.connected.clear()
+        message_filter.connected.update(range(others))
+        visit.filter.spent, visit.filter.since = 0.0, now[0]
+        assert visit.filter._wait(message_filter.AT_ONCE) == 0.0  # a visitor who opens pages is not slowed
+        wait = visit.filter._wait(0.1)
+        assert wait == pytest.approx(0.1 * others / message_filter.SHARE)
         now[0] += wait
-        assert visit.gate._wait(0.0) == pytest.approx(0.0, abs=1e-9)
+        assert visit.filter._wait(0.0) == pytest.approx(0.0, abs=1e-9)
 
 
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
@@ -238,7 +238,7 @@ def test_only_patches_of_the_order_property_are_accepted(visit):
 
 @pytest.mark.parametrize("new", [BOMB, None, 3, {"do": "hello"}, ["x"]])
 def test_orders_that_are_neither_text_nor_bytes_are_rejected(visit, new):
-    assert visit.say(visit.patch(new)) == [] and visit.closed == [gate.TRY_LATER]
+    assert visit.say(visit.patch(new)) == [] and visit.closed == [message_filter.TRY_LATER]
 
 
 PATCH = '{"msgid":"1","msgtype":"PATCH-DOC"}'
@@ -265,10 +265,10 @@ PATCH = '{"msgid":"1","msgtype":"PATCH-DOC"}'
 def test_malformed_messages_close_the_connection_and_are_logged_in_one_line(visit, caplog, parts):
     caplog.set_level(logging.INFO, "app")
     assert visit.parts(*parts) == []
-    assert visit.closed == [gate.TRY_LATER]
+    assert visit.closed == [message_filter.TRY_LATER]
     assert visit.say(visit.patch(HELLO)) == [] and visit.say([]) == []  # nothing is heard any longer
     (line,) = [record.message for record in caplog.records if record.name == "app"]
-    assert "turned away" in line and len(line) < 120
+    assert "rejected" in line and len(line) < 120
 
 
 @pytest.mark.parametrize(
@@ -314,7 +314,7 @@ def test_a_rejected_order_is_acknowledged_with_advice(session, text):
     say(session, HELLO)
     say(session, text)
     status = json.loads(session.wire.status)
-    assert status["heard"] == 7 and "Reload the page" in status["notes"][0]
+    assert status["acknowledged"] == 7 and "Reload the page" in status["notes"][0]
 
 
 @pytest.mark.parametrize("text", ["1" * 65, "x" * 7000, "1," * 3000, "-" * 7000, "1e" * 3000])
@@ -322,13 +322,15 @@ def test_a_long_entry_is_rejected_at_its_field_and_acknowledged(session, text):
     say(session, HELLO)
     say(session, {"do": "scene", "values": {"E": text}, "n": 3})
     status = json.loads(session.wire.status)
-    assert status["heard"] == 3 and "Stiffness" in status["errors"]["E"] and len(status["errors"]["E"]) < 300
+    assert status["acknowledged"] == 3 and "Stiffness" in status["errors"]["E"] and len(status["errors"]["E"]) < 300
 
 
 def test_every_order_is_acknowledged(session):
-    for number, order in enumerate([HELLO, '{"do":"rest"}', '{"do":"layer","values":{"rows":1,"modes":1,"depth":1}}']):
+    for number, order in enumerate(
+        [HELLO, '{"do":"release"}', '{"do":"layer","values":{"rows":1,"modes":1,"depth":1}}']
+    ):
         say(session, json.loads(order) | {"n": number})
-        assert json.loads(session.wire.status)["heard"] == number
+        assert json.loads(session.wire.status)["acknowledged"] == number
 
 
 def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog, monkeypatch):
@@ -347,7 +349,7 @@ def test_a_run_continues_only_from_a_known_increment():
         def add_next_tick_callback(self, call):
             call()
 
-    visit = Session(Doc(), Pages, {}, NoPool(), Shelf())
+    visit = Session(Doc(), Pages, {}, NoPool(), RunCache())
     visit.hello()
     for after in ([1, 10**8], [7, 0], [1, 0]):
         say(visit, {"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "after": after})

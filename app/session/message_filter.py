@@ -33,25 +33,25 @@ TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
 CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event with an order
 
-here = set()  # ids of the sessions whose browsers are connected
-metrics.gauge("visitors", "browsers that are connected", lambda: len(here))
+connected = set()  # ids of the sessions whose browsers are connected
+metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
 def is_full():
     """Whether the maximum number of browsers is connected; if so, count a rejection."""
-    if len(here) < VISITORS:
+    if len(connected) < VISITORS:
         return False
-    metrics.count("turned_away")
-    log.info("class full: a visitor was turned away")
+    metrics.count("rejected_visits")
+    log.info("class full: a visitor was rejected")
     return True
 
 
-class Gate(NamedHost, WSHandler):
+class MessageFilter(NamedHost, WSHandler):
     """The websocket of one visitor."""
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.name, self.turned_away = 0, None, False
+        self.parts, self.name, self.rejected = 0, None, False
         self.spent, self.since = 0.0, monotonic()
 
     def open(self, *where, **named):
@@ -60,19 +60,19 @@ class Gate(NamedHost, WSHandler):
             if not self._token or len(self._token) > TOKEN:
                 raise ValueError("no token of this server")
             name = get_session_id(self._token)
-            if name in here:
+            if name in connected:
                 raise ValueError("a page has one browser")
             if not is_full():
                 self.name = name
-                here.add(name)
+                connected.add(name)
                 return super().open(*where, **named)
             self.close(TRY_LATER)
         except Exception as error:  # a forged token may raise anything
-            self._turn_away(error)
+            self._reject(error)
 
     def on_close(self):
         """Handle the end of the connection. Bokeh may have noticed it before, by a ping, while messages waited."""
-        here.discard(self.name)
+        connected.discard(self.name)
         if self._session is not None:
             super().on_close()
 
@@ -80,13 +80,13 @@ class Gate(NamedHost, WSHandler):
         try:
             await super()._async_open(token)
         except Exception as error:
-            self._turn_away(error)
+            self._reject(error)
 
-    def _turn_away(self, error):
+    def _reject(self, error):
         """Close the connection and log one line, without a traceback."""
-        self.turned_away = True  # further messages are ignored
-        metrics.count("refused_messages")
-        log.info("a browser was turned away: %s", type(error).__name__)
+        self.rejected = True  # further messages are ignored
+        metrics.count("rejected_messages")
+        log.info("a browser was rejected: %s", type(error).__name__)
         self.close(TRY_LATER)
 
     @property
@@ -99,7 +99,7 @@ class Gate(NamedHost, WSHandler):
 
     async def on_message(self, fragment):
         """Let Bokeh parse a part of a message, and obey the message when complete."""
-        if self.turned_away:
+        if self.rejected:
             return await asyncio.sleep(0)
         self.parts += 1
         try:
@@ -110,7 +110,7 @@ class Gate(NamedHost, WSHandler):
                 self.parts = 0
                 found = _orders(message)
         except Exception as error:
-            return self._turn_away(error)
+            return self._reject(error)
         begun = thread_time()  # time of the loop alone: other processes may be busy
         if message is not None and self._session is not None:
             with suppress(WebSocketClosedError):  # it has left
@@ -124,7 +124,7 @@ class Gate(NamedHost, WSHandler):
 
     def _wait(self, seconds):
         """Return the wait before the next message, s, after one that took `seconds`: AT_ONCE is free, then a share."""
-        share, now = SHARE / max(1, len(here)), monotonic()
+        share, now = SHARE / max(1, len(connected)), monotonic()
         self.spent = max(0.0, self.spent - share * (now - self.since)) + seconds
         self.since = now
         return min(LONGEST_WAIT, max(0.0, self.spent - AT_ONCE) / share)
