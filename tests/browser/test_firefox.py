@@ -16,6 +16,7 @@ def firefox(tmp_path):
     opened = Firefox(path, tmp_path, PATIENCE / 1000)
     yield opened
     opened.close()
+    assert not opened.errors
 
 
 @pytest.mark.thorough
@@ -33,4 +34,3 @@ def test_page_runs_in_firefox_from_loading_to_the_tour(server, firefox):
     firefox.wait_for("document.querySelector('#tour-card button.answer')")
     firefox.evaluate("punch.speed = 40, document.querySelector('#tour-card button.answer').click()")
     firefox.wait_for("document.querySelector('#tour-card [role=status]')?.textContent")
-    assert not firefox.errors

@@ -90,6 +90,7 @@ def test_slips_show_at_eight_points_a_period(noise):
     assert all(low <= load <= high for (low, high), load in zip(intervals, loads, strict=True))
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("per_period", [3.0, 4.5])
 @pytest.mark.parametrize("noise", [0.0, 0.01])
 def test_a_fit_of_few_points_a_period_is_right_and_warns(per_period, noise):
@@ -105,6 +106,7 @@ def test_predicted_slips_that_the_data_do_not_show_raise_a_warning():
     assert any(sentence.startswith("0 of 6 predicted slips") for sentence in result.warnings)
 
 
+@pytest.mark.thorough
 def test_a_fit_restarts_from_an_exact_run_where_slips_skip_sites():
     """The truth slips by two sites and the start by one, which continued runs keep; noise-free, so to 0.1 %."""
     truth = SMALL.changed(E=11.33, delta_bar=0.025, phi_ratio=1.6, u_x_max=30.0, damping=0.5, du_x=0.1, du_z=0.1)
@@ -115,6 +117,7 @@ def test_a_fit_restarts_from_an_exact_run_where_slips_skip_sites():
     assert result.reached and result.values["E"] == pytest.approx(truth.E, rel=1e-3)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 def test_a_chi_squared_far_from_one_raises_a_warning(skeleton, factor):
     """The noise of the data is known too small or too large by that factor, and chi^2 by its square."""

@@ -139,6 +139,7 @@ def test_no_hysteresis_where_no_instability_exists():
     assert abs(area) < 1e-6
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("E", [20.0, 70.0])
 def test_hysteresis_where_jump_in_and_pull_off_differ(E):
@@ -259,6 +260,7 @@ def test_a_saddle_under_a_held_load_leads_to_the_same_equilibrium_with_and_witho
     assert np.array(ends[0]) == pytest.approx(np.array(ends[1]), abs=1e-6)
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("values", SADDLES[:2], ids=["default", "punch"])
 def test_frames_under_a_held_tension_are_in_equilibrium_with_it(values):
@@ -294,6 +296,7 @@ def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
         assert -frame.delta + compliance * p_0 == pytest.approx(uz, abs=1e-7)
 
 
+@pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["fast", "gfmd"])
 def test_too_large_a_tension_detaches_the_contact_and_is_reported(method):

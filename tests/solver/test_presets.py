@@ -19,6 +19,7 @@ from solver.run.load_steps import load_steps_of
 ROOT = Path(__file__).parents[2]
 NAMES = tuple(presets())
 EXPECTED = ["fig6", "fig4a-blue", "fig4a-red", "fig4a-green", "fig4b-weak", "fig4b-stiff"]
+SHARED = ["fig6", "rough", "unload", "hold-load"]  # whose runs other tests here need, too
 EXPECTED += ["fig7-case1", "fig7-case2", "fig7-case3", "fig8-black", "fig8-red", "fig8-blue"]
 
 
@@ -45,10 +46,9 @@ def frames_of(name):
     return list(load_path(preset(name).scene))
 
 
+@pytest.mark.once(len(SHARED))
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.thorough if n in EXPECTED[1:] else ()) for n in NAMES]
-)
+@pytest.mark.parametrize("name", [*SHARED, *(name for name in NAMES if name not in SHARED)])
 def test_preset_runs(name):
     """To its end, and beyond the onset of sliding where there is one."""
     scene, frames = preset(name).scene, frames_of(name)
