@@ -67,7 +67,8 @@ WRONG = """async () => {
         if (gaps.some((gap, i) => gap !== frame.gap[i])) wrong.push('the surface is that of another increment')
     }
     for (const [view, label, name] of [['forces', 'F', 'F'], ['area', 'A', 'A']]) {
-        if (run.head.flat && view === 'area' || by('bar').checked) continue
+        const seen = document.querySelector(`.view[data-view=${view}]`).checkVisibility({ visibilityProperty: true })
+        if (!seen || by('bar').checked) continue // what is not in sight is not drawn
         const { y } = drawnBy(parts[view][label]), most = Math.max(...y), own = run.drawn(name, punch.approach, 1)
         const times = most / (Math.max(...own.value) || 1)
         if (most && ![1e-3, 1, 1e3].some((unit) => Math.abs(times / unit - 1) < 1e-3))
@@ -201,7 +202,7 @@ class User:
             if pause:
                 self.page.evaluate(f"() => {{ if (punch.playing) {PLAY} }}")
                 self.page.wait_for_function(f"() => !punch.playing && ({REST})()", timeout=PATIENCE)
-            self.page.wait_for_timeout(150)  # a film ends, a map is drawn; whatever is wrong for longer is told
+            self.page.wait_for_timeout(400)  # a change of size comes to its end; what is wrong for longer is told
             if self.page.evaluate(REST):
                 for wrong in self.page.evaluate(WRONG):
                     self.tell(f"contradiction: {wrong}")
