@@ -126,12 +126,17 @@ def compute(scene, state, budget, history=(), limit=SLOW):
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
-        state=None if checkpoint.done else pickle.dumps((checkpoint, last)),
+        state=None if checkpoint.done else pickle.dumps((_without_secants(checkpoint), last)),
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
         skeleton=None if history else _skeleton(scene, checkpoint),
     )
+
+
+def _without_secants(checkpoint):
+    """Return a Checkpoint without 0.2 MB that the next slice rebuilds: that takes it two force evaluations."""
+    return checkpoint._replace(state=checkpoint.state and checkpoint.state._replace(secants=None))
 
 
 def _skeleton(scene, checkpoint):

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from visitor import SHORT, Page, slices
+from visitor import SHORT, Page, slices, unpacked
 
 from app.service import packing, tasks, worker
 from app.service.pool import HEAVY, LATER, SCREEN
@@ -102,3 +102,16 @@ def test_a_run_with_expensive_increments_yields_to_others_and_completes(pool, mo
     assert set(ranks) - {LATER} == {SCREEN, HEAVY}  # later: marks on the sliders, in the background
     assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
     page.session.close()
+
+
+def test_state_between_slices_leaves_out_what_the_next_one_rebuilds():
+    """The state of a few increments has the last displacements, 20 disturbances, and the passed states: no secants."""
+    piece = worker.compute(SHORT, None, 0.0)
+    checkpoint, _ = pickle.loads(piece.state)
+    assert checkpoint.state.secants is None
+    rest = worker.compute(SHORT, piece.state, inf)
+    whole = worker.compute(SHORT, None, inf)
+    assert piece.frames + rest.frames == whole.frames
+    assert unpacked(rest.blocks[-1])[1]["F_bar"][-1] == pytest.approx(
+        unpacked(whole.blocks[-1])[1]["F_bar"][-1], rel=1e-5
+    )
