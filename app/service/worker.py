@@ -4,7 +4,7 @@ import os
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import e, inf
 from queue import SimpleQueue
@@ -126,7 +126,7 @@ def compute(scene, state, budget, history=(), limit=SLOW):
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
-        state=None if checkpoint.done else pickle.dumps((_without_secants(checkpoint), last)),
+        state=None if checkpoint.done else pickle.dumps((_smallest(checkpoint), last)),
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
@@ -134,9 +134,12 @@ def compute(scene, state, budget, history=(), limit=SLOW):
     )
 
 
-def _without_secants(checkpoint):
-    """Return a Checkpoint without 0.2 MB that the next slice rebuilds: that takes it two force evaluations."""
-    return checkpoint._replace(state=checkpoint.state and checkpoint.state._replace(secants=None))
+def _smallest(checkpoint):
+    """Return a Checkpoint without what the next slice soon finds again: secants, and the search space of a Mode."""
+    state = checkpoint.state
+    if state is None:
+        return checkpoint
+    return checkpoint._replace(state=state._replace(secants=None, mode=state.mode and replace(state.mode, basis=())))
 
 
 def _skeleton(scene, checkpoint):
