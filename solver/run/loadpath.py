@@ -25,8 +25,8 @@ FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion defor
 # delta_n beyond the window up to which nodes belong to the first patch, as adhesion draws them nearer. At 0, patches of
 # the slider box have to grow, which takes 2 % more evaluations; 1.5 and 6 take as many (tests/bench/constants.py)
 BULGE = 3.0
-# With a drive every state is searched: its slow mode says nothing of the others. Waves under the other law began to
-# grow up to six increments before a search (tests/bench/rests.py --more)
+# With a drive, or under the other law, every state is searched: modes began to
+# grow up to seven increments before a search (tests/bench/rests.py --more)
 DRIVEN = RestOptions(far=0.0)
 BUSY = 10.0  # s beyond its limit of processor time that an increment may take, as other processes may need the cores
 
@@ -169,7 +169,8 @@ class Run:
             return self._stepper
         scene = self.scene
         problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
-        options = {"rest": DRIVEN} if self._fast and any(scene.drive_compliance) else {}
+        sudden = any(scene.drive_compliance) or scene.law != "np1"
+        options = {"rest": DRIVEN} if self._fast and sudden else {}
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene), **options)
         if self._fast and "translation" in self.leave_out and not step.loading.direction[1]:
             stepper = Replay(stepper, scene.spacing)

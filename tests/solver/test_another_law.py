@@ -9,6 +9,7 @@ from plain_gfmd import run
 from solver import CHOICES, Scene, load_path, simulate
 from solver.mechanics.cohesive_law import tangent, traction
 from solver.validation import extended
+from solver.validation.spectrum import growth
 
 XN = Scene(law="xu-needleman")
 SMALL = XN.changed(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x_max=6.0)
@@ -92,6 +93,17 @@ def test_where_it_and_the_gfmd_differ_a_node_lies_at_the_edge_of_the_window():
         wide = scene.changed(window_n=window_n)
         ours, theirs = (np.array([each.L_bar for each in of(wide)]) for of in (load_path, run))
         assert np.abs(ours - theirs).max() <= bound * np.abs(theirs).max()
+
+
+def test_a_fold_under_the_other_law_is_found_before_a_frame_is_unstable():
+    scene = XN.changed(
+        surface="rough", rms_slope=0.006721, cut_off=0.2, seed=104, E=137.8, nu=0.3, height=0.9005, nodes=79,
+        width=194.103, phi_n=0.2557, phi_ratio=1.279, delta_n=0.3809, delta_bar=1.366, damping=0.3, du_z=0.5,
+        u_x_max=0.0,
+    )  # fmt: skip
+    frames = [frame for frame in load_path(scene) if frame.stage == "approach"]
+    assert any(frame.slips for frame in frames)
+    assert max(growth(scene, frame) for frame in frames if frame.T.any()) <= 1e-6
 
 
 def test_no_state_of_the_potential_law_can_flutter():
