@@ -31,9 +31,9 @@ from typing import TYPE_CHECKING, Any
 
 from .analysis.energy_balance import Work, work_of
 from .continuation.state import NotConverged
-from .following.branch import NotFollowed
 from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
+from .following.moved import NotFollowed
 from .following.skeleton import Skeleton
 from .profile import ProfileError, read_profile
 from .results import Result, simulate, sweep

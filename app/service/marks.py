@@ -7,7 +7,7 @@ import numpy as np
 
 from solver import NotFollowed, SceneError, follow
 from solver.analysis.friction_laws import critical_modulus, softening
-from solver.following.branch import Branch
+from solver.continuation.trace import Branch
 from solver.run.load_steps import lifts
 
 SLIDERS = ("delta_bar", "phi_ratio", "E")
@@ -86,11 +86,11 @@ def _at_rest(skeleton):
     """Return the Skeleton of the same scene with little shear: enough to compute the load."""
     reach, first = BEGINNING * skeleton.scene.delta_t, skeleton.first
     scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
-    branch = Branch(0.0, reach, np.linspace(0.0, 1.0, INTERVALS + 1), np.zeros((INTERVALS + 1, 0)), None)
-    v = skeleton.unknowns(branch.loads)
+    loads = np.linspace(0.0, reach, INTERVALS + 1)
+    v = skeleton.unknowns(loads)
     m = skeleton.nodes
     active = scene.profile[first : first + m] + v[:, m : 2 * m] <= scene.window_n * scene.delta_n
-    return replace(skeleton, scene=scene, branches=(replace(branch, v=v, active=active),), home=0, sites=0)
+    return replace(skeleton, scene=scene, branches=(Branch.of(loads, v, active),), home=0, sites=0)
 
 
 def _border(skeleton, name):
@@ -124,7 +124,7 @@ def _border(skeleton, name):
 
 def _slips(skeleton):
     """Whether the Skeleton has slips, and ends at the fold of one."""
-    return not skeleton.contact and bool(skeleton.sites) and skeleton.branches[-1].fold is not None
+    return not skeleton.contact and bool(skeleton.sites) and skeleton.branches[-1].slip is not None
 
 
 def _slip_squared(skeleton):
@@ -132,5 +132,5 @@ def _slip_squared(skeleton):
 
     Where slips end, fold and landing meet, as for load = p x - x^3: the square vanishes in proportion to p.
     """
-    ends = np.array([branch.end for branch in skeleton.branches if branch.fold])
+    ends = np.array([branch.end for branch in skeleton.branches if branch.slip])
     return float(np.abs(skeleton.unknowns(np.nextafter(ends, np.inf)) - skeleton.unknowns(ends)).max() ** 2)

@@ -24,8 +24,8 @@ from solver.analysis.outputs import over_own
 from solver.analysis.sensitivities import sensitivities
 from solver.cli import report_of
 from solver.files import write_json, write_npz
-from solver.following.branch import NotFollowed
 from solver.following.from_run import skeleton_of
+from solver.following.moved import NotFollowed
 from solver.run.film import through
 from solver.run.frame import Frame
 from solver.run.load_steps import load_steps_of

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..following.branch import position_between
-from .sensitivities import Sensitivities, passed
+from .sensitivities import Sensitivities
 
 Floats = NDArray[np.float64]
-END = 1e-3  # of t from 0 and 1; nearer, dF/dU is 0/0 or infinite, and F changes by the square of that
+END = 1e-3  # of t from 1; nearer, dF/dU is infinite, and F changes by the square of that
+BESIDE = 5e-4  # of t, for a derivative by it: the error is the square, and round-off 1e-12
 # of the largest drop of F, below 1 so that it is visible itself: where all drops are too small to be visible, they may
 # grow in later trials
 PART = 0.9
@@ -55,7 +55,7 @@ class Predicted:
         """The drop of F_bar at the end of each branch; 0 without a slip there."""
         last = len(self.branches) - 1
         after = [*range(1, last + 1), self.skeleton.home]
-        slips = [branch.branch.fold is not None for branch in self.branches]
+        slips = [branch.branch.slip is not None for branch in self.branches]
         slips[last] &= bool(self.skeleton.sites)
         pairs = zip(self.branches, after, slips, strict=True)
         return [b.values[1, -1] - self.branches[k].values[1, 0] if slip else 0.0 for b, k, slip in pairs]
@@ -65,7 +65,7 @@ class Predicted:
         """[(index of a branch, periods since its first pass), ...] of each segment, in order, to AHEAD of the reach."""
         seen = min(self.seen, PART * max(self.drops)) if np.isfinite(self.seen) else np.inf
         segments: list[list[tuple[int, int]]] = [[]]
-        for index, turns in passed(self.skeleton):
+        for index, turns in self.skeleton.passes():
             segments[-1].append((index, turns))
             if self._end(index, turns) > AHEAD * self.reach:
                 break
@@ -107,7 +107,7 @@ class Predicted:
         branch, period = self.branches[index], self.skeleton.period or 0.0
         if branch.branch.periodic:
             turns = np.floor(U_x / period)
-        curve = (_to_a_fold if branch.branch.fold else _without_end)(branch, U_x - turns * period, names)
+        curve = (_to_a_fold if branch.branch.slip else _without_end)(branch, U_x - turns * period, names)
         if "width" in names:  # it stretches the period
             stretched = turns * self.skeleton.sites / self.skeleton.scene.nodes
             curve.by[names.index("width")] -= curve.slopes * stretched
@@ -135,13 +135,10 @@ def _without_end(branch, loads, names):
 
 def _to_a_fold(branch, loads, names):
     """The Curve on a branch to a fold, interpolated in t, in which it is smooth."""
-    start, end = branch.values[0, 0], branch.values[0, -1]
-    t = position_between(start, end, loads)
-    weights = branch.branch.weights_at(t).T
-    inside = np.clip(t, END, 1.0 - END)
-    change = branch.branch.weights_at(inside, 1)
-    speed = 0.5 * np.pi * (end - start) * np.sin(np.pi * inside)
-    slopes = branch.values[1:] @ change.T / speed
-    slopes[:, (loads < start) | (loads > end)] = 0.0
+    states = branch.branch
+    weights, inside = states.weights(loads).T, np.clip(states.position(loads), BESIDE, 1.0 - END)
+    before, after = (states.load_at(inside + way) for way in (-BESIDE, BESIDE))
+    slopes = branch.values[1:] @ ((states.weights(after) - states.weights(before)).T / (after - before))
+    slopes[:, (loads < states.start) | (loads > states.end)] = 0.0
     moved = np.array([branch.by[name] @ weights for name in names]).reshape(len(names), 4, loads.size)
     return Curve(branch.values[1:] @ weights, slopes, moved[:, 1:] - slopes * moved[:, :1])

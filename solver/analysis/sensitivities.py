@@ -5,23 +5,22 @@ F_bar, L_bar or A_bar by all parameters: dF/dp = F_p + <x, R_p> with R_v^T x = -
 dU/dp = -<psi, R_p>/<psi, R_U>; the state also moves along the null vector, so that the fold remains one.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..continuation.fold import Bordered, FoldOptions, fold_near
-from ..continuation.interpolation import lagrange
 from ..continuation.inverse import NotSolved, Solves
-from ..following.branch import Branch, NotFollowed
+from ..continuation.trace import Branch, lagrange
+from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.linearised import Linearised
-from ..run.frame import SlipEvent, forces_and_area
+from ..run.frame import SlipEvent, forces_and_area, slips_in
 from ..run.loading import sideways
 from ..scene import LIMITS, Scene
 from ..threads import one_thread
@@ -37,7 +36,7 @@ ALONG = 1e-7  # the same at states along a branch, where nothing is amplified
 # states from which the solution at the next one is extrapolated, as it changes smoothly along a branch; 4 and 8 take
 # up to 3 % more products with the tangent
 AHEAD = 6
-SHARP = FoldOptions(state=1e-9, accuracy=1e-3)  # units: the error of the state is the square of that
+SHARP = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
 
 
 @dataclass(frozen=True)
@@ -117,7 +116,7 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
 def _sensitivities(skeleton, of, branches):
     folds, along, start = [], [], None
     for branch in skeleton.branches:
-        fold = None if branch.fold is None else of.slip(branch)
+        fold = None if branch.slip is None else of.slip(branch)
         if branches:
             along.append(of.branch(branch, start, fold))
         start = fold and {name: d[0] for name, d in fold.by.items()}
@@ -125,20 +124,11 @@ def _sensitivities(skeleton, of, branches):
     return Sensitivities(skeleton, _slips(skeleton, folds), tuple(along))
 
 
-def passed(skeleton: Skeleton) -> Iterator[tuple[int, int]]:
-    """Yields (index of a branch, periods by which it is shifted) in the order of the run; endless if that repeats."""
-    yield from ((index, 0) for index in range(len(skeleton.branches)))
-    for turns in count(1) if skeleton.sites else ():
-        yield from ((index, turns) for index in range(skeleton.home, len(skeleton.branches)))
-
-
 def _slips(skeleton, folds):
     """The SlipSensitivities up to u_x_max; loads of repeated slips change with the period, sites width/nodes."""
     scene, slips = skeleton.scene, []
-    for index, turns in passed(skeleton):
+    for _, (index, turns) in zip(slips_in(skeleton), skeleton.passes(), strict=False):
         fold, sites = folds[index], turns * skeleton.sites
-        if fold is None or fold.event.load + sites * scene.spacing > scene.u_x_max:
-            break
         by, event = dict(fold.by), replace(fold.event, load=fold.event.load + sites * scene.spacing)
         if "width" in by:
             by["width"] = by["width"] + [sites / scene.nodes, 0.0, 0.0, 0.0]
@@ -151,7 +141,7 @@ def _ahead(solutions, t, fold):
     i, before = len(solutions), solutions[-AHEAD:]
     if not before:
         return []
-    weights = np.array(lagrange(t[i - len(before) : i], t[i]))
+    weights = lagrange(t[i - len(before) : i], t[i])
     if fold:  # towards it x grows as 1/(1 - t)
         weights *= (1.0 - t[i - len(before) : i]) / (1.0 - t[i])
     return [sum(weight * x for weight, (_, x) in zip(weights, before, strict=True))]
@@ -233,15 +223,16 @@ class _Differentiator:
 
     def branch(self, branch, start, fold) -> BranchSensitivity:
         """The BranchSensitivity; start: {parameter: derivative} of its first load, or None where that is fixed."""
-        n = branch.intervals + 1
+        n, t = len(branch.states), branch.position(branch.loads)
         outputs, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
         outputs[0] = branch.loads
         states: list[_State] = []
         solutions: list[tuple[Floats, Floats]] = []
         for i in range(n - (fold is not None)):
-            state = self.settled(branch.v[i], branch.active[i], outputs[0, i], ALONG)
+            passed = branch.states[i]
+            state = self.settled(passed.v, passed.active, passed.load, ALONG)
             outputs[1:, i] = forces_and_area(self.scene, state.T)
-            guess = _ahead(solutions, branch.t, fold)
+            guess = _ahead(solutions, t, fold)
             solutions.append(self.duals(state, gradients(self.scene, state.T), *guess))
             slope[:, i] = solutions[-1][1] @ self.problem.direction
             states.append(state)
@@ -261,7 +252,7 @@ class _Differentiator:
     def slip(self, branch) -> SlipSensitivity:
         """The SlipSensitivity of the fold at the end of a Branch."""
         scene, problem = self.scene, self.problem
-        fold = fold_near(problem, branch.fold, SHARP)
+        fold = fold_near(problem, branch.slip, SHARP)
         if fold is None:
             raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
         at = Bordered(problem, fold.v, fold.active, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))

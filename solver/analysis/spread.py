@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..following.branch import NotFollowed
 from ..following.follow import follow
+from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..scene import Scene, SceneError
 from .outputs import over_own

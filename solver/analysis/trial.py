@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..continuation.state import NotConverged, OutOfTime
-from ..following.branch import NotFollowed
 from ..following.follow import follow
 from ..following.from_run import skeleton_of
+from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..scene import LIMITS, Scene, SceneError
 from .measurement import Measurement

@@ -14,7 +14,7 @@ stepper      what a run asks of a method: the contract of the next two and of re
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion
 slip         the motion from the end of a branch until Anderson steps finish it
 landing      the equilibrium in which a slip lands, and whether that depends on details of the motion
-trace        what a run has passed: branches, ends, and its period once it repeats itself
+trace        what a run has passed: branches, states between theirs, ends, and its period once it repeats itself
 replay       a stepper that moves known states on by lattice periods
 
 Nothing here knows of contacts: tests run it on problems of one and two unknowns.

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .anderson import dot
-from .fold import Fold, FoldOptions, fold_near
-from .interpolation import lagrange
-from .onset import START, Point, mixed, onset
+from .fold import FoldOptions, fold_near
+from .onset import Point, mixed, onset
 from .state import MOVED, End, State
+from .trace import lagrange
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def _with_nodes(corrector, state, active):
 def _by_load(corrector, judge, state, target):
     """The State at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
     unit, past = corrector.problem.unit, state.past[: OPTIONS.order + 1]
-    guess = np.asarray(lagrange([load for load, _ in past], target)) @ np.array([u for _, u in past])
+    guess = lagrange([load for load, _ in past], target) @ np.array([u for _, u in past])
     if np.abs(guess - state.v).max() > MOVED * unit:
         return None
     v = guess.copy()
@@ -86,7 +86,7 @@ def _by_load(corrector, judge, state, target):
         return None
     if len(past) > 1 and np.abs(v - guess).max() > OPTIONS.short * unit:
         return None
-    mode = judge.accept(corrector.problem, v, active, state.mode, corrector.inverse)
+    mode = judge.accept(corrector.problem, v, active, state.mode)
     return _on_branch(corrector, state, Point(target, v), active, mode, state.past) if mode.rests else None
 
 
@@ -179,7 +179,7 @@ class _Arc:
             points = [points[0], point, *points[1:3]] if point.load < target else [point, *points[1:3]]
         else:
             return self._lost()
-        mode = self.judge.rightmost(self.problem, v, active, self.state.mode, self.corrector.inverse)
+        mode = self.judge.rightmost(self.problem, v, active, self.state.mode)
         if not mode.rests:
             return self._end(points, Point(target, v), mode, fold)
         below = [p for p in points if p.load < target]
@@ -199,12 +199,12 @@ class _Arc:
         """The End at a Fold, or the State at `target` if that is below it; points: before it, newest first."""
         if fold.load >= self.target:
             return self._arrived([Point(fold.load, fold.v), *points], fold.load)
-        return End(fold.load, fold.v, self.state.active, fold.phi * (START * self.unit), "fold")
+        return fold
 
     def _unstable(self, points):
         """The end of the branch between the last two Points, if the newest is unstable; else None."""
         v, active = points[0].v, self.state.active
-        self.mode = self.judge.accept(self.problem, v, active, self.mode, self.corrector.inverse)
+        self.mode = self.judge.accept(self.problem, v, active, self.mode)
         return None if self.mode.rests else self._end(points, points[0], self.mode)
 
     def _end(self, points, after, mode, fold=None):
@@ -225,7 +225,7 @@ class _Arc:
         chord, arcs = _on_chord(points)
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
         for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
-            fold = fold_near(self.problem, Fold.of(load, v, self.state.active, last.v - before.v), SEARCH)
+            fold = fold_near(self.problem, End(load, v, self.state.active, last.v - before.v), SEARCH)
             if fold is not None and fold.load >= before.load and arcs[-1] < dot(chord, fold.v) < arcs[0]:
                 return fold
         return None
@@ -247,7 +247,7 @@ class _Arc:
         load, step = last.load + 0.5 * bend * top**2, last.v - before.v
         if top > OPTIONS.long * self.unit or load > self.target:
             return None
-        fold = fold_near(self.problem, Fold.of(load, last.v + step * (top / way), self.state.active, step), SEARCH)
+        fold = fold_near(self.problem, End(load, last.v + step * (top / way), self.state.active, step), SEARCH)
         if fold is None or fold.load < last.load or (fold.v - last.v) @ step < 0.0:
             return None
         return self._at_fold(fold, points) if np.abs(fold.v - last.v).max() <= OPTIONS.long * self.unit else None

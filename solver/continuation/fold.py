@@ -8,12 +8,12 @@ Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibri
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from .inverse import MOST, NotSolved, Solves
 from .problem import Problem
+from .state import End
 
 
 @dataclass(frozen=True)
@@ -31,27 +31,6 @@ class FoldOptions:
     steps: int = 15  # most Newton steps; folds that exist took 10 at most in the slider box
     window: int = 0  # changes of the active nodes, at most; by default they stay those of the guess
     products: int = MOST  # most products of iterative solves with one matrix, before it is factorised
-
-
-@dataclass(frozen=True)
-class Fold:
-    """A maximum of the load along a branch: at v + arc phi the load is that of the fold + bend/2 arc^2."""
-
-    load: float  # nm
-    v: np.ndarray  # (size,)
-    active: np.ndarray
-    phi: Any  # (size,) the right null vector of dR/dv, largest component 1 or -1; None: not known
-    bend: float = np.nan  # 1/nm, negative; as of a state within `FoldOptions.alike`, and so is
-    psi: np.ndarray | None = None  # (size,) the left null vector, <R_s, psi> = 1; None: not known
-    residual: float = np.inf  # nm, of v
-
-    @staticmethod
-    def of(
-        load: float, v: np.ndarray, active: np.ndarray, way: np.ndarray, bend: float = np.nan, **more: Any
-    ) -> "Fold":
-        """A Fold on the way `way` (size,), any length, with the second derivative of the load along that way."""
-        largest = np.abs(way).max()
-        return Fold(load, v, active, way / largest, bend / largest**2, **more)
 
 
 class Bordered:
@@ -83,10 +62,10 @@ class Bordered:
         return phi - x[:-1], g - x[-1]
 
 
-def fold_near(problem: Problem, guess: Fold, options: FoldOptions = FoldOptions()) -> Fold | None:
-    """The Fold of a problem next to a guess, or None if there is none within reach.
+def fold_near(problem: Problem, guess: End, options: FoldOptions = FoldOptions()) -> End | None:
+    """The fold of a problem next to a guess, or None if there is none within reach.
 
-    The guess's phi and psi may be None: without phi its state must be close to the fold.
+    The guess's phi may have any length. It and psi may be None: without phi its state must be close to the fold.
     """
     try:
         return _search(problem, guess, options)
@@ -131,8 +110,7 @@ def _step(problem, matrix, phi, g, r):
 
 
 def _fold(problem, matrix, load, v, active, phi, worst):
-    bend = -(matrix.slopes @ phi) / np.linalg.norm(problem.direction)
-    if not bend < 0.0:
+    if not matrix.slopes @ phi > 0.0:  # a minimum of the load
         return None
     psi = matrix.psi / np.linalg.norm(problem.direction)
-    return Fold.of(load, v, active, phi, bend, psi=psi, residual=float(worst))
+    return End(load, v, active, phi / np.abs(phi).max(), psi=psi, residual=float(worst))

@@ -37,6 +37,7 @@ USUAL = Trial()
 FINE = Trial(4.0, 5.0, 1e-3), Trial(8.0, 10.0, -1e-3)
 # From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere
 FARTHER = (Trial(nearer=0.2),)
+DISTURBED = Trial(kick=1e-3)  # where all nodes are alike
 COARSE = Trial(0.5)  # where single nodes have several equilibria; half the cost of the usual motion
 
 
@@ -47,13 +48,13 @@ class Landing(NamedTuple):
     sensitive: bool = False
 
 
-def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landing:
+def motion_to_rest(problem, end, judge, damping, closed) -> Landing:
     """The Landing of the motion from an End; raises NotConverged, and Crowded where it needs more unknowns.
 
     The load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
-    critical; closed: as of `motion.Motion`. filmed: keep the State's `film`.
+    critical; closed: as of `motion.Motion`.
     """
-    motion = partial(_moved, judge=judge, damping=damping, closed=closed, filmed=filmed)
+    motion = partial(_moved, judge=judge, damping=damping, closed=closed)
     landing = _repeated(motion, problem, end, motion(problem, end, USUAL))
     # where all nodes are alike, a wave grows on the way only from a disturbance
     if landing.sensitive or not problem.alike(end.v):
@@ -61,10 +62,11 @@ def motion_to_rest(problem, end, judge, damping, closed, filmed=False) -> Landin
     wide, state = problem, landing.state
     if problem.uniform:
         wide, state = state.on_wider(problem)
-        begun, _ = wide.adopted(problem, end.v + end.away, end.active, end.load)
+        start = SLIP.start * problem.unit
+        begun, _ = wide.adopted(problem, end.v + start * end.phi, end.active, end.load)
         v, active = wide.adopted(problem, end.v, end.active, end.load)
-        end = end._replace(v=v, active=active, away=begun - v)
-    return landing._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, FINE[0])))
+        end = end._replace(v=v, active=active, phi=(begun - v) / start)
+    return landing._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, DISTURBED)))
 
 
 def _repeated(motion, problem, end, state):

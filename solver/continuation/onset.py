@@ -10,7 +10,6 @@ from .state import End
 
 SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
-START = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
 
 
 class Point(NamedTuple):
@@ -34,7 +33,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     """
 
     def judged(point, mode):
-        return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode, corrector.inverse))
+        return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode))
 
     unstable = _Side(after, mode)
     for point in older:
@@ -45,10 +44,9 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     else:
         return None
     end = _narrowed(corrector, judged, state, stable, unstable)
-    x, unit = end.mode.x, corrector.problem.unit
-    away = x * np.copysign(START * unit, dot(x, after.v - older[0].v))  # the way the state moves
-    away = away / max(np.abs(x).max(), 1e-300)
-    return End(end.point.load, end.point.v, state.active, away, end.mode.kind)
+    x = end.mode.x
+    phi = x * np.copysign(1.0 / max(np.abs(x).max(), 1e-300), dot(x, after.v - older[0].v))  # the way the state moves
+    return End(end.point.load, end.point.v, state.active, phi, end.mode.kind)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):

@@ -5,7 +5,6 @@ import numpy as np
 from .branch import continue_branch
 from .corrector import Corrector
 from .landing import motion_to_rest
-from .onset import START
 from .rest import OPTIONS as REST
 from .rest import Judge
 from .state import Crowded, End, Increment, NotConverged, State, slipped
@@ -19,9 +18,9 @@ class QuasiStatic:
     Attributes: problem, replaced by one of more unknowns where the states need it.
     """
 
-    def __init__(self, problem, damping, closed, filmed=False, rest=REST):
-        """damping: over critical; closed: as of `motion.Motion`; filmed: keep `State.film`; rest: RestOptions."""
-        self.problem, self.damping, self.closed, self.filmed = problem, damping, closed, filmed
+    def __init__(self, problem, damping, closed, rest=REST):
+        """damping: over critical; closed: as of `motion.Motion`; rest: RestOptions."""
+        self.problem, self.damping, self.closed = problem, damping, closed
         self.judge, self.corrector = Judge(damping, rest), Corrector(problem)
 
     def increment(self, state, target) -> Increment:
@@ -41,10 +40,10 @@ class QuasiStatic:
             if isinstance(reached, State):
                 reached = self._continued(reached, target)
             if isinstance(reached, End):
-                before, how = state, (self.judge, self.damping, self.closed, self.filmed)
-                state, sensitive = motion_to_rest(self.problem, reached, *how)
+                before = state
+                state, sensitive = motion_to_rest(self.problem, reached, self.judge, self.damping, self.closed)
                 if reached.located or slipped(self.problem, before, reached.load, state):
-                    slips.append(reached._replace(away=None, after=state, sensitive=sensitive))
+                    slips.append(reached._replace(after=state, sensitive=sensitive))
                 if state.load < target:
                     continue
             else:
@@ -66,5 +65,4 @@ class QuasiStatic:
         mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
             return state._replace(unsure=False, mode=mode)
-        away = mode.x * (START * self.problem.unit / np.abs(mode.x).max())
-        return End(state.load, state.v, state.active, away, "control")
+        return End(state.load, state.v, state.active, mode.x / np.abs(mode.x).max(), "control")

@@ -21,6 +21,7 @@ class SlipOptions:
     """How the motion of a slip is followed and ended; a "unit" is the problem's `unit`."""
 
     steps: int = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
+    start: float = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
     # units from the end of the branch within which the motion counts as starting: four times where it starts
     left: float = 0.2
     slow: float = 3.0  # factor of the steps while the motion starts slowly; 4 leads to other equilibria
@@ -74,15 +75,15 @@ class Transient:
     """One motion to rest, with the steps and the start of a Trial; raises TooLong if shorter steps may help.
 
     Attributes: motion, load, v, active: the present state; ahead: the way since the last check; starting: whether it is
-    still near the end of the branch; film: as of `State`, None where it is not filmed.
+    still near the end of the branch.
     """
 
-    def __init__(self, problem, end, trial, judge, damping, closed, filmed, options: SlipOptions = OPTIONS):
+    def __init__(self, problem, end, trial, judge, damping, closed, options: SlipOptions = OPTIONS):
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
         self.unit, self.mode, self.options = problem.unit, None, options
-        self.film: list | None = [] if filmed else None
         self.finer, self._crawl = trial.finer, 1.0  # divisor of the usual steps; their factor without inertia
-        self.load, self.v = end.load, end.v + end.away / trial.nearer
+        self.away = self.options.start * self.unit * end.phi
+        self.load, self.v = end.load, end.v + self.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
         self.active = problem.active(self.v, self.load)
@@ -97,14 +98,12 @@ class Transient:
 
     def to_rest(self) -> State:
         """The State at rest."""
-        self._filmed(self.end.v, self.end.active, self.end.load)
         while True:
             self.step()
             self.look()
             state = self.land()
             if state is not None:
-                self._filmed(state.v, state.active, state.load)
-                return state._replace(film=tuple(self.film)) if self.film else state
+                return state
             self.raise_load()
             self.check()
 
@@ -116,10 +115,7 @@ class Transient:
         if not stiffness < options.diverged * self.closed:
             raise TooLong("the motion diverges")
         motion.soften(stiffness, self._pace() / self.finer)
-        if self.film is None:
-            motion.advance(self.active, options.steps)
-        else:
-            self._film_steps()
+        motion.advance(self.active, options.steps)
         self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
 
     def _pace(self):
@@ -133,19 +129,6 @@ class Transient:
         elif 0.0 < moved < 0.25 * options.crawl:
             self._crawl = min(2.0 * self._crawl, options.crawl_longest)
         return self._crawl
-
-    def _film_steps(self):
-        """The same, step by step; the film takes each state that is far enough from its last one."""
-        least = self.options.crawl / self.options.steps * self.unit
-        for _ in range(self.options.steps):
-            self.motion.advance(self.active, 1)
-            v = self.dynamics.unknowns(self.motion.y)
-            if np.abs(v - self.film[-1][0]).max() > least:
-                self._filmed(v, self.active, self.load)
-
-    def _filmed(self, v, active, load):
-        if self.film is not None:
-            self.film.append((v, active, load))
 
     def look(self) -> None:
         """Update the state, and the nodes within the window."""
@@ -185,7 +168,7 @@ class Transient:
 
     def _returned(self, v):
         """Whether v is the end of the branch or lies before it: less than half-way to the start of the motion."""
-        return self._near_end(v) and bool((v - self.end.v) @ self.end.away < 0.5 * (self.end.away @ self.end.away))
+        return self._near_end(v) and bool((v - self.end.v) @ self.away < 0.5 * (self.away @ self.away))
 
     def _nearly_at_rest(self, bound):
         """Whether velocities and residual are below a bound, nm; velocities first: they need no force evaluation."""
@@ -201,7 +184,7 @@ class Transient:
         if active is None or np.abs(v - self.v).max() > CORRECTOR.longest * self.unit:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
-        self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
+        self.mode = self.judge.rightmost(self.problem, v, active, self.mode)
         if not self.mode.rests:
             return None
         solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}

@@ -47,7 +47,6 @@ class State(NamedTuple):
     unsure: bool = False
     trace: "Trace | None" = None  # of this load step; kept by `replay.Replay`
     residual: float = np.inf  # nm
-    film: tuple = ()  # ((v, active, load), ...) of the motion that led here, end of the branch included
 
     @staticmethod
     def at_rest(load, v, active, **more) -> "State":
@@ -75,7 +74,7 @@ def slipped(problem, before, load, after) -> bool:
 
 
 class End(NamedTuple):
-    """The end of a branch: its load and unknowns, where the transient starts and, of a slip, where that comes to rest.
+    """The end of a branch: its load and unknowns, the way the transient leaves it and, of a slip, where that rests.
 
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
     real mode does, but not at a fold; "control", where another load takes over under which the state is unstable;
@@ -86,10 +85,23 @@ class End(NamedTuple):
     load: float  # nm
     v: np.ndarray  # (size,)
     active: np.ndarray
-    away: np.ndarray | None  # (size,): the transient starts from rest at v + away; None once it has come to rest
-    kind: str
+    # (size,), largest component 1 or -1: the way the surface leaves, at a fold the null vector of dR/dv; 0 where the
+    # branch was lost; None: not known
+    phi: np.ndarray | None = None
+    kind: str = "fold"
     after: State | None = None  # at rest again; None in a Trace, which has it as the first of the next branch
     sensitive: bool = False
+    psi: np.ndarray | None = None  # (size,) of a fold, the left null vector, <R_s, psi> = 1; None: not known
+    residual: float = np.inf  # nm, of v
+
+    def moved(self, distance, direction) -> "End":
+        """The same, moved on by a whole number of sites, nm; direction: the problem's."""
+        return self._replace(load=self.load + distance, v=self.v + distance * direction)
+
+    def adopted(self, wide, problem) -> "End":
+        """In the unknowns of a problem `wide`, which has more of them than the `problem` of the end."""
+        v, active = wide.adopted(problem, self.v, self.active, self.load)
+        return self._replace(v=v, active=active, phi=None, psi=None)
 
     @property
     def located(self) -> bool:

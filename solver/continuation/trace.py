@@ -7,12 +7,12 @@ several slips.
 
 from bisect import bisect_left
 from dataclasses import dataclass, field, replace
-from math import ceil, floor, sqrt
+from math import ceil, floor
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from .interpolation import lagrange
 from .state import End
 
 
@@ -28,6 +28,14 @@ class TraceOptions:
 OPTIONS = TraceOptions()
 
 
+def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
+    """Weights (..., n) of the values at `nodes` (..., n) in that of their polynomial at x (...)."""
+    nodes = np.asarray(nodes, float)
+    itself, apart = np.eye(nodes.shape[-1], dtype=bool), nodes[..., :, None] - nodes[..., None, :]
+    ratios = (np.asarray(x, float)[..., None, None] - nodes[..., None, :]) / np.where(itself, 1.0, apart)
+    return np.where(itself, 1.0, ratios).prod(axis=-1)
+
+
 class Passed(NamedTuple):
     """An equilibrium that the run has passed."""
 
@@ -37,45 +45,106 @@ class Passed(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class TracedBranch:
-    """The states of one branch in order of the load, and its End, whose state is the last one."""
+class Branch:
+    """The states of one branch in order of the load, and the End that is the last one; None where it does not slip.
+
+    periodic: smooth sliding over one period: v less the load is periodic.
+    """
 
     states: tuple[Passed, ...] = field(repr=False)
-    end: Any = None  # an End, or None before it
+    slip: End | None = field(default=None, repr=False)
+    periodic: bool = False
+
+    @staticmethod
+    def of(loads: ArrayLike, v: np.ndarray, active: np.ndarray, **more: Any) -> "Branch":
+        """The Branch of states v (n, size) at loads (n,), nm; active (n, nodes)."""
+        return Branch(tuple(map(Passed, np.asarray(loads, float).tolist(), v, active)), **more)
 
     @property
     def start(self) -> float:
         """Load of the first state, nm."""
         return self.states[0].load
 
-    def added(self, state: Passed) -> "TracedBranch":
+    @property
+    def end(self) -> float:
+        """Load of the last state, nm."""
+        return self.states[-1].load
+
+    @property
+    def loads(self) -> NDArray[np.float64]:
+        """Loads of the states, (n,) nm."""
+        return np.array([state.load for state in self.states])
+
+    @property
+    def v(self) -> NDArray[np.float64]:
+        """Unknowns of the states, (n, size)."""
+        return np.array([state.v for state in self.states])
+
+    def added(self, state: Passed) -> "Branch":
         """The same with one more state, unless there is one at its load."""
         i = bisect_left(self.states, state.load - OPTIONS.near, key=lambda passed: passed.load)
         if i < len(self.states) and self.states[i].load <= state.load + OPTIONS.near:
             return self
-        return TracedBranch((*self.states[:i], state, *self.states[i:]), self.end)
+        return replace(self, states=(*self.states[:i], state, *self.states[i:]))
 
-    def ended(self, slip: End) -> "TracedBranch":
+    def ended(self, slip: End) -> "Branch":
         """The same up to its end; no other state has that load."""
         before = tuple(state for state in self.states if state.load < slip.load - OPTIONS.near)
-        return TracedBranch((*before, Passed(slip.load, slip.v, slip.active)), slip._replace(after=None))
+        return Branch((*before, Passed(slip.load, slip.v, slip.active)), slip._replace(after=None))
 
-    def moved(self, distance: float, direction: np.ndarray) -> "TracedBranch":
+    def moved(self, distance: float, direction: np.ndarray) -> "Branch":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
         states = tuple(Passed(load + distance, v + distance * direction, active) for load, v, active in self.states)
-        end = self.end and self.end._replace(load=self.end.load + distance, v=states[-1].v)
-        return TracedBranch(states, end)
+        return replace(self, states=states, slip=self.slip and self.slip.moved(distance, direction))
+
+    def adopted(self, wide, problem) -> "Branch":
+        """In the unknowns of a problem `wide`, which has more of them than the `problem` of the branch."""
+        states = tuple(Passed(s, *wide.adopted(problem, v, active, s)) for s, v, active in self.states)
+        return replace(self, states=states, slip=self.slip and self.slip.adopted(wide, problem))
+
+    def position(self, load: ArrayLike) -> NDArray[np.float64]:
+        """t of loads, from 0 to 1; towards a slip the root of the distance, in which states are smooth at a fold."""
+        part = (np.asarray(load, float) - self.start) / max(self.end - self.start, 1e-300)
+        if self.periodic:
+            return part % 1.0
+        part = np.clip(part, 0.0, 1.0)
+        return part if self.slip is None else 1.0 - np.sqrt(1.0 - part)
+
+    def load_at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Loads, nm, at t."""
+        part = t if self.slip is None else 1.0 - (1.0 - t) ** 2
+        return self.start + (self.end - self.start) * part
+
+    def _near(self, load, stencil=OPTIONS.stencil):
+        """(index (k, s), weights (k, s)) of the states from which those at loads (k,) are interpolated."""
+        n = len(self.states) - self.periodic  # over a period, the first state counts as the last one
+        t, x, size = self.position(self.loads)[:n], self.position(load), min(stencil, n)
+        first = np.searchsorted(t, x) - size // 2
+        if not self.periodic:
+            first = np.clip(first, 0, n - size)
+        index = first[:, None] + np.arange(size)
+        return index % n, lagrange(t[index % n] + index // n, x)
 
     def at(self, load: float, stencil: int = OPTIONS.stencil) -> Passed:
-        """The state at `load`, nm, interpolated over the root of the distance to the end, smooth at a fold."""
-        i = bisect_left(self.states, load, key=lambda passed: passed.load)
-        low = min(max(i - stencil // 2, 0), max(len(self.states) - stencil, 0))
-        near = self.states[low : low + stencil]
-        weights = lagrange([self._arc(state.load) for state in near], self._arc(load))
-        return Passed(load, np.asarray(weights) @ np.array([v for _, v, _ in near]), self.states[max(i - 1, 0)].active)
+        """The state at `load`, nm, between the ends of the branch."""
+        (index,), (weights,) = self._near(np.array([load]), stencil)
+        before = max(bisect_left(self.states, load, key=lambda passed: passed.load) - 1, 0)
+        return Passed(load, weights @ np.array([self.states[i].v for i in index]), self.states[before].active)
 
-    def _arc(self, load):
-        return load if self.end is None else -sqrt(max(self.end.load - load, 0.0))
+    def weights(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Weights (k, n) of the states in those at loads (k,); beyond the ends of the branch, of its ends."""
+        out = np.zeros((len(load), len(self.states)))
+        index, weights = self._near(load)
+        np.put_along_axis(out, index, weights, axis=1)
+        return out
+
+    def unknowns(self, load: NDArray[np.float64], moving: int) -> NDArray[np.float64]:
+        """Unknowns (k, size) at loads (k,), nm; the first `moving` of them move on with the load."""
+        v = self.v
+        v[:, :moving] -= self.loads[:, None]
+        out = self.weights(load) @ v
+        out[:, :moving] += load[:, None]
+        return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,41 +154,36 @@ class Trace:
     Then `period`, nm, is known: the last slip lands where the run was at the load `home`, nm, moved on by a period.
     """
 
-    branches: tuple[TracedBranch, ...]
+    branches: tuple[Branch, ...]
     period: Any = None  # nm, or None before it is known
     home: float = 0.0
 
     @staticmethod
     def of(state) -> "Trace":
         """That of a run which begins with a State."""
-        return Trace((TracedBranch((_passed(state),)),))
+        return Trace((Branch((_passed(state),)),))
 
     @property
     def end(self) -> float:
-        """Load of the last slip, nm."""
-        return self.branches[-1].end.load
+        """Load of the last state, nm."""
+        return self.branches[-1].end
 
     def extended(self, increment) -> "Trace":
         """With what an Increment passed."""
         *before, last = self.branches
         for slip in increment.slips:
             before.append(last.ended(slip))
-            last = TracedBranch((_passed(slip.after),))
-        return Trace((*before, last.added(_passed(increment.state))), self.period, self.home)
+            last = Branch((_passed(slip.after),))
+        return replace(self, branches=(*before, last.added(_passed(increment.state))))
 
-    def added(self, branch: TracedBranch, state: Passed) -> "Trace":
+    def added(self, branch: Branch, state: Passed) -> "Trace":
         """With one more state of one of its branches."""
         k = self.branches.index(branch)
-        return Trace((*self.branches[:k], branch.added(state), *self.branches[k + 1 :]), self.period, self.home)
+        return replace(self, branches=(*self.branches[:k], branch.added(state), *self.branches[k + 1 :]))
 
     def adopted(self, wide, problem) -> "Trace":
         """In the unknowns of a problem `wide`, which has more of them than the `problem` of the trace."""
-        branches = []
-        for branch in self.branches:
-            states = tuple(Passed(s, *wide.adopted(problem, v, active, s)) for s, v, active in branch.states)
-            end = branch.end and branch.end._replace(v=states[-1].v, active=states[-1].active)
-            branches.append(TracedBranch(states, end))
-        return replace(self, branches=tuple(branches))
+        return replace(self, branches=tuple(branch.adopted(wide, problem) for branch in self.branches))
 
     def closed(self, problem, spacing: float) -> "Trace":
         """With its period, if the state in which the last slip has landed was passed some sites before.
@@ -128,7 +192,7 @@ class Trace:
         """
         landed, first = self.branches[-1].states[0], self.branches[0].start
         slip, same = self.branches[-2].end, OPTIONS.same * problem.unit
-        for sites in range(1, floor((slip.load - first + OPTIONS.near) / spacing) + 1):
+        for sites in range(1, floor((slip - first + OPTIONS.near) / spacing) + 1):
             period = sites * spacing
             home = landed.load - period
             branch = self.branch_at(max(home, first))
@@ -136,17 +200,17 @@ class Trace:
                 continue
             if np.abs(branch.at(home).v + period * problem.direction - landed.v).max() <= same:
                 k = self.branches.index(branch)
-                if not all(passed.end.located for passed in self.branches[k:-1]):
+                if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
                     return self
                 if home < first:  # the slip lands in a state from before the run began
                     branch = branch.added(Passed(home, landed.v - period * problem.direction, landed.active))
                 return Trace((*self.branches[:k], branch, *self.branches[k + 1 : -1]), period, home)
         return self
 
-    def branch_at(self, load: float) -> TracedBranch | None:
+    def branch_at(self, load: float) -> Branch | None:
         """The ended branch that holds that load, nm."""
         for branch in reversed(self.branches):
-            if branch.end is not None and branch.start - OPTIONS.near <= load <= branch.end.load:
+            if branch.slip is not None and branch.start - OPTIONS.near <= load <= branch.end:
                 return branch
         return None
 
@@ -159,14 +223,12 @@ class Trace:
 
     def slips(self, low: float, high: float, direction: np.ndarray) -> list[End]:
         """The Ends of a run that repeats itself at loads above `low`, up to `high`, nm; direction: the problem's."""
-        found, first = [], self.branches.index(self.branch_at(max(self.home, self.branches[0].start)))
+        slips, first = [], self.branches.index(self.branch_at(max(self.home, self.branches[0].start)))
         for turns in range(ceil((low - self.end) / self.period), ceil((high - self.end) / self.period) + 1):
-            for branch in self.branches[first:]:
-                shift = turns * self.period
-                if low < branch.end.load + shift <= high:
-                    v = branch.end.v + shift * direction
-                    found.append(branch.end._replace(load=branch.end.load + shift, v=v))
-        return found
+            shift = turns * self.period
+            passed = (b.slip for b in self.branches[first:] if b.slip and low < b.end + shift <= high)
+            slips += [slip.moved(shift, direction) for slip in passed]
+        return slips
 
 
 def _passed(state) -> Passed:

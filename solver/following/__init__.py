@@ -1,8 +1,7 @@
 """Continuation of a run in its parameters: its skeleton is followed to another scene, in place of another run.
 
-branch      states along a branch, its fold, and interpolation between them; NotFollowed
 skeleton    a run that slides, by its branches
-moved       states, folds and branches moved to a changed problem; knows nothing of contacts
+moved       states, folds and branches moved to a changed problem; knows nothing of contacts; NotFollowed
 refinement  how many states a branch needs
 follow      the skeleton of another scene from that of one nearby, also without contact and under a held load
 from_run    the skeleton of a run from its trace

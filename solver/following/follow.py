@@ -6,13 +6,13 @@ import numpy as np
 
 from ..continuation.inverse import Solves
 from ..continuation.state import NotConverged
+from ..continuation.trace import Branch
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.loading import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from ..threads import one_thread
-from .branch import Branch, NotFollowed, TooNarrow
-from .moved import NEAR, Solver, moved_branch, moved_folds
+from .moved import NEAR, NotFollowed, Solver, TooNarrow, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
 
@@ -103,7 +103,7 @@ def _moved(skeleton, scene, spent):
 
 
 def _jumps(contact, skeleton):
-    """The Folds of the approach; None where they are lost."""
+    """The folds of the approach; None where they are lost."""
     scene, old, jumps = contact.scene, skeleton.scene, skeleton.jumps
     if skeleton.lost:
         return None
@@ -176,9 +176,9 @@ def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skele
     fold, m = jumps[0], contact.size
     if (v[m:] + scene.delta).min() < (fold.v[m : 2 * m] + fold.load).min():
         raise NotFollowed("the state without contact is not found")
-    t = np.linspace(0.0, 1.0, INTERVALS + 1)
-    guesses = v + scene.spacing * np.outer(t, solver.problem.direction)
-    guess = Branch(0.0, scene.spacing, t, guesses, np.tile(active, (t.size, 1)), periodic=True)
+    loads = np.linspace(0.0, scene.spacing, INTERVALS + 1)
+    guesses = v + np.outer(loads, solver.problem.direction)
+    guess = Branch.of(loads, guesses, np.tile(active, (loads.size, 1)), periodic=True)
     branch = refined(scene, skeleton.first, solver, moved_branch(solver, guess, 0.0, scene.spacing, None, 1), 1)
     return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)
 

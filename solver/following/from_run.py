@@ -5,16 +5,15 @@ from math import inf
 
 import numpy as np
 
-from ..continuation.fold import Fold
-from ..continuation.trace import Trace, TracedBranch
+from ..continuation.trace import Branch, Trace
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import vertical
 from ..run.loadpath import Checkpoint, until
 from ..scene import Scene
 from ..threads import one_thread
-from .branch import Branch, NotFollowed, position_between
 from .follow import moved
+from .moved import NotFollowed
 from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
@@ -22,7 +21,6 @@ SAME = 0.01  # delta_n or delta_t, the smaller: closer states are the same; othe
 ALIKE = 1e-4  # nm, between ends of branches that are the same
 MOST = 12  # branches: nearly all sliding runs repeat themselves after three
 FEWEST = 3  # states of a branch, from which others can be interpolated
-BEFORE = 1e-6  # nm of load from the end of a branch to a state that shows how it moves there
 OFF = 1e-3  # of the largest force, the largest error at the run's states: the accuracy that followed runs promise
 MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may be held at nearly nothing
 CLEAR = 1e-4  # nm, the largest error of its slips: the accuracy that followed runs promise
@@ -72,11 +70,11 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
 
 
 def _guess(scene, first, trace: Trace, jumps):
-    """(the Skeleton of states of the trace, not solved for; the TracedBranches that it describes)."""
+    """(the Skeleton of states of the trace, not solved for; the Branches that it describes)."""
     begin, branches = trace.branches[0], list(trace.branches)
     m = begin.states[0].v.size // 2
     held = Held(begin.states[0].v[: 2 * m], begin.states[0].active) if scene.hold == "load" else None
-    if begin.end and begin.end.kind == "control":
+    if begin.slip and begin.slip.kind == "control":
         branches = branches[1:]
     home, sites = 0, 0
     if trace.period is not None:
@@ -84,11 +82,11 @@ def _guess(scene, first, trace: Trace, jumps):
         branches, home = _longest(branches, home, sites * scene.spacing, m)
     elif len(branches) == 1 and (smooth := _one_period(scene, branches[0], m)):
         branches, sites = [smooth], 1
-    elif branches[-1].states[-1].load < scene.u_x_max - scene.du_x * scene.delta_t:
+    elif branches[-1].end < scene.u_x_max - scene.du_x * scene.delta_t:
         raise NotFollowed("the run has not come to where it repeats itself")
     if len(branches) > MOST:
         raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
-    made = tuple(_branch(scene, first, branch, bool(sites)) for branch in branches)
+    made = tuple(_branch(scene, first, branch) for branch in branches)
     folds = _jumps(scene, jumps, first, m)
     return Skeleton(scene, first, made, home, sites, folds or (), folds is None, held=held), branches
 
@@ -102,7 +100,7 @@ def _longest(branches, home, period, m):
     if not home:
         return branches, home
     part, last = branches[home - 1], branches[-1]
-    if last.start - period > part.start or abs(last.end.load - period - part.end.load) > ALIKE:
+    if last.start - period > part.start or abs(last.end - period - part.end) > ALIKE:
         return branches, home
     return [*branches[: home - 1], last.moved(-period, _along(last, m)), *branches[home:-1]], home - 1
 
@@ -114,44 +112,37 @@ def _along(branch, m):
     return along
 
 
-def _one_period(scene, branch: TracedBranch, m):
-    """The first period of a TracedBranch that slides smoothly, or None if it does not repeat itself."""
+def _one_period(scene, branch: Branch, m):
+    """The first period of a Branch that slides smoothly, or None if it does not repeat itself."""
     a, first = scene.spacing, branch.states[0]
     end = first._replace(load=first.load + a, v=first.v + a * _along(branch, m))
-    if branch.states[-1].load < end.load:
+    if branch.end < end.load:
         return None
     if np.abs(branch.at(end.load).v - end.v).max() > SAME * min(scene.delta_n, scene.delta_t):
         return None
-    return TracedBranch((*(state for state in branch.states if state.load < end.load - ALIKE), end))
+    return Branch((*(state for state in branch.states if state.load < end.load - ALIKE), end), periodic=True)
 
 
-def _branch(scene, first, branch: TracedBranch, repeats):
-    """The Branch of the states that it takes to describe a TracedBranch."""
-    if branch.end and branch.end.kind != "fold":
-        raise NotFollowed(f"a branch ends by {branch.end.kind} at {branch.end.load:g} nm: that is computed")
+def _branch(scene, first, branch):
+    """The Branch of the states that it takes to describe it."""
+    if branch.slip and branch.slip.kind != "fold":
+        raise NotFollowed(f"a branch ends by {branch.slip.kind} at {branch.end:g} nm: that is computed")
     if len(branch.states) < FEWEST:
         raise NotFollowed(f"a branch that begins at {branch.start:g} nm has only {len(branch.states)} states")
-    loads, v, active = (np.array(column) for column in zip(*branch.states, strict=True))
-    start, end, periodic = float(loads[0]), float(loads[-1]), branch.end is None and repeats
-    t = (loads - start) / (end - start) if periodic else position_between(start, end, loads)
-    fold = Fold.of(end, v[-1], active[-1], v[-1] - branch.at(end - BEFORE).v) if branch.end else None
-    return thinned(scene, first, Branch(start, end, t, v, active, fold, periodic))
+    return thinned(scene, first, branch)
 
 
 def _jumps(scene, jumps, first, m):
-    """Guesses of the Folds of the approach on the patch of m nodes from `first` on; None where one is not a fold."""
+    """Guesses of the folds of the approach on the patch of m nodes from `first` on; None where one is not a fold."""
     if any(slip.kind != "fold" for slip, _ in jumps):
         return None
-    folds, approach = [], Equilibrium(Contact(scene, first, m), vertical(1.0))
-    for slip, patch in jumps:
-        problem = Equilibrium(Contact(scene, *patch), vertical(1.0))
-        folds.append(Fold(slip.load, *approach.adopted(problem, slip.v, slip.active, slip.load), None))
-    return tuple(folds)
+    wide, loading = Equilibrium(Contact(scene, first, m), vertical(1.0)), vertical(1.0)
+    return tuple(slip.adopted(wide, Equilibrium(Contact(scene, *patch), loading)) for slip, patch in jumps)
 
 
 def _compare(skeleton, passed, guess):
     """Raises NotFollowed where a Skeleton is not its run."""
-    ends = [(new.end, old.end) for new, old in zip(skeleton.branches, guess.branches, strict=True) if new.fold]
+    ends = [(new.end, old.end) for new, old in zip(skeleton.branches, guess.branches, strict=True) if new.slip]
     if any(abs(new - old) > CLEAR for new, old in ends):
         raise NotFollowed("the skeleton's slips are not those of its run")
     slips = np.array([np.inf, *(old for _, old in ends)])  # there, states before and after have the same load

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..continuation.corrector import Corrector
-from ..continuation.fold import Fold, FoldOptions, fold_near
-from ..continuation.interpolation import lagrange
+from ..continuation.fold import FoldOptions, fold_near
 from ..continuation.problem import Problem
 from ..continuation.rest import Judge
-from ..continuation.state import Crowded, State
-from .branch import TOLERANCE, Branch, NotFollowed, TooNarrow
+from ..continuation.state import Crowded, End, State
+from ..continuation.trace import Branch, Passed, lagrange
 
+TOLERANCE = 1e-5  # nm, of residuals: the forces of followed runs are right to 1e-4
 FEW = 3  # unknowns of one node that represents all; it cannot represent waves
 SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
 # The load of a fold to the tolerance of states; its state such that F_s is right to 1e-5 (at 3e-3 units a weak one was
@@ -23,6 +23,21 @@ SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another 
 FOLDS = FoldOptions(load=TOLERANCE, state=1e-4, accuracy=3e-2, window=3)
 NEAR = 3  # changes of states from which that of the next one is extrapolated; 2 and 4 take as many evaluations
 FIRST = 1.5  # units that the first state of a branch without a fold may move: farther off, it is on another branch
+
+
+class NotFollowed(Exception):
+    """The run of the other scene does not continue that of the skeleton; the message gives the reason.
+
+    Compute that run from its start. nearer: smaller changes of the parameters might lead there.
+    """
+
+    def __init__(self, reason: str, nearer: bool = False) -> None:
+        super().__init__(reason)
+        self.nearer = nearer
+
+
+class TooNarrow(NotFollowed):
+    """A node outside the patch may interact."""
 
 
 class Solver:
@@ -55,8 +70,8 @@ class Solver:
         self._check(v, settled, load, self.corrector.worst, what)
         return v, settled
 
-    def fold(self, guess: Fold, what: str) -> Fold:
-        """The Fold next to a guess; raises NotFollowed where there is none."""
+    def fold(self, guess: End, what: str) -> End:
+        """The fold next to a guess; raises NotFollowed where there is none."""
         fold = fold_near(self.problem, guess, FOLDS)
         if fold is None:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
@@ -74,47 +89,50 @@ class Solver:
                 raise NotFollowed(f"a wave grows at {what}") from None
 
 
-def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[Fold | None]:
-    """The Folds of the new branches from those of the old; each is expected to move as the one before."""
-    folds: list[Fold | None] = []
-    change = np.zeros(old[0].v.shape[1])
+def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[End | None]:
+    """The folds of the new branches from those of the old; each is expected to move as the one before."""
+    folds: list[End | None] = []
+    change = np.zeros(solver.problem.size)
     for k, branch in enumerate(old, 1):
-        fold = branch.fold
+        fold = branch.slip
         if fold is not None:
-            new = solver.fold(replace(fold, v=fold.v + change, psi=None), f"the end of branch {k}")
+            new = solver.fold(fold._replace(v=fold.v + change, psi=None), f"the end of branch {k}")
             change, fold = new.v - fold.v, new
         folds.append(fold)
     return folds
 
 
 def moved_branch(
-    solver: Solver, old: Branch, start: float, end: float, fold: Fold | None, number: int, near: int = NEAR
+    solver: Solver, old: Branch, start: float, end: float, fold: End | None, number: int, near: int = NEAR
 ) -> Branch:
-    """The Branch `old` moved to the solver's problem, from load `start` to `end`, nm, where its Fold is, or None.
+    """The Branch `old` moved to the solver's problem, from load `start` to `end`, nm, where its fold is, or None.
 
     near: changes of states from which that of the next one is extrapolated; 0: no change is expected.
     """
     what = f"a state of branch {number}"
     if not end > start:
         raise NotFollowed(f"branch {number} has no states left", nearer=True)
-    new = replace(old, start=start, end=end, v=old.v.copy(), active=old.active.copy(), fold=fold)
+    loads = start + (end - start) * ((old.loads - old.start) / (old.end - old.start))
     if fold is None:
-        order = range(old.intervals + 1)
-        first = solver.state(old.v[0], old.active[0], start, what, FIRST)
+        first = Passed(start, *solver.state(old.states[0].v, old.states[0].active, start, what, FIRST))
+        states = _solved(solver, old.states, loads.tolist(), first, what, near)
     else:
-        order, first = range(old.intervals, -1, -1), (fold.v, fold.active)
-    new.v[order[0]], new.active[order[0]] = first
-    _solve(solver, new, old, order, what, near)
-    return new
+        first = Passed(fold.load, fold.v, fold.active)
+        states = _solved(solver, old.states[::-1], loads.tolist()[::-1], first, what, near)[::-1]
+    return replace(old, states=tuple(states), slip=fold)
 
 
-def _solve(solver, new, old, order, what, most):
-    """Solve for the states of a new Branch in that order, from extrapolated changes; the first one is solved for."""
-    loads, changes = new.loads, [new.v[order[0]] - old.v[order[0]]]
-    for i in order[1:]:
-        near = changes[-most:] if most else [np.zeros(new.v.shape[1])]
-        change = np.asarray(lagrange(range(-len(near), 0), 0)) @ np.asarray(near)
-        gap = 0.0 if new.fold else np.abs(np.diff(old.v[max(i - 1, 0) : i + 2], axis=0)).max() / solver.problem.unit
-        surprise = max(SURPRISE, gap)  # smooth sliding may jerk, between other states than before
-        new.v[i], new.active[i] = solver.state(old.v[i] + change, old.active[i], loads[i], what, surprise)
-        changes.append(new.v[i] - old.v[i])
+def _solved(solver, old, loads, first, what, most):
+    """The states at these loads, from those of the old branch and extrapolated changes; the `first` one is solved."""
+    states, changes = [first], [first.v - old[0].v]
+    for i in range(1, len(old)):
+        near = changes[-most:] if most else [np.zeros(first.v.size)]
+        change = lagrange(range(-len(near), 0), 0) @ np.asarray(near)
+        surprise = SURPRISE
+        if first.load < loads[-1]:  # to no fold: smooth sliding may jerk, between other states than before
+            steps = np.diff([state.v for state in old[i - 1 : i + 2]], axis=0)
+            surprise = max(SURPRISE, np.abs(steps).max() / solver.problem.unit)
+        v, active = solver.state(old[i].v + change, old[i].active, loads[i], what, surprise)
+        states.append(Passed(loads[i], v, active))
+        changes.append(v - old[i].v)
+    return states

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..continuation.trace import OPTIONS, Branch, Passed
 from ..scene import Scene
-from .branch import DEGREE, Branch
 from .moved import SURPRISE, Solver
 from .skeleton import tractions
 
@@ -19,7 +19,7 @@ FEWEST = 12  # intervals, below which no states are left out
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
     """The Branch with as many states as its forces need: more are solved for, or some left out."""
-    while branch.intervals < FINEST:
+    while len(branch.states) <= FINEST:
         every = [_errors(scene, first, branch, begin) for begin in (1, 2)]
         poor = np.concatenate([out[errors > HALF * ERROR] for out, errors in every])
         if not poor.size:
@@ -30,26 +30,31 @@ def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: in
 
 def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
     """The Branch without states whose neighbours describe the forces well enough."""
-    while branch.intervals >= 2 * FEWEST:
+    while len(branch.states) > 2 * FEWEST:
         out, errors = _errors(scene, first, branch, 1)
         out = out[errors < HALF / LIMIT * ERROR]  # with a larger error, the others would have to be divided again
         if not out.size:
             break
-        branch = branch.without(out)
+        branch = _without(branch, set(out.tolist()))
     return branch
+
+
+def _without(branch, out):
+    """The Branch without the states `out`."""
+    return replace(branch, states=tuple(state for i, state in enumerate(branch.states) if i not in out))
 
 
 def divided(solver: Solver, branch: Branch, where: np.ndarray, number: int) -> Branch:
     """The same Branch with one more state in the middle of each of the intervals `where`."""
-    amid = 0.5 * (branch.t[where] + branch.t[where + 1])
-    loads = branch.load_at(amid)
-    v, active = branch.states(loads, solver.moving), branch.active[where].copy()
-    for i, (load, k) in enumerate(zip(loads, where, strict=True)):
-        gap = np.abs(branch.v[k + 1] - branch.v[k]).max() / solver.problem.unit  # within it, a state may be anywhere
-        v[i], active[i] = solver.state(v[i], active[i], load, f"a state of branch {number}", max(gap, SURPRISE))
-    old, new = (branch.t, branch.v, branch.active), (amid, v, active)
-    t, v, active = (np.insert(rows, where + 1, more, 0) for rows, more in zip(old, new, strict=True))
-    return replace(branch, t=t, v=v, active=active)
+    t = branch.position(branch.loads)
+    t[-1] = 1.0  # of a period, too
+    loads = branch.load_at(0.5 * (t[where] + t[where + 1]))
+    states, what = [], f"a state of branch {number}"
+    for guess, load, k in zip(branch.unknowns(loads, solver.moving), loads.tolist(), where, strict=True):
+        before, after = branch.states[k : k + 2]
+        gap = np.abs(after.v - before.v).max() / solver.problem.unit  # within it, a state may be anywhere
+        states.append(Passed(load, *solver.state(guess, before.active, load, what, max(gap, SURPRISE))))
+    return replace(branch, states=tuple(sorted((*branch.states, *states), key=lambda state: state.load)))
 
 
 def forces_of(scene: Scene, first: int, v: np.ndarray, minor: float = 1e-2) -> tuple[np.ndarray, np.ndarray]:
@@ -64,9 +69,10 @@ def forces_of(scene: Scene, first: int, v: np.ndarray, minor: float = 1e-2) -> t
 
 def _errors(scene, first, branch, begin):
     """(every second state from `begin` on, errors of their forces interpolated from the others, over the largest)."""
-    out = np.arange(begin, branch.intervals, 2)
-    if branch.intervals // 2 < DEGREE:
+    out = np.arange(begin, len(branch.states) - 1, 2)
+    if len(branch.states) // 2 < OPTIONS.stencil:
         return out, np.zeros(out.size)
-    between = branch.without(out).states(branch.loads[out], branch.v.shape[1] // 2)
-    exact, largest = forces_of(scene, first, branch.v)
+    v = branch.v
+    between = _without(branch, set(out.tolist())).unknowns(branch.loads[out], v.shape[1] // 2)
+    exact, largest = forces_of(scene, first, v)
     return out, (np.abs(forces_of(scene, first, between)[0] - exact[out]) / largest).max(axis=1)

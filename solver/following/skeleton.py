@@ -1,20 +1,21 @@
 """A run that slides, known by its branches until they repeat: it gives the run at any load."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..continuation.fold import Fold
-from ..continuation.state import State
+from ..continuation.state import End, State
+from ..continuation.trace import Branch
 from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, frame_of
 from ..run.loading import sideways, vertical
 from ..scene import Scene
-from .branch import Branch
 
 FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
 
@@ -36,7 +37,7 @@ class Skeleton:
     """The shear of a scene: its branches in order. After the last one, branch `home` follows, shifted by `sites`.
 
     sites: 0 where the run does not repeat itself; the branches then reach to u_x_max. Unknowns are those of a patch
-    from node `first` on. jumps: Folds of the approach, loads delta (nm). Treat it as read-only.
+    from node `first` on. jumps: folds of the approach, loads delta (nm). Treat it as read-only.
 
     Example: `skeleton_of(Scene()).slips`
     """
@@ -46,7 +47,7 @@ class Skeleton:
     branches: tuple[Branch, ...]
     home: int = 0
     sites: int = 0
-    jumps: tuple[Fold, ...] = field(default=(), repr=False)
+    jumps: tuple[End, ...] = field(default=(), repr=False)
     lost: bool = False  # whether there are jumps that are not among `jumps`
     evaluations: int = 0  # force evaluations spent in getting it
     residual: float = np.inf  # nm, the largest of its states
@@ -66,7 +67,7 @@ class Skeleton:
     @property
     def nodes(self) -> int:
         """Number of nodes of the patch."""
-        return self.branches[0].v.shape[1] // 2
+        return self.branches[0].states[0].v.size // 2
 
     @property
     def pressure(self) -> float | None:
@@ -83,16 +84,19 @@ class Skeleton:
         if self.held is not None and self.held.kind:
             at_end = forces_and_area(self.scene, self.tractions(self.held.v[None])[0])
             events.append(SlipEvent(0.0, *at_end, "shear", self.held.kind, True))
-        for k, branch in enumerate(self.branches):
-            if branch.fold is None:
-                continue
-            at_end, load = forces_and_area(self.scene, self.tractions(branch.v[-1:])[0]), float(branch.end)
-            while load <= self.scene.u_x_max:
-                events.append(SlipEvent(load, *at_end, "shear", "fold", True))
-                if self.period is None or k < self.home:
-                    break
-                load += self.period
-        return tuple(sorted(events, key=lambda event: event.load))
+        at_ends = [forces_and_area(self.scene, self.tractions(b.states[-1].v[None])[0]) for b in self.branches]
+        for index, turns in self.passes():
+            load = self.branches[index].end + turns * (self.period or 0.0)
+            if self.branches[index].slip is None or load > self.scene.u_x_max:
+                break
+            events.append(SlipEvent(load, *at_ends[index], "shear"))
+        return tuple(events)
+
+    def passes(self) -> Iterator[tuple[int, int]]:
+        """Yields (index of a branch, periods since its first pass) in the order of the run; endless if that repeats."""
+        yield from ((index, 0) for index in range(len(self.branches)))
+        for turns in count(1) if self.sites else ():
+            yield from ((index, turns) for index in range(self.home, len(self.branches)))
 
     def curve(self, U_x: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
@@ -123,10 +127,10 @@ class Skeleton:
         ends = np.array([branch.end for branch in self.branches])
         shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.sites else 0.0 * U_x
         index = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
-        v = np.empty((U_x.size, self.branches[0].v.shape[1]))
+        v = np.empty((U_x.size, self.branches[0].states[0].v.size))
         for k, branch in enumerate(self.branches):
             mine = index == k
-            v[mine] = branch.states(U_x[mine] - shift[mine], self.nodes)
+            v[mine] = branch.unknowns(U_x[mine] - shift[mine], self.nodes)
         v[:, : self.nodes] += shift[:, None]
         return v
 
@@ -139,8 +143,8 @@ class Skeleton:
         if held is not None:
             given = Equilibrium(contact, sideways(1.0, -scene.delta))
             held = Held(*given.wider().adopted(given, held.v, held.active, 0.0), held.kind)
-        branches = tuple(_wide_branch(shear, branch) for branch in self.branches)
-        jumps = tuple(_wide_fold(approach, jump) for jump in self.jumps)
+        branches = tuple(branch.adopted(shear.wider(), shear) for branch in self.branches)
+        jumps = tuple(jump.adopted(approach.wider(), approach) for jump in self.jumps)
         apart = self.contact and self.contact.widened()
         first = contact.wider().first
         return replace(self, first=first, branches=branches, jumps=jumps, contact=apart, held=held)
@@ -162,20 +166,3 @@ def tractions(scene: Scene, first: int, v: NDArray[np.float64]) -> NDArray[np.fl
         T_part[:, gap > scene.window_n * scene.delta_n] = 0.0
         T[k : k + few] = T_part.swapaxes(0, 1)
     return T
-
-
-def _wide_branch(problem, branch):
-    """A Branch of a problem on its wider patch."""
-    wide = problem.wider()
-    states = [wide.adopted(problem, *each) for each in zip(branch.v, branch.active, branch.loads, strict=True)]
-    v, active = (np.array(rows) for rows in zip(*states, strict=True))
-    return replace(branch, v=v, active=active, fold=branch.fold and _wide_fold(problem, branch.fold))
-
-
-def _wide_fold(problem, fold):
-    """The same of a Fold; added nodes do not move along its phi, which is only a guess of the next one."""
-    m, wide = problem.nodes, problem.wider()
-    before = problem.contact.first - wide.contact.first
-    phi = np.pad(fold.phi[: 2 * m].reshape(2, m), [(0, 0), (before, wide.nodes - m - before)]).ravel()
-    v, active = wide.adopted(problem, fold.v, fold.active, fold.load)
-    return replace(fold, v=v, active=active, phi=np.append(phi, fold.phi[2 * m :]), psi=None)

@@ -16,7 +16,8 @@ class Contact:
 
     Nodes outside carry no traction; the tractions of the patch displace them. A flat's patch of one node is
     `uniform`: this node represents all, and the cell has `count` = 1 node, else as many as the scene. `observe()` is
-    called at every evaluation and may raise to end the increment. Owns its buffers: two threads need two objects.
+    called at every evaluation, in a motion with (surface, y, active, load); it may raise to end the increment. Owns its
+    buffers: two threads need two objects.
 
     Attributes: part, the slice of the patch in the cell; modes of the layer; cell: those that `count` nodes can show.
     """
@@ -34,11 +35,11 @@ class Contact:
         self._layer = Convolution(self.cell, size)
         self.evaluations, self.observe = 0, None
 
-    def evaluated(self) -> None:
-        """Count a force evaluation; raises what `observe` raises."""
+    def evaluated(self, *moving) -> None:
+        """Count a force evaluation, with the state of a motion; raises what `observe` raises."""
         self.evaluations += 1
         if self.observe:
-            self.observe()
+            self.observe(*moving)
 
     def response(self, u, active) -> np.ndarray:
         """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""

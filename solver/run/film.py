@@ -18,6 +18,8 @@ from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import deadline, with_remedy
 
+APART = 0.01  # units between states of a motion that are kept: a hundred to a site
+
 
 @one_thread()
 def through(
@@ -39,13 +41,13 @@ def through(
     step = replace(step, start=start, increment=load - start, increments=1, end=load)
     begin = checkpoint_at(before, (step,))
     problem = step.problem(Contact(scene, *begin.patch), begin.pressure)
-    problem.contact.observe = deadline(limit)
-    stepper = QuasiStatic(problem, scene.damping, closed_stiffness(scene), filmed=True)
+    problem.contact.observe = camera = Camera(deadline(limit))
+    stepper = QuasiStatic(problem, scene.damping, closed_stiffness(scene))
     try:
         done, states = Increment(begin.state), []
         for target in (start, load):
             done = stepper.increment(done.state, target)
-            states += [(stepper.problem, *state) for slip in done.slips for state in slip.after.film]
+            states += [state for slip in done.slips for state in camera.film(stepper.problem, slip)]
     except NotConverged as failure:
         raise with_remedy(failure, scene, step, load) from None
     moving = []
@@ -53,6 +55,32 @@ def through(
         residual = problem.residual(v, active, load, np.empty(v.size))
         moving.append(frame_of(scene, problem, State.at_rest(load, v, active), stage, 1, residual))
     return moving, frame_of(scene, stepper.problem, done.state, stage, 1, done.residual)
+
+
+class Camera:
+    """Observes evaluations: keeps states (problem, v, active, load) of every motion, and calls `late`, unless None."""
+
+    def __init__(self, late):
+        self.reels, self._late, self._y = [], late, None
+
+    def __call__(self, surface=None, y=None, active=None, load=None):
+        if self._late:
+            self._late()
+        if surface is None:
+            return
+        if y is not self._y:  # another motion
+            self.reels.append([])
+            self._y = y
+        v, reel = surface.unknowns(y), self.reels[-1]
+        if not reel or np.abs(v - reel[-1][1]).max() > APART * surface.problem.unit:
+            reel.append((surface.problem, v, active, load))
+
+    def film(self, problem, slip) -> list[tuple]:
+        """The states of a motion that led from the End of a branch to its rest, with both."""
+        load, v, active = slip.after[:3]
+        reels = [reel for reel in self.reels if reel[0][1].size == v.size]
+        reel = min(reels, key=lambda reel: np.abs(reel[-1][1] - v).max(), default=[])
+        return [(problem, slip.v, slip.active, slip.load), *reel, (problem, v, active, load)]
 
 
 def _step(scene, before, stage):

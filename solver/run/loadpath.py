@@ -83,14 +83,14 @@ def extended(checkpoint: Checkpoint) -> Checkpoint:
     return checkpoint._replace(done=False, increment=checkpoint.increment + 1, load_steps=None)
 
 
-def deadline(limit: float, busy: float = BUSY) -> Callable[[], None] | None:
+def deadline(limit: float, busy: float = BUSY) -> Callable[..., None] | None:
     """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock."""
     if limit == inf:
         return None
     end, latest = thread_time() + limit, perf_counter() + limit + busy
     late = f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s"
 
-    def observe():
+    def observe(*moving):
         if thread_time() > end or perf_counter() > latest:
             raise OutOfTime(late if busy else f"the run takes more than {limit:g} s")
 

@@ -78,7 +78,7 @@ def skeleton():
 
 
 def test_curves_move_at_fixed_load_as_runs_beside_do(skeleton):
-    found, n = sensitivities(skeleton), skeleton.branches[0].intervals
+    found, n = sensitivities(skeleton), len(skeleton.branches[0].states) - 1
     for name in ("E", "phi_n", "radius"):
         value = getattr(SMALL, name)
         loads = found.branches[0].values[0, : n - 2]
@@ -113,9 +113,10 @@ def test_under_a_held_load_in_tension_the_slip_is_that_of_the_run():
 
 def test_a_state_that_newton_does_not_solve_is_refused(skeleton):
     branch = skeleton.branches[0]
-    v = branch.v.copy()
-    v[3] += 2.0 * np.random.default_rng(0).normal(size=v.shape[1])
-    wrong = replace(skeleton, branches=(replace(branch, v=v),))
+    states = list(branch.states)
+    v = states[3].v + 2.0 * np.random.default_rng(0).normal(size=states[3].v.size)
+    states[3] = states[3]._replace(v=v)
+    wrong = replace(skeleton, branches=(replace(branch, states=tuple(states)),))
     with pytest.raises(NotFollowed):
         sensitivities(wrong, ("E",))
 

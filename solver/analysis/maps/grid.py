@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...continuation.state import NotConverged
-from ...following.branch import NotFollowed
 from ...following.follow import SAME, follow
+from ...following.moved import NotFollowed
 from ...following.skeleton import Skeleton
 from ...scene import LIMITS, PARAMETERS, Scene, SceneError
 from ...threads import one_thread

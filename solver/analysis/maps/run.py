@@ -5,8 +5,8 @@ from contextlib import suppress
 import numpy as np
 
 from ...continuation.state import NotConverged, PulledOff
-from ...following.branch import NotFollowed
 from ...following.from_run import skeleton_from
+from ...following.moved import NotFollowed
 from ...following.skeleton import Skeleton
 from ...run.frame import slips_in
 from ...run.loadpath import until
