@@ -1,6 +1,7 @@
 """From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
 
 Anderson steps solve it. Where they fail, the inverse of a tangent nearby preconditions them, so that a few suffice.
+The problem forms that inverse. Where forming it takes too long, iterations replace it and keep their products.
 """
 
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from math import isfinite
 import numpy as np
 
 from .anderson import Secants, advance, dot
-from .inverse import Inverse, approximate
+from .inverse import Inverse
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,13 @@ class Corrector:
     """Solves one problem; between calls it keeps the inverse in use, and scratch.
 
     worst: the residual of the last solution, nm. sharp: (v, active) of the equilibrium whose tangent is inverted, or
-    None; a State keeps it for `begin`.
+    None; a State keeps it for `begin`. inverse: a function from (size,) to (size,) close to -(dR/dv)^-1, for other
+    uses; None where it takes iterations, which are too slow for them.
     """
 
     def __init__(self, problem, options: CorrectorOptions = OPTIONS):
         self.problem, self.options, self.worst = problem, options, np.inf
-        self.sharp = None
+        self.sharp = self.inverse = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: tuple | None = None  # (v, active) of the equilibrium found last
         self._r = np.empty(problem.size)
@@ -54,18 +56,22 @@ class Corrector:
     def _use(self, sharp):
         """From now on use the inverse of the tangent at the equilibrium `sharp`, (v, active), or none."""
         if sharp is None:
-            self.sharp = self._smooth = None
+            self.sharp = self.inverse = self._smooth = None
         elif not self._uses(sharp):
-            inverse = approximate(self.problem.linearised(*sharp), self.options.iterated)
-            self.sharp, self._smooth = sharp, lambda r: -inverse(r)
+            self.sharp, self.inverse = sharp, self.problem.preconditioner(*sharp)
+            self._smooth = self.inverse or self._iterations(*sharp, self.options.iterated)
 
     def _uses(self, sharp):
         return self.sharp is not None and np.array_equal(self.sharp[0], sharp[0])
 
     def direction(self, state) -> np.ndarray:
         """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
-        tangent = self.problem.linearised(state.v, state.active).tangent
-        return -Inverse(tangent, self.problem.size).solve(self.problem.direction)
+        return self._iterations(state.v, state.active)(self.problem.direction)
+
+    def _iterations(self, v, active, *accuracy):
+        """The inverse of -dR/dv by iterations."""
+        inverse = Inverse(self.problem.linearised(v, active).tangent, self.problem.size)
+        return lambda r: -inverse.solve(r, *accuracy)
 
     def settle(self, v, active, s, secants) -> np.ndarray | None:
         """Solve for v (size,), in place, with the set of active nodes, bool; returns that set, or None if it fails.

@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numba import njit
-from scipy.linalg import lu_solve
-from scipy.linalg.lapack import dgetrf
+from scipy.linalg import lu_factor, lu_solve
 
 from .anderson import dot
 
@@ -17,9 +16,9 @@ FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16
 class Inverse:
     """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
 
-    def __init__(self, product: Callable, size: int, most: int = MOST):
-        """product: w -> A w; most: products in all solves."""
-        self.product, self.size, self.rows, self._most = product, size, 0, most
+    def __init__(self, product: Callable, size: int, smooth: Callable | None = None, most: int = MOST):
+        """product: w -> A w; smooth: None, or a preconditioner close to -A^-1; most: products in all solves."""
+        self.product, self.size, self.rows, self._smooth, self._most = product, size, 0, smooth, most
         self._z, self._q = np.empty((2, FIRST, size))
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
@@ -32,7 +31,7 @@ class Inverse:
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
         while dot(r, r) > bound and self.rows < self._most:
-            z = r.copy()
+            z = r.copy() if self._smooth is None else self._smooth(r)
             if self.rows == len(self._z):
                 self._z, self._q = (np.concatenate([pairs, np.empty_like(pairs)]) for pairs in (self._z, self._q))
             if not orthonormalise(self._q, self.rows, self.product(z), self._z, z):
@@ -95,28 +94,11 @@ class Solves:
 
     def _factors(self):
         A = self.linearised.matrix()
-        if A is not None and self.column is not None:
-            A = np.block([[A, self.column[:, None]], [self.row[None], np.zeros((1, 1))]])
-        factors = _factorised(A)
-        if factors is None:
+        if A is None:
             raise NotSolved("a linear solve does not converge")
-        return factors
-
-
-def approximate(linearised, accuracy: float) -> Callable:
-    """A function (size,) to (size,) close to the inverse of dR/dv: by LAPACK, or to `accuracy` by iterations."""
-    factors = _factorised(linearised.matrix())
-    if factors is None:
-        return lambda f: Inverse(linearised.tangent, f.size).solve(f, accuracy)
-    return lambda f: lu_solve(factors, f, check_finite=False)
-
-
-def _factorised(A):
-    """Factors of a matrix; None without one, or where it is singular."""
-    if A is None:
-        return None
-    factors, pivots, singular = dgetrf(A, overwrite_a=True)
-    return None if singular else (factors, pivots)
+        if self.column is not None:
+            A = np.block([[A, self.column[:, None]], [self.row[None], np.zeros((1, 1))]])
+        return lu_factor(A, check_finite=False)
 
 
 class Space:

@@ -53,7 +53,7 @@ def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter
     for name, changed in expected.items():
         points = [page.evaluate(COLUMN.format(name, column)) for column in ("L", "F")]
         assert np.ravel(points) == pytest.approx(first_slip(**changed), rel=1e-4)  # single precision, and round-off
-    assert page.evaluate(COLUMN.format("E", "said"))[0].startswith(f"E = {E:g} GPa")
+    assert page.evaluate(COLUMN.format("E", "label"))[0].startswith(f"E = {E:g} GPa")
     L, F = first_slip(**expected["delta_bar"])
     assert L < 0 < F  # adhesion alone holds
 
@@ -98,7 +98,7 @@ def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(visi
     point = [page.evaluate(COLUMN.format("several", column))[0] for column in ("L", "F")]
     event = frame.slips[0]
     assert point == pytest.approx([event.L_bar * frame.unit, event.F_bar * frame.unit], rel=1e-4, abs=1e-3)
-    assert page.evaluate(COLUMN.format("several", "said"))[0].startswith("first slip of the path, in stage 3 unload,")
+    assert page.evaluate(COLUMN.format("several", "label"))[0].startswith("first slip of the path, in stage 3 unload,")
 
 
 @pytest.mark.thorough

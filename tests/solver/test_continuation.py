@@ -311,7 +311,7 @@ def test_creep_decays_exponentially_and_in_proportion_to_stiffness():
             self.stiffness = np.array([[1.0], [2.5], [0.0]])
 
     motion, places = Creep(Two(), np.array([[1.0], [1.0]], complex), 0.0, inf, 1000.0), []
-    motion.soften(0.0)
+    motion.soften(1000.0)
     for _ in range(40):
         motion.advance(ACTIVE, 200)
         places.append(np.log(np.abs(motion.y[:, 0])))

@@ -19,6 +19,8 @@ COMPANIONS = {
     ("width", 0): {"nodes": 4},
     ("width", 1): {"nodes": 16384, "delta_t": 10.0},
     ("nodes", 0): {"width": 10.0},
+    ("drive_t", 0): {"tolerance": 1e-5},
+    ("drive_n", 0): {"tolerance": 1e-5},
 }
 EDGES = [(name, side) for name in LIMITS for side in (0, 1)]
 

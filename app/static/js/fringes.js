@@ -69,7 +69,8 @@ export function drawFringes(run, k, canvas = by("fringes"), figure = figures.pun
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
-// is to where it hangs on the top. part: of the view's height, that is below the top; depth: of what is shown, in rows / ROWS
+// is to where it hangs on the top. part: of the view's height, that is below the top;
+// depth: of what is shown, in rows / ROWS
 function paintSheet(run, k, { x_range, y_range }, found, part, depth) {
   Object.assign(sheet, sheet.width === WIDE ? {} : { width: WIDE, height: HIGH })
   const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))

@@ -51,7 +51,8 @@ export function tableFor(scene, wanted) {
 // Another table of the same layer, the one made last, while the one asked for is computed
 export function tableMeanwhile(scene, { rows }) {
   const key = JSON.stringify(GEOMETRY.map((name) => scene[name]))
-  return [...tables.values()].findLast(({ geometry, asked: of }) => JSON.stringify(geometry) === key && of.rows === rows)
+  return [...tables.values()].findLast(({ geometry, asked: of }) =>
+    JSON.stringify(geometry) === key && of.rows === rows)
 }
 
 // Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of

@@ -36,8 +36,8 @@ function goOnFrom() {
 // Whether the top has been pulled at the increment on screen
 const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
 
-// Send what was entered; of a hand that moves, where it is by the time that its last position has been answered, so that
-// nothing queues
+// Send what was entered. In a drag, the newest position goes as soon as the last one sent has been answered, so that
+// nothing queues.
 export function sendNext(held = me.dragging) {
   if (!me.entered || (me.dragging && me.waiting.length)) return
   const at = sheared() ? me.run.curves.U_x[now()] : 0

@@ -60,7 +60,8 @@ function chip(one) {
   const { slot, shown } = one
   const show = button("", `Show ${titleOf(one)}`, () => change(slot, { shown: !shown }), { "aria-pressed": shown })
   show.append(swatch(slot), ` ${titleOf(one)}${one.failure ? ": failed" : one.run ? "" : " …"}`)
-  return make("span", { className: "chip", data: { slot } }, show, button("×", `Remove ${one.name}`, () => remove(slot)))
+  return make("span", { className: "chip", data: { slot } }, show,
+    button("×", `Remove ${one.name}`, () => remove(slot)))
 }
 
 function say(text) {
