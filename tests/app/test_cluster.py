@@ -72,11 +72,11 @@ def test_cluster_reports_tracebacks_and_replaces_killed_workers(workers, caplog)
 
 
 def test_cluster_recovers_when_its_scheduler_restarts(local, workers, monkeypatch):
-    monkeypatch.setattr("app.service.pool.HOPE", 0.5)
+    monkeypatch.setattr("app.service.pool.GIVE_UP", 0.5)
     local.stop()
     until(lambda: workers.status == "failing")
-    said = workers.submit(os.getpid).exception(PATIENCE)
-    assert said.kind == "closed" and "continues as soon" in str(said)
+    failure = workers.submit(os.getpid).exception(PATIENCE)
+    assert failure.kind == "closed" and "continues as soon" in str(failure)
     local.start()
     until(lambda: workers.status == "ready")
     assert workers.submit(os.getpid).result(PATIENCE) > 0
