@@ -68,8 +68,9 @@ def fold_near(problem: Problem, guess: End, options: FoldOptions = FoldOptions()
     The guess's phi may have any length. It and psi may be None: without phi its state must be close to the fold.
     """
     try:
-        return _search(problem, guess, options)
-    except (NotSolved, np.linalg.LinAlgError, FloatingPointError):
+        with np.errstate(divide="ignore", invalid="ignore"):  # where a null vector vanishes; nan is never accepted
+            return _search(problem, guess, options)
+    except (NotSolved, np.linalg.LinAlgError):
         return None
 
 

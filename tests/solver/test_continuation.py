@@ -581,6 +581,12 @@ def test_no_fold_is_found_where_there_is_none():
     assert fold_near(toy, fold_guess(toy, 1.0, [0.8], [1.0])) is None
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_fold_search_on_a_straight_branch_ends_without_a_warning():
+    """At v = 0 the curvature of s = v^3 - v vanishes, so that Newton's step divides by zero."""
+    assert fold_near(cubic(), fold_guess(cubic(), 0.0, [0.0], [1.0])) is None
+
+
 def test_a_minimum_of_the_load_is_no_fold():
     assert fold_near(cubic(), fold_guess(cubic(), -0.3, [0.6], [1.0])) is None
 
