@@ -205,15 +205,15 @@ def report(found, scenes):
     print(f"slips: {found['slips']}, {found['located']} located")
     print(f"not done: {len(found['failures'])} of {scenes}")
     for scene, failure in found["failures"]:
-        print(f"  {scene}: {failure}")
+        print(f"  {scene}: {failure}", file=sys.stderr)
     if "wrong" in found:
         wrong, share = len(found["wrong"]), f"{found['compared']} compared with GFMD"
         print(f"wrong: {wrong} of {share}; over the same increments: {found['wrong_equal']}")
         for scene, worst in found["wrong"]:
-            print(f"  {scene}: {worst:.1e}")
+            print(f"  {scene}: {worst:.1e}", file=sys.stderr)
         print(f"unsure, as GFMD differs from itself: {len(found['unsure'])}")
         for scene, worst, judges in found["unsure"]:
-            print(f"  {scene}: {worst:.1e}, GFMD {judges}")
+            print(f"  {scene}: {worst:.1e}, GFMD {judges}", file=sys.stderr)
         for scene, increments in found["restless"]:
             print(f"GFMD itself never rests in {increments} increments of {scene}")
         for name, what in (("ratio", "time"), ("ratio_evaluations", "evaluations")):
@@ -269,13 +269,13 @@ def main():
         return
     tasks = [(values, arguments.limit, method, rows) for values, rows in zip(scenes, known, strict=True)]
     gfmd = f"{'F':>9}{'L':>9}{'A':>9}{'time':>8}{'eval':>8}" if method else ""
-    print(f"{'':36}{'default=1':>9}{'eval':>9}{'slips':>6}{'loc.':>6}{gfmd}")
+    print(f"{'':36}{'default=1':>9}{'eval':>9}{'slips':>6}{'loc.':>6}{gfmd}", file=sys.stderr)
     rows = []
     for row in rows_of(arguments.jobs, tasks):
         cache[json.dumps(row["scene"])] |= row.pop("known", {})
         rows.append(row)
         keep()
-        print(shown(row, statistics.median(row["default"] for row in rows)), flush=True)
+        print(shown(row, statistics.median(row["default"] for row in rows)), file=sys.stderr, flush=True)
     found = summary(rows)
     report(found, len(scenes))
     if arguments.json:

@@ -105,7 +105,7 @@ def coverage(base, draws, points):
             data = measured(follow(base, scene), points, rng)
             found = fit(BASE, data, FREE)
         except (NotFollowed, NotConverged) as failure:
-            print(f"draw {number}: {failure}", flush=True)
+            print(f"draw {number}: {failure}", file=sys.stderr, flush=True)
             continue
         rows.append(off(found, scene) | {"chi2": found.chi2, "reached": found.reached})
     for name in FREE:
@@ -128,14 +128,15 @@ def starts(some, points):
             found = fit(moved(scene, 0.5, rng, signs_only=True), data, FREE)
         except (NotFollowed, NotConverged, SceneError) as failure:
             rows.append({"right": False, "said": True, "why": str(failure)})
-            print(f"start {number}: {failure}", flush=True)
+            print(f"start {number}: {failure}", file=sys.stderr, flush=True)
             continue
         right = max(map(abs, off(found, scene).values())) <= NEAR
         right, said = right and found.reached, not found.reached or any("told apart" in one for one in found.warnings)
         rows.append({"right": right, "said": said and not right, "warnings": found.warnings})
         if not rows[-1]["right"]:
-            print(f"start {number}: {scene.E:.4g} GPa, {scene.delta_bar:.3g}, {scene.phi_ratio:.3g};", end=" ")
-            print(f"chi^2 {found.chi2:.3g}, off by {off(found, scene)}", flush=True)
+            start = f"{scene.E:.4g} GPa, {scene.delta_bar:.3g}, {scene.phi_ratio:.3g}"
+            ended = f"chi^2 {found.chi2:.3g}, off by {off(found, scene)}"
+            print(f"start {number}: {start}; {ended}", file=sys.stderr, flush=True)
     right, said = (sum(row[name] for row in rows) for name in ("right", "said"))
     print(f"from 50 % off: {right} of {len(some)} reach the truth, {said} say that they did not,", end=" ")
     print(f"{len(some) - right - said} wrong", flush=True)

@@ -94,7 +94,7 @@ def rows_of(scenes):
         try:
             skeleton = None if failure else skeleton_of(scene)
         except NotFollowed as refusal:
-            print(f"scene {number}: {refusal}", flush=True)
+            print(f"scene {number}: {refusal}", file=sys.stderr, flush=True)
             continue
         for name, size, moved in moves(number, scene) if skeleton else ():
             yield row_of(scene, before, skeleton, name, size, moved)
@@ -144,7 +144,11 @@ def main():
         rows.append(row)
         if "why" in row and row["alike"]:
             where = "E {E:.4g} delta_bar {delta_bar:.3f} ratio {phi_ratio:.3g}, {size} {moved}: {why}".format(**row)
-            print(f"not followed: {where}; slips at {row['slips'][0]}, then at {row['slips'][1]}", flush=True)
+            print(
+                f"not followed: {where}; slips at {row['slips'][0]}, then at {row['slips'][1]}",
+                file=sys.stderr,
+                flush=True,
+            )
     found = summary(rows)
     report(found)
     write(arguments.json, {"summary": found, "rows": rows})

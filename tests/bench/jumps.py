@@ -9,6 +9,8 @@ increment HALVINGS times and keeps the half with the larger move. A jump keeps i
 A jump where the control changes (increment 0 of a stage) needs no decision.
 """
 
+import sys
+
 import numpy as np
 from scenes import even, geometric, numbered, ran, scene_of, write
 
@@ -93,7 +95,7 @@ def main():
         rows.append({"scene": values, "frames": len(frames), "events": events, "failure": failure})
         rows[-1]["unreported"] = [(frame.stage, frame.index, frame.U_x, move) for frame, move in jumped]
         if jumped or failure:
-            print(k, values, rows[-1]["unreported"], failure or "", flush=True)
+            print(k, values, rows[-1]["unreported"], failure or "", file=sys.stderr, flush=True)
     bad = [row for row in rows if row["unreported"]]
     print(f"{len(rows)} scenes, {sum(row['events'] for row in rows)} events; without an event:", end=" ")
     print(f"{sum(len(row['unreported']) for row in bad)} jumps in {len(bad)} scenes")

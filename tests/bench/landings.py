@@ -18,6 +18,7 @@ du_x 0.1, and against GFMD with du_x 0.1. GFMD starts each slip within 1e-3 or 1
 --cache keeps GFMD's verdicts (a second a cell, minutes a punch): later versions of the solver need a minute.
 """
 
+import sys
 import time
 
 import numpy as np
@@ -165,7 +166,7 @@ def soft_gfmd(values):
             ends[name] = [last.F_bar, last.L_bar]
         except NoRest as restless:
             ends[name] = str(restless)
-        print(f"  GFMD {name}: {ends[name]}, {time.process_time() - start:.0f} s", flush=True)
+        print(f"  GFMD {name}: {ends[name]}, {time.process_time() - start:.0f} s", file=sys.stderr, flush=True)
     return ends
 
 
@@ -240,12 +241,18 @@ def main():
             continue
         gfmd = cache.get(values, soft_gfmd if chosen.soft else by_gfmd)
         if chosen.only_gfmd:
-            print(k, values, {name: gfmd[name] for name in ("why", "seconds") if name in gfmd}, flush=True)
+            print(
+                k,
+                values,
+                {name: gfmd[name] for name in ("why", "seconds") if name in gfmd},
+                file=sys.stderr,
+                flush=True,
+            )
             continue
         row = {"number": k, "scene": values} | (soft_compared if chosen.soft else compared)(values, gfmd)
         rows.append(row)
         if row["class"] != "right":
-            print({name: value for name, value in row.items() if value is not None}, flush=True)
+            print({name: value for name, value in row.items() if value is not None}, file=sys.stderr, flush=True)
     if rows:
         summary(rows)
     write(chosen.json, rows)

@@ -110,7 +110,7 @@ def report(found, rows):
     )
     for row in rows:
         if row["off"] > WANTED or not row["alike"]:
-            print(row)
+            print(row, file=sys.stderr)
 
 
 def main():

@@ -6,6 +6,8 @@ Default punch, E 971.78, delta_bar 0.26516, phi_ratio evenly from 0.0755 to 0.07
 fold lies within a short part of a branch.
 """
 
+import sys
+
 import numpy as np
 from scenes import numbered, ran, scene_of, sheared, write
 
@@ -28,7 +30,7 @@ def main():
             np.ptp(loads or [0.0]) < SAME and len(set(row["slips"])) == 1
         )
         rows.append(row)
-        print(row, flush=True)
+        print(row, file=sys.stderr, flush=True)
     print(f"{len(rows)} scenes at du_x {STEPS}: {sum(not row['same'] for row in rows)} depend on it")
     write(chosen.json, rows)
 

@@ -17,6 +17,7 @@ starts from the state of fast before the slip, as it is and with a kick of 1e-3 
 """
 
 import json
+import sys
 import time
 
 import numpy as np
@@ -243,9 +244,11 @@ def main():
         rows.append({"kind": kind, "scene": values, **compared(values, gfmd), "seconds": time.perf_counter() - begun})
         row = rows[-1]
         own = {name: value for name, value in values.items() if COMMON.get(name) != value}
-        print(f"{kind:12}{row['class']:18}{row['where'] or ''!s:18}{row['why'] or ''} {own}", flush=True)
+        print(
+            f"{kind:12}{row['class']:18}{row['where'] or ''!s:18}{row['why'] or ''} {own}", file=sys.stderr, flush=True
+        )
         if "evidence" in row:
-            print(f"{'':12}{row['evidence']}", flush=True)
+            print(f"{'':12}{row['evidence']}", file=sys.stderr, flush=True)
     if rows:
         table(rows)
     write(arguments.json, rows)

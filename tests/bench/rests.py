@@ -9,6 +9,7 @@ that does not say so, and how runs ended: a scene has 10 s of processor time, an
 """
 
 import argparse
+import sys
 import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
@@ -119,7 +120,7 @@ def main():
             told = sum(one[-1] for one in bad)
             here.update(frames=judged_frames, flagged=flagged, told=told, untold=len(bad) - told)
             if len(bad) > told:
-                print(f"does not rest: {bad[:4]} of {len(bad)} in {seed}: {values}", flush=True)
+                print(f"does not rest: {bad[:4]} of {len(bad)} in {seed}: {values}", file=sys.stderr, flush=True)
     for weak, here in count.items():
         print(
             f"damping {'below' if weak else 'from'} {WEAK:g}{'' if weak else ' on'}: {here['frames']} frames;", end=" "

@@ -154,7 +154,7 @@ def main():
         except SceneError:
             continue
         if rows[-1]["class"] not in ("right", "no slip"):
-            print({name: value for name, value in rows[-1].items() if name != "costs"}, flush=True)
+            print({name: value for name, value in rows[-1].items() if name != "costs"}, file=sys.stderr, flush=True)
     report(rows)
     write(chosen.json, rows)
     return 0

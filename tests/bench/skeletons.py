@@ -7,6 +7,8 @@ the curve from 1 % of the largest |F| or |L| on, farther than NEAR from a slip. 
 curve was far off.
 """
 
+import sys
+
 import numpy as np
 from scenes import numbered, ran, scene_of, sheared, slider_box, spread, write
 
@@ -48,7 +50,7 @@ def main():
             continue
         rows.append({"number": number, "scene": values} | row_of(values))
         if rows[-1]["class"] != "right":
-            print(rows[-1], flush=True)
+            print(rows[-1], file=sys.stderr, flush=True)
     for name in dict.fromkeys(row["class"] for row in rows):
         print(f"{sum(row['class'] == name for row in rows):5}  {name}")
     for name in WRONG:
