@@ -14,8 +14,12 @@ import numpy as np
 from .anderson import dot
 from .fold import FoldOptions, fold_near
 from .onset import Point, mixed, onset
-from .state import MOVED, End, State
+from .state import MOVED, TINY, End, State
 from .trace import lagrange
+
+# With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches
+# that fail on very soft layers (E = 1) take twice as long.
+SEARCH = FoldOptions(accuracy=3e-3, products=100)
 
 
 @dataclass(frozen=True)
@@ -31,22 +35,25 @@ class BranchOptions:
     # of the step before: longest next step, as extrapolation means nothing beyond; of the step: distance from which a
     # point lies on another branch
     growth: float = 3.0
+    # of the step, the next one where a fold was passed but not found from so far
+    nearer: float = 0.25
     points: int = 400  # most points of one increment on the arc; the longest in the slider box takes some 60
     beyond: float = 0.1  # of the last step, by which a state at the load asked for may lie beyond the newest point
+    approaches: int = 6  # most points on the arc towards the load asked for
     # load per arc below which a state is continued by arc length and a fold is looked for a step ahead; at the onset of
     # stick-slip the branch turns back within a tenth of a unit, and larger steps pass that
     steep: float = 0.3
+    fold: FoldOptions = SEARCH
 
 
 OPTIONS = BranchOptions()
-# with solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87; with more products, searches
-# that fail on very soft layers (E = 1) take twice as long
-SEARCH = FoldOptions(accuracy=3e-3, products=100)
+ONE = 1e-12  # of the largest arc: points closer than that are one, to round-off
 
 
-def continue_branch(corrector, judge, state, target) -> State | End:
+def continue_branch(corrector, judge, state, target, options: BranchOptions = OPTIONS) -> State | End:
     """The State at load `target`, nm, on the branch of `state`, or the End that comes before it."""
-    reached = _by_load(corrector, judge, state, target) or _Arc(corrector, judge, state, target).followed()
+    arc = _Arc(corrector, judge, state, target, options)
+    reached = _by_load(corrector, judge, state, target, options) or arc.to_target()
     settled = np.zeros(state.active.size, bool)
     while isinstance(reached, End) and reached.located:
         # nodes that crossed the edge of the window on the way are admitted or left out, and the end located again
@@ -57,7 +64,7 @@ def continue_branch(corrector, judge, state, target) -> State | End:
         state = _with_nodes(corrector, state, active)
         if not state:
             return reached._replace(kind="lost")  # not the end of a branch of the nodes that interact there
-        reached = _Arc(corrector, judge, state, target).followed()
+        reached = _Arc(corrector, judge, state, target, options).to_target()
     return reached
 
 
@@ -73,61 +80,67 @@ def _with_nodes(corrector, state, active):
     return past and State(state.load, past[0].v, active, past, state.secants, corrector.sharp, state.mode)
 
 
-def _by_load(corrector, judge, state, target):
+def _by_load(corrector, judge, state, target, options):
     """The State at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
-    unit, past = corrector.problem.unit, state.past[: OPTIONS.order + 1]
+    unit, past = corrector.problem.unit, state.past[: options.order + 1]
     guess = lagrange([load for load, _ in past], target) @ np.array([u for _, u in past])
     if np.abs(guess - state.v).max() > MOVED * unit:
         return None
     v = guess.copy()
     active = corrector.settle(v, corrector.problem.active(v, target, state.active), target, state.secants)
     way = np.abs(v - state.v).max()
-    if active is None or way > MOVED * unit or target - state.load < OPTIONS.steep * way:
+    if active is None or way > MOVED * unit or target - state.load < options.steep * way:
         return None
-    if len(past) > 1 and np.abs(v - guess).max() > OPTIONS.short * unit:
+    if len(past) > 1 and np.abs(v - guess).max() > options.short * unit:
         return None
     mode = judge.accept(corrector.problem, v, active, state.mode, corrector.inverse)
-    return _on_branch(corrector, state, Point(target, v), active, mode, state.past) if mode.rests else None
+    if not mode.rests:
+        return None
+    return _on_branch(corrector, state, Point(target, v), active, mode, state.past, options.order)
 
 
-def _on_branch(corrector, state, point, active, mode, past):
-    """The State at a Point that follows `state` on its branch, after the points `past`, newest first."""
-    past = [point, *[p for p in past if p[0] != point.load][: OPTIONS.order + 1]]
+def _on_branch(corrector, state, point, active, mode, past, order):
+    """The State at a Point that follows `state` on its branch, after the points `past`, newest first.
+
+    order: of the extrapolation for which it keeps points.
+    """
+    past = [point, *[p for p in past if p[0] != point.load][: order + 1]]
     return State(*point, active, past, state.secants, corrector.sharp, mode, residual=corrector.worst)
 
 
 class _Arc:
     """One increment continued by arc length."""
 
-    def __init__(self, corrector, judge, state, target):
-        self.corrector, self.problem, self.judge = corrector, corrector.problem, judge
+    def __init__(self, corrector, judge, state, target, options):
+        self.corrector, self.problem, self.judge, self.options = corrector, corrector.problem, judge, options
         self.state, self.target, self.unit = state, target, corrector.problem.unit
         self.mode = state.mode
 
-    def followed(self):
+    def to_target(self):
         """The State at the target, or the End before it."""
-        points, step, unit = self._two_points(), OPTIONS.short * self.unit, self.unit
-        for _ in range(OPTIONS.points):
+        options, points, unit = self.options, self._two_points(), self.unit
+        step = options.short * unit
+        for _ in range(options.points):
             last = np.abs(points[0].v - points[1].v).max()
-            if last == 0.0 or step < OPTIONS.shortest * unit:  # a node at the edge, or no interaction yet
+            if last == 0.0 or step < options.shortest * unit:  # a node at the edge, or no interaction yet
                 return self._lost()
             chord, arcs = _on_chord(points)
-            step = min(step, OPTIONS.growth * last)
+            step = min(step, options.growth * last)
             point = self._point_at(chord, arcs[0] + (arcs[0] - arcs[1]) * step / last, points)
-            if point is None or not np.abs(point.v - points[0].v).max() <= OPTIONS.growth * step:
+            if point is None or not np.abs(point.v - points[0].v).max() <= options.growth * step:
                 step *= 0.5
                 continue
-            step, points = min(2.0 * step, OPTIONS.long * unit), [point, *points[:3]]
+            step, points = min(2.0 * step, options.long * unit), [point, *points[:3]]
             if point.load < points[1].load:
-                if turned := self._turned(points):
-                    return turned
-                points, step = points[1:], 0.25 * step  # nearer to the fold
+                if reached := self._beyond_fold(points):
+                    return reached
+                points, step = points[1:], options.nearer * step
                 continue
             end = point.load < self.target and self._unstable(points)
             if end := end or self._fold_ahead(points):
                 return end
             if point.load >= self.target:
-                return self._arrived(points)
+                return self._at_target(points)
         return self._lost()
 
     def _two_points(self):
@@ -136,14 +149,14 @@ class _Arc:
         if len(state.past) >= 2:
             return [Point(*p) for p in state.past[:3]]
         along = self.corrector.direction(state)
-        back = OPTIONS.short * self.unit / max(np.abs(along).max(), 1.0)
+        back = self.options.short * self.unit / max(np.abs(along).max(), 1.0)
         return [Point(*state.past[0]), Point(state.load - back, state.v - back * along)]
 
     def _point_at(self, chord, arc, points):
         """The Point with <chord, v> = arc, extrapolated from the last three; None where that fails."""
         points = points[:3]
         arcs = [dot(chord, v) for _, v in points]
-        if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # two points are one, to round-off
+        if np.abs(np.diff(sorted(arcs))).min() <= ONE * max(map(abs, arcs)):
             return None
         load, v = mixed(lagrange(arcs, arc), points)
         load = self.corrector.solve(v, self.state.active, load, self.state.secants, chord, arc)
@@ -156,13 +169,13 @@ class _Arc:
 
     # the target
 
-    def _arrived(self, points, fold=None):
-        """The State at `target`, between the last two points: solved at fixed load once the arc has come near enough.
+    def _at_target(self, points, fold=None):
+        """The State at `target`, between the last two points: solved at fixed load once a point is near enough.
 
         fold: the load of the newest point, if that is a fold.
         """
-        target = self.target
-        for _ in range(6):
+        target, options = self.target, self.options
+        for _ in range(options.approaches):
             last, before = points[:2]
             part = (target - before.load) / (last.load - before.load)
             if last.load == fold:  # there the load goes with the square of the distance
@@ -171,7 +184,7 @@ class _Arc:
             active = self.corrector.settle(v, self.state.active, target, self.state.secants)
             chord, arcs = _on_chord(points)
             # farther beyond the newest point it may be a state past a fold, on the unstable branch
-            if active is not None and dot(chord, v) <= arcs[0] + OPTIONS.beyond * (arcs[0] - arcs[1]):
+            if active is not None and dot(chord, v) <= arcs[0] + options.beyond * (arcs[0] - arcs[1]):
                 break
             point = self._point_at(chord, arcs[1] + part * (arcs[0] - arcs[1]), points)
             if point is None:
@@ -183,11 +196,11 @@ class _Arc:
         if not mode.rests:
             return self._end(points, Point(target, v), mode, fold)
         below = [p for p in points if p.load < target]
-        return _on_branch(self.corrector, self.state, Point(target, v), active, mode, below)
+        return _on_branch(self.corrector, self.state, Point(target, v), active, mode, below, options.order)
 
     # ends
 
-    def _turned(self, points):
+    def _beyond_fold(self, points):
         """The End at the fold that the newest Point has passed, or the State at `target` if that is below.
 
         None if the fold is not found from so far.
@@ -198,7 +211,7 @@ class _Arc:
     def _at_fold(self, fold, points):
         """The End at a Fold, or the State at `target` if that is below it; points: before it, newest first."""
         if fold.load >= self.target:
-            return self._arrived([Point(fold.load, fold.v), *points], fold.load)
+            return self._at_target([Point(fold.load, fold.v), *points], fold.load)
         return fold
 
     def _unstable(self, points):
@@ -225,7 +238,7 @@ class _Arc:
         chord, arcs = _on_chord(points)
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
         for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
-            fold = fold_near(self.problem, End(load, v, self.state.active, last.v - before.v), SEARCH)
+            fold = fold_near(self.problem, End(load, v, self.state.active, last.v - before.v), self.options.fold)
             if fold is not None and fold.load >= before.load and arcs[-1] < dot(chord, fold.v) < arcs[0]:
                 return fold
         return None
@@ -238,19 +251,22 @@ class _Arc:
         if len(points) < 3:
             return None
         last, before, first = points[:3]
-        way, way_before = np.abs(last.v - before.v).max(), max(np.abs(before.v - first.v).max(), 1e-300)
+        way, way_before = np.abs(last.v - before.v).max(), max(np.abs(before.v - first.v).max(), TINY)
         slope, slope_before = (last.load - before.load) / way, (before.load - first.load) / way_before
-        if not slope < min(OPTIONS.steep, slope_before):
+        if not slope < min(self.options.steep, slope_before):
             return None
         bend = (slope_before - slope) / (0.5 * (way + way_before))
         top = max(slope / bend - 0.5 * way, 0.0)  # nm of arc to where the slope is zero
+        longest = self.options.long * self.unit
         load, step = last.load + 0.5 * bend * top**2, last.v - before.v
-        if top > OPTIONS.long * self.unit or load > self.target:
+        if top > longest or load > self.target:
             return None
-        fold = fold_near(self.problem, End(load, last.v + step * (top / way), self.state.active, step), SEARCH)
+        fold = fold_near(
+            self.problem, End(load, last.v + step * (top / way), self.state.active, step), self.options.fold
+        )
         if fold is None or fold.load < last.load or (fold.v - last.v) @ step < 0.0:
             return None
-        return self._at_fold(fold, points) if np.abs(fold.v - last.v).max() <= OPTIONS.long * self.unit else None
+        return self._at_fold(fold, points) if np.abs(fold.v - last.v).max() <= longest else None
 
 
 def _on_chord(points):

@@ -13,7 +13,7 @@ import numpy as np
 
 from .inverse import MOST, NotSolved, Solves
 from .problem import Problem
-from .state import End
+from .state import TINY, End
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def _search(problem, guess, options):
             phi, g = matrix.turned(problem.linearised(v, active), phi)
         dv, ds = _step(problem, matrix, phi, g, r)
         slow, last = np.abs(dv).max() > options.slow * last[1], (abs(ds), np.abs(dv).max())
-        part = min(1.0, options.longest * unit / max(last[1], 1e-300))
+        part = min(1.0, options.longest * unit / max(last[1], TINY))
         v, load = v + part * dv, load + part * ds
         if not np.abs(v - guess.v).max() <= options.farthest * unit:  # nan fails it too
             return None

@@ -27,8 +27,8 @@ OPTIONS = GfmdOptions()
 class Gfmd:
     """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    def __init__(self, problem, damping, closed):
-        self.problem, self.damping, self.closed = problem, damping, closed
+    def __init__(self, problem, damping, closed, options: GfmdOptions = OPTIONS):
+        self.problem, self.damping, self.closed, self.options = problem, damping, closed, options
 
     def increment(self, state, target) -> Increment:
         """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
@@ -55,10 +55,11 @@ class Gfmd:
     def _moved(self, v, active, load, target):
         """(v, residual) at rest under load `target`, from rest at `load`."""
         problem, dynamics, r = self.problem, self.problem.motion(), np.empty(self.problem.size)
+        options = self.options
         motion = self._motion(dynamics, dynamics.start(v, active, load), target)
-        for _ in range(0, OPTIONS.budget, OPTIONS.check):
+        for _ in range(0, options.budget, options.check):
             motion.soften(self._stiffness(dynamics, v, active))
-            motion.advance(active, OPTIONS.check)
+            motion.advance(active, options.check)
             v = dynamics.unknowns(motion.y)
             residual = problem.residual(v, active, target, r)
             if residual <= problem.tolerance:
@@ -66,7 +67,7 @@ class Gfmd:
             problem.active(v, target)  # raises PulledOff once the contact no longer carries a held load
             if not isfinite(residual):
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
-        raise NotConverged(f"residual {residual:.2g} nm after {OPTIONS.budget} steps of damped motion")
+        raise NotConverged(f"residual {residual:.2g} nm after {options.budget} steps of damped motion")
 
     def _motion(self, dynamics, y, load):
         return (ExplicitMotion if isfinite(self.damping) else Creep)(dynamics, y, load, self.damping, self.closed)

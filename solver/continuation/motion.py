@@ -49,14 +49,15 @@ class Motion:
 
     least = 1.0  # stiffness of the interface, over the closed one, below which steps grow no more
 
-    def __init__(self, dynamics, y, load, damping, closed):
+    def __init__(self, dynamics, y, load, damping, closed, options: MotionOptions = OPTIONS):
         """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
-        self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
+        self.dynamics, self.y, self.change, self.options = dynamics, y, np.zeros_like(y), options
         self.closed, self.friction = closed, damping * dynamics.critical
         # shorter below critical damping, where errors of energy decide by how many sites the surface slips
-        self._step = OPTIONS.step / sqrt(closed) * min(1.0, damping)
+        self._step = options.step / sqrt(closed) * min(1.0, damping)
         self.load = load
-        self._power, self._mass, self._starts = None, None, True
+        self._power: tuple | None = None
+        self._mass, self._starts = None, True
         self._tables = lru_cache(maxsize=16)(self._of_stiffness)
 
     def soften(self, stiffness, pace=1.0) -> None:
@@ -64,8 +65,8 @@ class Motion:
 
         pace: factor of the usual steps.
         """
-        power = ceil(log2(max(stiffness, self.least * self.closed) / OPTIONS.safe)), pace
-        if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= OPTIONS.idle:
+        power = ceil(log2(max(stiffness, self.least * self.closed) / self.options.safe)), pace
+        if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= self.options.idle:
             return  # frequent changes would add energy
         mass, self._keep, self._push, self.step = self._tables(*power)
         if self._power is not None:
@@ -76,8 +77,8 @@ class Motion:
 
     def _of_stiffness(self, power, pace):
         """(mass / step^2, keep, push, step): the next change is keep change + push force; rows xx, zz, c each."""
-        step, stiffness = pace * self._step, 2.0**power * OPTIONS.safe
-        if 2.0 / 3.0 * self._stiffest() + stiffness <= OPTIONS.safe * 4.0 / step**2:
+        step, safe = pace * self._step, self.options.safe
+        if 2.0 / 3.0 * self._stiffest() + 2.0**power * safe <= safe * 4.0 / step**2:
             return self._newmark(step, lambda k: 1.0 + step * step / 12.0 * k)
         sigma = max(0.0, 2.0**power - 4.0 / step**2) + self.closed
         return self._newmark(step, lambda k: 1.0 + 0.25 * step * step * (k + sigma))
@@ -119,7 +120,8 @@ class ExplicitMotion(Motion):
     """Verlet steps of unit masses, as in the paper."""
 
     def _of_stiffness(self, power, pace):
-        step = pace * OPTIONS.explicit * 2.0 / sqrt(self._stiffest() + 2.0**power * OPTIONS.safe)
+        stiffest = self._stiffest() + 2.0**power * self.options.safe
+        step = pace * self.options.explicit * 2.0 / sqrt(stiffest)
         return self._newmark(step, np.ones_like)
 
 
@@ -130,7 +132,7 @@ class Creep(Motion):
 
     def _of_stiffness(self, power, pace):
         k, sigma = self.dynamics.stiffness, 2.0**power
-        step = pace * OPTIONS.creep / sigma
+        step = pace * self.options.creep / sigma
         mass = of_blocks(k, lambda x: np.full_like(x, step**-2))
         return mass, np.zeros_like(k), of_blocks(k, lambda x: step / (1.0 + step * (x + sigma))), step
 
@@ -139,9 +141,9 @@ class Creep(Motion):
         return np.zeros_like(self.y)
 
 
-def motion_of(dynamics, y, load, damping, closed) -> Motion:
+def motion_of(dynamics, y, load, damping, closed, options: MotionOptions = OPTIONS) -> Motion:
     """The Motion of a slip at that damping, over critical; inf: Creep."""
-    return (Motion if isfinite(damping) else Creep)(dynamics, y, load, damping, closed)
+    return (Motion if isfinite(damping) else Creep)(dynamics, y, load, damping, closed, options)
 
 
 def of_blocks(k, function) -> np.ndarray:

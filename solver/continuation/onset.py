@@ -6,7 +6,7 @@ import numpy as np
 
 from .anderson import dot
 from .rest import Mode
-from .state import End
+from .state import TINY, End
 
 SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
@@ -45,7 +45,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
         return None
     end = _narrowed(corrector, judged, state, stable, unstable)
     x = end.mode.x
-    phi = x * np.copysign(1.0 / max(np.abs(x).max(), 1e-300), dot(x, after.v - older[0].v))  # the way the state moves
+    phi = x * np.copysign(1.0 / max(np.abs(x).max(), TINY), dot(x, after.v - older[0].v))  # the way the state moves
     return End(end.point.load, end.point.v, state.active, phi, end.mode.kind)
 
 

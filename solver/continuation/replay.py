@@ -6,7 +6,7 @@ import numpy as np
 
 from .problem import Problem
 from .state import Increment, State
-from .trace import OPTIONS, Trace
+from .trace import OPTIONS, Trace, TraceOptions
 
 
 class Replay:
@@ -15,8 +15,8 @@ class Replay:
     The residual of each state that is moved on is evaluated; a state that is not the one expected is solved for.
     """
 
-    def __init__(self, stepper, spacing):
-        self.stepper, self.spacing = stepper, spacing
+    def __init__(self, stepper, spacing, options: TraceOptions = OPTIONS):
+        self.stepper, self.spacing, self.options = stepper, spacing, options
 
     @property
     def problem(self) -> Problem:
@@ -36,7 +36,7 @@ class Replay:
             trace = trace.adopted(self.problem, before)
         trace = trace.extended(done)
         if done.slips and all(slip.located for slip in done.slips):
-            trace = trace.closed(self.problem, self.spacing)
+            trace = trace.closed(self.problem, self.spacing, self.options)
         return done._replace(state=done.state._replace(trace=trace))
 
     def _repeated(self, state, trace, target):
@@ -49,16 +49,16 @@ class Replay:
             return None
         if load > target - shift:  # the surface does not rest before; else `target` stays as it is, to the last bit
             target = load + shift
-        known = branch.at(load)
-        guess = known.v + shift * problem.direction
+        passed = branch.at(load, self.options.stencil)
+        guess = passed.v + shift * problem.direction
         v = guess.copy()
         secants = state.secants.copy() if state.secants else self.stepper.corrector.secants()
-        active = self.stepper.corrector.settle(v, known.active, target, secants)
+        active = self.stepper.corrector.settle(v, passed.active, target, secants)
         moved = np.abs(v - guess).max()
         if active is None or not self._same(moved, branch, load):
             return None
         if moved > 0.0:  # interpolation did not meet the tolerance: the trace takes the solution
-            trace = trace.added(branch, known._replace(v=v - shift * problem.direction, active=active))
+            trace = trace.added(branch, passed._replace(v=v - shift * problem.direction, active=active))
         slips = tuple(trace.slips(state.load, target, problem.direction))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
         worst = self.stepper.corrector.worst
@@ -71,8 +71,8 @@ class Replay:
 
         Towards flutter a branch may bend sharply: as far as interpolation with fewer states differs is allowed for.
         """
-        same = OPTIONS.same * self.problem.unit
+        same = self.options.same * self.problem.unit
         if moved <= same:
             return True
-        coarser = branch.at(load, OPTIONS.stencil - 2).v - branch.at(load).v
+        coarser = branch.at(load, self.options.stencil - 2).v - branch.at(load, self.options.stencil).v
         return bool(moved <= same + np.abs(coarser).max())

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .inverse import Inverse, Space
-from .state import Crowded
+from .state import TINY, Crowded
 
 ROUND_OFF = 1e-9  # of the largest eigenvalue: with a smaller imaginary part, from round-off, one counts as real
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
@@ -220,7 +220,7 @@ class _Ritz:
         self.fastest = int(np.argmax(rates - ROUND_OFF * np.abs(self.values)))
         self.growth = float(rates[self.fastest])
         self.error = _error(miss[self.fastest], self.values[self.fastest], friction)
-        doubt = miss / np.maximum(self.depth, 1e-300)
+        doubt = miss / np.maximum(self.depth, TINY)
         self.worst = int(np.argmax(doubt))
         self.sure = doubt[self.worst] < zero.options.sure
 
@@ -266,7 +266,7 @@ def _error(miss, mu, friction):
     """Error of the growth at a Ritz value mu whose unit vector has a residual of length `miss`."""
     if np.isinf(friction):
         return miss
-    return min(miss / max(abs(np.sqrt(friction**2 + 4.0 * complex(mu))), 1e-300), miss**0.5)
+    return min(miss / max(abs(np.sqrt(friction**2 + 4.0 * complex(mu))), TINY), miss**0.5)
 
 
 def _parts(x):

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .corrector import OPTIONS as CORRECTOR
-from .corrector import Corrector
-from .motion import motion_of
+from .corrector import Corrector, CorrectorOptions
+from .motion import OPTIONS as MOTION
+from .motion import MotionOptions, motion_of
 from .state import Crowded, NotConverged, Restless, State
 
 
@@ -32,9 +33,10 @@ class SlipOptions:
     # moves less than a quarter of that, up to `crawl_longest` times the usual
     crawl: float = 0.08
     crawl_longest: float = 256.0
-    # units of residual and swing below which Anderson steps begin, 0.3 times as much after each failure; from 0.1 on
-    # they reach other equilibria than the motion
+    # units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
+    # motion
     landing: float = 0.03
+    later: float = 0.3  # of that, the next one after steps that failed
     near: float = 1e-4  # the same within `left`: below the residual at the start, about bend/2 times its square
     # changes of a node at the edge of the window, after which it stays as it is, so that it cannot swing for ever;
     # 5 and 20 make no difference (tests/bench/constants.py)
@@ -54,6 +56,8 @@ class SlipOptions:
     # layers that detach
     budget: int = 250_000
     diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
+    motion: MotionOptions = MOTION
+    corrector: CorrectorOptions = CORRECTOR
 
 
 OPTIONS = SlipOptions()
@@ -82,18 +86,18 @@ class Transient:
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
         self.unit, self.mode, self.options = problem.unit, None, options
         self.finer, self._crawl = trial.finer, 1.0  # divisor of the usual steps; their factor without inertia
-        self.away = self.options.start * self.unit * end.phi
+        self.away = options.start * self.unit * end.phi
         self.load, self.v = end.load, end.v + self.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
         self.active = problem.active(self.v, self.load)
         self.dynamics = problem.motion()
         y = self.dynamics.start(self.v, self.active, self.load)
-        self.motion = motion_of(self.dynamics, y, self.load, damping, closed)
+        self.motion = motion_of(self.dynamics, y, self.load, damping, closed, options.motion)
         self.ahead, self._r = np.zeros(problem.size), np.empty(problem.size)
         self._worst: float | None = None
         self._changes = np.zeros(self.active.size, int)
-        self.landing, self.near = self.options.landing * self.unit, self.options.near * self.unit / trial.nearer**2
+        self.landing, self.near = options.landing * self.unit, options.near * self.unit / trial.nearer**2
         self.starting, self.steps, self.elapsed = end.located, 0, 0.0
 
     def to_rest(self) -> State:
@@ -158,7 +162,7 @@ class Transient:
             return None
         state = self._rest_near()
         if state is None or self._returned(state.v):
-            self.landing, self.near = 0.3 * self.landing, 0.3 * self.near
+            self.landing, self.near = self.options.later * self.landing, self.options.later * self.near
             return None
         return state
 
@@ -177,11 +181,11 @@ class Transient:
 
     def _rest_near(self):
         """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
-        corrector = Corrector(self.problem)
+        corrector = Corrector(self.problem, self.options.corrector)
         corrector.begin(State.at_rest(self.load, self.v, self.active))
         secants, v = corrector.secants(), self.v.copy()
         active = corrector.settle(v, self.active, self.load, secants)
-        if active is None or np.abs(v - self.v).max() > CORRECTOR.longest * self.unit:
+        if active is None or np.abs(v - self.v).max() > self.options.corrector.longest * self.unit:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
         self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)

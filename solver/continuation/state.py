@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .rest import Mode
     from .trace import Trace
 
+TINY = 1e-300  # nonzero, in place of a zero in a denominator
 MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
 
 

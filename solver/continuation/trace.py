@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .state import End
+from .state import TINY, End
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,11 @@ class TraceOptions:
     """How a period is recognised, and states are interpolated."""
 
     same: float = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
-    near: float = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
     stencil: int = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
 
 
 OPTIONS = TraceOptions()
+NEAR = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
 
 
 def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
@@ -82,14 +82,14 @@ class Branch:
 
     def added(self, state: Passed) -> "Branch":
         """The same with one more state, unless there is one at its load."""
-        i = bisect_left(self.states, state.load - OPTIONS.near, key=lambda passed: passed.load)
-        if i < len(self.states) and self.states[i].load <= state.load + OPTIONS.near:
+        i = bisect_left(self.states, state.load - NEAR, key=lambda passed: passed.load)
+        if i < len(self.states) and self.states[i].load <= state.load + NEAR:
             return self
         return replace(self, states=(*self.states[:i], state, *self.states[i:]))
 
     def ended(self, slip: End) -> "Branch":
         """The same up to its end; no other state has that load."""
-        before = tuple(state for state in self.states if state.load < slip.load - OPTIONS.near)
+        before = tuple(state for state in self.states if state.load < slip.load - NEAR)
         return Branch((*before, Passed(slip.load, slip.v, slip.active)), slip._replace(after=None))
 
     def moved(self, distance: float, direction: np.ndarray) -> "Branch":
@@ -104,7 +104,7 @@ class Branch:
 
     def position(self, load: ArrayLike) -> NDArray[np.float64]:
         """t of loads, from 0 to 1; towards a slip the root of the distance, in which states are smooth at a fold."""
-        part = (np.asarray(load, float) - self.start) / max(self.end - self.start, 1e-300)
+        part = (np.asarray(load, float) - self.start) / max(self.end - self.start, TINY)
         if self.periodic:
             return part % 1.0
         part = np.clip(part, 0.0, 1.0)
@@ -185,20 +185,20 @@ class Trace:
         """In the unknowns of a problem `wide`, which has more of them than the `problem` of the trace."""
         return replace(self, branches=tuple(branch.adopted(wide, problem) for branch in self.branches))
 
-    def closed(self, problem, spacing: float) -> "Trace":
+    def closed(self, problem, spacing: float, options: TraceOptions = OPTIONS) -> "Trace":
         """With its period, if the state in which the last slip has landed was passed some sites before.
 
         spacing: of sites, nm.
         """
         landed, first = self.branches[-1].states[0], self.branches[0].start
-        slip, same = self.branches[-2].end, OPTIONS.same * problem.unit
-        for sites in range(1, floor((slip - first + OPTIONS.near) / spacing) + 1):
+        slip, same = self.branches[-2].end, options.same * problem.unit
+        for sites in range(1, floor((slip - first + NEAR) / spacing) + 1):
             period = sites * spacing
             home = landed.load - period
             branch = self.branch_at(max(home, first))
             if branch is None or len(branch.states) < 2:
                 continue
-            if np.abs(branch.at(home).v + period * problem.direction - landed.v).max() <= same:
+            if np.abs(branch.at(home, options.stencil).v + period * problem.direction - landed.v).max() <= same:
                 k = self.branches.index(branch)
                 if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
                     return self
@@ -210,7 +210,7 @@ class Trace:
     def branch_at(self, load: float) -> Branch | None:
         """The ended branch that holds that load, nm."""
         for branch in reversed(self.branches):
-            if branch.slip is not None and branch.start - OPTIONS.near <= load <= branch.end:
+            if branch.slip is not None and branch.start - NEAR <= load <= branch.end:
                 return branch
         return None
 

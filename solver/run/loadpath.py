@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..continuation.gfmd import Gfmd
-from ..continuation.quasistatic import QuasiStatic
+from ..continuation.quasistatic import QuasiStatic, QuasiStaticOptions
 from ..continuation.replay import Replay
 from ..continuation.rest import RestOptions
 from ..continuation.state import End, NotConverged, OutOfTime, PulledOff, Restless, State
@@ -27,7 +27,7 @@ FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion defor
 BULGE = 3.0
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
-DRIVEN = RestOptions(far=0.0)
+DRIVEN = QuasiStaticOptions(rest=RestOptions(far=0.0))
 BUSY = 10.0  # s beyond its limit of processor time that an increment may take, as other processes may need the cores
 
 
@@ -170,7 +170,7 @@ class Run:
         scene = self.scene
         problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
-        options = {"rest": DRIVEN} if self._fast and sudden else {}
+        options = {"options": DRIVEN} if self._fast and sudden else {}
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene), **options)
         if self._fast and "translation" in self.leave_out and not step.loading.direction[1]:
             stepper = Replay(stepper, scene.spacing)

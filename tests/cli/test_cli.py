@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,8 +20,9 @@ import solver.cli as cli
 from app import console
 from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
 from solver.__main__ import CLOSED_PIPE, CompilingNotice
-from solver.continuation import gfmd
+from solver.continuation.gfmd import Gfmd, GfmdOptions
 from solver.files import SCHEMA
+from solver.run.loadpath import METHODS
 from solver.scene import CHOICES, PARAMETERS
 
 ROOT = Path(__file__).parents[2]
@@ -318,7 +319,7 @@ def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_fram
 
 
 def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
-    monkeypatch.setattr("solver.continuation.gfmd.OPTIONS", replace(gfmd.OPTIONS, budget=100))
+    monkeypatch.setitem(METHODS, "gfmd", partial(Gfmd, options=GfmdOptions(budget=100)))
     code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
     assert (code, err.count("\n")) == (1, 1)
     assert re.search("(delta|U_x) = .* nm: residual .* try ", err)
