@@ -9,6 +9,7 @@ import numpy as np
 from ..continuation.state import NotConverged
 from ..presets import presets
 from ..run.frame import slips_in
+from ..run.load_steps import ROUND_OFF
 from ..run.loadpath import Checkpoint, extended
 from ..run.slices import advance
 from ..scene import LARGEST_RUN, Scene, SceneError
@@ -142,7 +143,7 @@ def friction_force(scene, frames) -> Friction:
     if start is None:
         raise ValueError(f"the contact has not slid by U_x = {scene.u_x_max:g} nm: enlarge u_x_max")
     begin, seen = shear[start].U_slip if shear[start].slip else shear[start].U_x, shear[-1].U_x
-    if seen - begin < (1.0 - 1e-9) * scene.spacing:  # less than it by more than the round-off of increments
+    if seen - begin < (1.0 - ROUND_OFF) * scene.spacing:
         raise ValueError(
             f"sliding from U_x = {begin:.4g} to {seen:.4g} nm, less than a lattice period of {scene.spacing:.4g} nm:"
             f" enlarge u_x_max to {begin + scene.spacing + scene.du_x * scene.delta_t:.4g} nm"

@@ -35,7 +35,8 @@ class BranchOptions:
     # of the step before: longest next step, as extrapolation means nothing beyond; of the step: distance from which a
     # point lies on another branch
     growth: float = 3.0
-    # of the step, the next one where a fold was passed but not found from so far
+    # of the step, the next one where a fold was passed but not found from so far; half and twice of it, and of
+    # `approaches`, change no run of tests/bench/constants.py
     nearer: float = 0.25
     points: int = 400  # most points of one increment on the arc; the longest in the slider box takes some 60
     beyond: float = 0.1  # of the last step, by which a state at the load asked for may lie beyond the newest point

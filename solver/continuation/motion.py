@@ -42,6 +42,8 @@ class MotionOptions:
 
 
 OPTIONS = MotionOptions()
+ROUND_OFF = 1e-14  # of two eigenvalues, a difference that round-off makes
+TABLES = 16  # masses and steps that are kept, one per power of two of the stiffness: a slip takes fewer
 
 
 class Motion:
@@ -58,7 +60,7 @@ class Motion:
         self.load = load
         self._power: tuple | None = None
         self._mass, self._starts = None, True
-        self._tables = lru_cache(maxsize=16)(self._of_stiffness)
+        self._tables = lru_cache(maxsize=TABLES)(self._of_stiffness)
 
     def soften(self, stiffness, pace=1.0) -> None:
         """Adapt masses and steps to an interaction of that largest stiffness, GPa/nm; kinetic energy is kept.
@@ -152,7 +154,7 @@ def of_blocks(k, function) -> np.ndarray:
     radius = np.hypot(half, k[2])
     above, below = function(mean + radius), function(mean - radius)
     with np.errstate(invalid="ignore", divide="ignore"):
-        slope = np.where(radius > 1e-14 * np.abs(mean), 0.5 * (above - below) / radius, 0.0)
+        slope = np.where(radius > ROUND_OFF * np.abs(mean), 0.5 * (above - below) / radius, 0.0)
     middle = 0.5 * (above + below)
     return np.array([middle + slope * half, middle - slope * half, slope * k[2]])
 

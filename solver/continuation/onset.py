@@ -9,6 +9,7 @@ from .rest import Mode
 from .state import TINY, End
 
 SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
+LEAST = 1e-3  # of the interval, the least part that a step leaves at either side, so that both sides move
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
 
 
@@ -56,7 +57,7 @@ def _narrowed(corrector, judged, state, stable, unstable):
         width = unstable.point.load - stable.point.load
         if width <= SHARP * corrector.problem.unit or low == high:
             break
-        part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)  # so that both ends move
+        part = min(max(low / (low - high), LEAST), 1.0 - LEAST)
         load, v = mixed((part, 1.0 - part), (unstable.point, stable.point))
         if corrector.solve(v, state.active, load, state.secants) is None:
             break

@@ -20,7 +20,7 @@ import numpy as np
 from .inverse import Inverse, Space
 from .state import TINY, Crowded
 
-ROUND_OFF = 1e-9  # of the largest eigenvalue: with a smaller imaginary part, from round-off, one counts as real
+ROUND_OFF = 1e-9  # of the largest: eigenvalues and vectors with a smaller imaginary part, from round-off, count as real
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
 
 
@@ -258,7 +258,7 @@ def _ritz_pairs(space, friction, radius):
     upper = np.flatnonzero(values.imag >= 0.0)
     upper = upper[np.argsort(inside(values[upper], friction))]
     values, vectors = values[upper], vectors[:, upper]
-    near = (np.abs(values) < max(radius, 1.001 * np.abs(values).min())) | (values.real > 0.0)
+    near = (np.abs(values) <= max(radius, np.abs(values).min())) | (values.real > 0.0)
     return vectors, values[near], vectors[:, near]
 
 
@@ -271,4 +271,4 @@ def _error(miss, mu, friction):
 
 def _parts(x):
     """(real part, imaginary part) of x; the latter only if it is not round-off."""
-    return (x.real, x.imag) if np.iscomplexobj(x) and np.abs(x.imag).max() > 1e-10 * np.abs(x).max() else (x.real,)
+    return (x.real, x.imag) if np.iscomplexobj(x) and np.abs(x.imag).max() > ROUND_OFF * np.abs(x).max() else (x.real,)

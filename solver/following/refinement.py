@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..continuation.state import TINY
 from ..continuation.trace import OPTIONS, Branch, Passed
 from ..scene import Scene
 from .moved import SURPRISE, Solver
@@ -14,7 +15,7 @@ ERROR = 2e-4  # of the largest force, between states: a fifth of what followed r
 # limit of even ones. With 16, 2 % of 149 moves were off by more than 1e-3
 HALF, LIMIT = 8.0, 64.0
 FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where it jerks
-FEWEST = 12  # intervals, below which no states are left out
+FEWEST = 2 * OPTIONS.stencil  # intervals, below which every second state would not do for interpolation
 
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
@@ -63,7 +64,7 @@ def forces_of(scene: Scene, first: int, v: np.ndarray, minor: float = 1e-2) -> t
     A scale is the largest sum, or `minor` times the larger of both: a flat may carry no normal load at all.
     """
     sums = tractions(scene, first, v).sum(axis=2)
-    largest = np.abs(sums).max(axis=0, initial=1e-300)
+    largest = np.abs(sums).max(axis=0, initial=TINY)
     return sums, np.maximum(largest, minor * largest.max())
 
 

@@ -18,6 +18,10 @@ from numba import njit
 
 DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count as this deep; exp(50) is finite
 OPENING = {"np1": 0.0, "xu-needleman": 1.0}  # c in the factor 1 + c dn of T_x
+FARTHEST = 700.0  # argument of exp, beyond which a number of double precision is out of range soon
+LOG2_E, SHIFT = 1.4426950408889634, 6755399441055744.0  # 1/ln 2, and 1.5 2^52, as of `exponential`
+LN_2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # ln 2 in two parts: k times the first is exact
+BITS_OF_ONE = 0x3FF0000000000000  # of 1.0
 TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: round-off for |r| <= ln(2)/2
 ALIKE = 1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: round-off is 1e-13
 WORK = 10  # rows of the scratch array `work`
@@ -38,22 +42,22 @@ def law_constants(scene) -> np.ndarray:
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def exponential(x, power) -> None:
-    """Replace x by exp(x), to round-off, with x limited to +-700; power: scratch of the same length.
+    """Replace x by exp(x), to round-off, with x limited to +-FARTHEST; power: scratch of the same length.
 
     exp(x) = 2^k p(r), r = x - k ln 2. Adding 1.5 2^52 leaves k in the low bits of the sum; shifted up they are 2^k.
     """
     bits = power.view(np.int64)
     for i in range(x.size):
-        v = min(max(x[i], -700.0), 700.0)
-        power[i] = v * 1.4426950408889634 + 6755399441055744.0
-        k = power[i] - 6755399441055744.0
-        r = v - k * 6.93147180369123816490e-01 - k * 1.90821492927058770002e-10  # ln 2 in two parts
+        v = min(max(x[i], -FARTHEST), FARTHEST)
+        power[i] = v * LOG2_E + SHIFT
+        k = power[i] - SHIFT
+        r = v - k * LN_2[0] - k * LN_2[1]
         p = 0.0
         for term in TERMS:
             p = p * r + term
         x[i] = p
     for i in range(x.size):
-        bits[i] = (bits[i] << 52) + 0x3FF0000000000000
+        bits[i] = (bits[i] << 52) + BITS_OF_ONE
     for i in range(x.size):
         x[i] *= power[i]
 

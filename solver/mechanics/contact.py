@@ -8,7 +8,9 @@ from . import cohesive_law
 from .layer import Convolution, Modes
 
 MARGIN = 1e-3  # delta_n beyond the window's edge where a node changes sides: far above what solves leave, 1e-8 nm
-LEAST_GROWTH = 16  # nodes that a patch gains at each end, at least; large ones gain a quarter of their size
+# Nodes that a patch gains at each end, at least, and part of its size. As each growth repeats an increment, patches
+# grow by half or more: four times make one five times as large.
+LEAST_GROWTH, GROWTH = 16, 0.25
 
 
 class Contact:
@@ -119,7 +121,7 @@ class Contact:
 
     def wider(self) -> "Contact":
         """The Contact of a patch wider by half or more; of the whole cell if that reaches its ends, or if `uniform`."""
-        more = max(LEAST_GROWTH, self.size // 4)
+        more = max(LEAST_GROWTH, int(GROWTH * self.size))
         low, high = self.first - more, self.first + self.size + more
         whole = self.uniform or low < 0 or high > self.nodes
         wide = Contact(self.scene, 0, self.nodes) if whole else Contact(self.scene, low, high - low)

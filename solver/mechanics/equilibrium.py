@@ -21,6 +21,7 @@ from .surface import Surface
 LOOSE = 2.0
 # Share of the drive in the compliance to a uniform traction from which single precision is too coarse for an inverse
 SOFT = 0.999
+ALIKE = 1e-5  # units between nodes that count as alike: what the solves of followed states leave
 BLOCK = 64  # columns that LAPACK inverts at a time; with 3, scipy's default, it takes twice as long
 
 
@@ -162,9 +163,9 @@ class Equilibrium:
         return float(np.abs((w - v)[: self.nodes]).max()) / self.contact.scene.spacing
 
     def alike(self, v) -> bool:
-        """Whether all nodes are alike in v, to the accuracy of a followed state."""
+        """Whether all nodes are alike in v, to ALIKE."""
         flat = self.contact.scene.surface == "flat"
-        return flat and bool(np.ptp(self.surface(v), axis=1).max() <= 1e-5 * self.unit)
+        return flat and bool(np.ptp(self.surface(v), axis=1).max() <= ALIKE * self.unit)
 
     def loose(self, v, active) -> bool:
         """Whether the springs of a node are LOOSE times as stiff as the layer against that node alone."""

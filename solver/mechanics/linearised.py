@@ -9,6 +9,7 @@ Under a held load the height of the top is the last unknown.
 import numpy as np
 from numba import njit
 
+from ..continuation.state import TINY
 from .cohesive_law import add_product, alike
 from .flutter import safe_friction
 
@@ -81,7 +82,7 @@ class Linearised:
     def slopes(self, right, left) -> np.ndarray:
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
         way = right[: 2 * self.m].reshape(2, -1)
-        h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), 1e-300)
+        h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), TINY)
         change = self.contact.tangents(self.u + h * way, self.active)
         change -= self.contact.tangents(self.u - h * way, self.active)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))

@@ -12,7 +12,7 @@ from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..scene import SURFACES, Scene, SceneError
 from .frame import Frame, moving
-from .load_steps import LoadStep, load_steps_of
+from .load_steps import ROUND_OFF, LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import Checkpoint, Run
 
@@ -96,11 +96,11 @@ def _rest(stage, changed, frame):
     load = step.loading.load_of(frame)
     end = step.at(step.increments)
     ahead = (end - load) / step.increment
-    if ahead < -1e-9:
+    if ahead < -ROUND_OFF:
         raise SceneError(
             "u_x_max", changed.u_x_max, f"allowed: {abs(load):g} nm or more, where the run is", "enlarge it"
         )
-    return replace(step, start=load, increments=max(0, ceil(ahead - 1e-9)), end=end), *load_steps[position + 1 :]
+    return replace(step, start=load, increments=max(0, ceil(ahead - ROUND_OFF)), end=end), *load_steps[position + 1 :]
 
 
 def _press(frame, changed):
@@ -109,9 +109,8 @@ def _press(frame, changed):
     if scene.hold == "load" == changed.hold and changed.delta_bar == scene.delta_bar:
         return None
     way = changed.delta - now
-    if abs(way) <= 1e-12 * changed.delta_0:
-        return None
     du_z, sign = changed.du_z * changed.delta_n, 1.0 if way > 0.0 else -1.0
-    return LoadStep(
-        "press", vertical(sign, frame.U_x), sign * now, du_z, ceil(abs(way) / du_z - 1e-9), sign * changed.delta
-    )
+    increments = ceil(abs(way) / du_z - ROUND_OFF)
+    if increments < 1:
+        return None
+    return LoadStep("press", vertical(sign, frame.U_x), sign * now, du_z, increments, sign * changed.delta)

@@ -18,6 +18,7 @@ from .load_steps import LoadStep, load_steps_of
 from .loading import vertical
 from .loadpath import deadline, with_remedy
 
+ALIKE = 1e-3  # delta_t between nodes of a flat that are alike: where waves have grown they differ by a good part of it
 APART = 0.01  # units between states of a motion that are kept: a hundred to a site
 
 
@@ -33,7 +34,7 @@ def through(
     Raises NotConverged, and ValueError where a flat's nodes are not alike.
     """
     if scene.surface == "flat":
-        if np.ptp(before.u, axis=1).max() > 1e-3 * scene.delta_t:
+        if np.ptp(before.u, axis=1).max() > ALIKE * scene.delta_t:
             raise ValueError("not all nodes of this flat are alike, and only some of them are at hand")
         before = replace(before, u=before.u[:, :1])
     step = _step(scene, before, stage)
@@ -98,4 +99,4 @@ def _evenly(states, most):
     distance = [0.0]
     for (_, v, *_), (_, w, *_) in pairwise(states):
         distance.append(distance[-1] + (float(np.abs(w - v).max()) if v.size == w.size else 0.0))
-    return [states[k] for k in np.unique(np.searchsorted(distance, np.linspace(0.0, distance[-1], most) - 1e-12))]
+    return [states[k] for k in np.unique(np.searchsorted(distance, np.linspace(0.0, distance[-1], most)))]

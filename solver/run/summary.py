@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
 from .frame import Frame, kind, largest_safe_damping, slips_in
-from .load_steps import load_steps_of
+from .load_steps import ROUND_OFF, load_steps_of
 
 
 def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
@@ -87,7 +87,7 @@ def _converged(scene, frames):
     last = load_steps_of(scene)[-1]
     if not frames or frames[-1].stage != last.stage:
         return False
-    ended = last.loading.load_of(frames[-1]) >= last.at(last.increments) - 1e-9 * last.increment
+    ended = last.loading.load_of(frames[-1]) >= last.at(last.increments) - ROUND_OFF * last.increment
     return ended and all(f.residual <= f.scene.tolerance for f in frames)
 
 
