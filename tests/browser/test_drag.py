@@ -1,7 +1,10 @@
 """Dragging a slider in Chromium: predictions during the drag, fixed axes, then the exact run."""
 
+import numpy as np
 import pytest
-from served import PATIENCE, finished, paused_at
+from served import MODEL, PATIENCE, finished, paused_at
+
+from solver.presets import preset
 
 pytestmark = [pytest.mark.thorough]
 AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map((name) => {
@@ -16,6 +19,7 @@ DRAWN = """async () => {  // the curves as Bokeh has them, and as the run on scr
     const F = drawnBy(parts.forces.F), A = drawnBy(parts.area.A)
     return [[[...F.y], [...A.y]], [[...punch.run.shear("F")], [...punch.run.shear("A")]]]
 }"""
+DRAWN_F = "() => (({ U_x, value }) => [[...U_x], [...value]])(" + MODEL.format("forces.F") + ".data_source.data)"
 GLYPHS = """async () => {
     const { parts } = await import(new URL("./app/static/js/figures.js", document.baseURI))
     return Object.values(parts.punch).filter(({ glyph, visible }) => glyph && visible).length
@@ -98,6 +102,24 @@ def test_dragging_a_slider_shows_predictions_on_fixed_axes_then_the_exact_run(vi
     drawn, exact = page.evaluate(DRAWN)
     assert drawn == exact
     assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
+
+
+def test_curves_over_the_top_stay_over_the_top_while_a_slider_is_dragged_and_after(visit):
+    """The spring relates stage and top in every frame: U_x = U_x_top + F/(w k_t)."""
+    scene = preset("soft-drive").scene
+    page = paused(visit, "?preset=soft-drive&over=top")
+    page.evaluate("punch.rests = 1e6")
+    point = grab(page, "delta_bar")
+    page.mouse.move(*point(2))
+    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar === 0.22 && !punch.fresh")
+    for held in (True, False):
+        (top, F), stage = page.evaluate(f"[({DRAWN_F})(), [...punch.run.shear('U_x')]]")
+        stretched = 1e3 * np.array(F) / (scene.drive_t * scene.width)
+        assert top == pytest.approx(stage - stretched, abs=1e-3)  # single precision
+        assert "of the top" in page.evaluate(f"{MODEL.format('map')}.below[0].axis_label")
+        if held:
+            page.mouse.up()
+            page.wait_for_function("!punch.run.followed && punch.status.state === 'finished' && !punch.fresh")
 
 
 def test_choosing_a_flat_while_paused_removes_the_nodes_drawn_by_bokeh(visit):
