@@ -49,6 +49,10 @@ FAULTS = """() => {
             if (outer && inner.width && inner.right > outer.right + 2) said.push(`${name(other)} leaves its box`)
         }
     }
+    for (const e of all('.sheet > *, .figures > *')) {
+        const clips = getComputedStyle(e).overflowY !== 'visible'
+        if (!clips && e.scrollHeight > e.clientHeight + 2) said.push(`${name(e)} is lower than its contents`)
+    }
     // what stays on the screen while the rest scrolls lies above the rest by intention
     const layer = (e) => e.closest('.player, .side, dialog')
     const strip = document.getElementById('row')?.getBoundingClientRect() // scrolls: what lies beyond it is not seen
