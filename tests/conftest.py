@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from served import TROUBLE, Server, finished
 from tabs import DESKTOP, Tabs
+from xdist.scheduler import LoadFileScheduling
 
 from solver import Scene, load_path
 
@@ -25,6 +26,19 @@ def named(config):
 def pytest_xdist_auto_num_workers(config):
     """Two processes for the suite; for named files this one alone, which a debugger needs."""
     return 0 if named(config) else int(os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS", 2))
+
+
+class OneBrowser(LoadFileScheduling):
+    """One process has all tests of a browser, with one server; both share these where there are no other tests."""
+
+    def _split_scope(self, nodeid):
+        file, folder = super()._split_scope(nodeid), "tests/browser/"
+        alone = all(other.startswith(folder) for other in self.collection)
+        return folder if file.startswith(folder) and not alone else file
+
+
+def pytest_xdist_make_scheduler(config, log):
+    return OneBrowser(config, log)
 
 
 def pytest_configure(config):

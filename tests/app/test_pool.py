@@ -20,6 +20,14 @@ pytestmark = pytest.mark.slow  # nearly all start processes, and end them
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
 
+@pytest.fixture(scope="module")
+def single():
+    """A pool of one worker, for tests that leave it idle."""
+    workers = Pool(size=1)
+    yield workers
+    workers.close()
+
+
 def test_a_hanging_task_is_ended_with_its_worker():
     workers = Pool(size=1, patience=0.2)
     stuck = workers.submit(time.sleep, 10 * PATIENCE)
@@ -80,16 +88,18 @@ def busy():
     return os.getpid()
 
 
+def until_removed(file):
+    until(lambda: not file.exists())
+
+
 def broken():
     raise ZeroDivisionError("a mistake")
 
 
-def test_an_exception_in_a_task_keeps_the_worker_and_is_logged(caplog):
-    workers = Pool(size=1)
-    error = workers.submit(broken).exception(PATIENCE)
+def test_an_exception_in_a_task_keeps_the_worker_and_is_logged(single, caplog):
+    error = single.submit(broken).exception(PATIENCE)
     assert error.kind == "error" and 'raise ZeroDivisionError("a mistake")' in error.reason
-    assert "ZeroDivisionError" in caplog.text and workers.replaced == 0
-    workers.close()
+    assert "ZeroDivisionError" in caplog.text and single.replaced == 0
 
 
 @pytest.mark.thorough
@@ -163,23 +173,21 @@ def test_expensive_tasks_leave_a_worker_for_quick_ones(rank):
     workers.close()
 
 
-def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks():
-    workers, done = Pool(size=1), []
-    workers.submit(os.getpid).result(PATIENCE)
-    busy = workers.submit(time.sleep, 0.5, seconds=PATIENCE)
-    tasks = {rank: workers.submit(os.getpid, rank=rank, owner=rank) for rank in (LATER, EXACT, SCREEN)}
+def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks(single, tmp_path):
+    done, waiting = [], tmp_path / "waiting"
+    waiting.touch()
+    busy = single.submit(until_removed, waiting, seconds=PATIENCE)
+    tasks = {rank: single.submit(os.getpid, rank=rank, owner=rank) for rank in (LATER, EXACT, SCREEN)}
     assert not busy.done()  # all of them wait together
     for rank, task in tasks.items():
         task.add_done_callback(lambda _, rank=rank: done.append(rank))
+    waiting.unlink()
     until(lambda: len(done) == len(tasks))
     assert done == [SCREEN, EXACT, LATER]
-    workers.close()
 
 
-def test_a_single_worker_also_runs_background_tasks():
-    workers = Pool(size=1)
-    assert workers.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
-    workers.close()
+def test_a_single_worker_also_runs_background_tasks(single):
+    assert single.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
 
 
 def call_now(function, *arguments):
@@ -210,12 +218,10 @@ def test_precomputing_runs_ends_with_the_pool():
     shared_requests.clear()
 
 
-def test_background_tasks_of_the_server_do_not_count_as_in_flight():
-    workers = Pool(size=1)
-    own = workers.submit(worker.ready, owner=NOBODY)
-    assert workers.in_flight == 0
-    visitors = workers.submit(worker.ready, owner="a visitor")
-    assert visitors.done() or workers.in_flight == 1
+def test_background_tasks_of_the_server_do_not_count_as_in_flight(single):
+    own = single.submit(worker.ready, owner=NOBODY)
+    assert single.in_flight == 0
+    visitors = single.submit(worker.ready, owner="a visitor")
+    assert visitors.done() or single.in_flight == 1
     for task in (own, visitors):
         task.result(PATIENCE)
-    workers.close()

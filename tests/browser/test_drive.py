@@ -12,11 +12,15 @@ from solver import load_path
 from solver.presets import preset
 
 
-def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit):
+@pytest.fixture(scope="module")
+def frames():
+    return [frame for frame in load_path(preset("soft-drive").scene) if frame.stage != "approach"]
+
+
+def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit, frames):
     """Top and stage of every increment are those of the solver, in the picture and in the CSV."""
     page = visit("?preset=soft-drive&view=lab")
     finished(page)
-    frames = [frame for frame in load_path(preset("soft-drive").scene) if frame.stage != "approach"]
     tops = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.top(k)).slice(punch.run.sheared)")
     assert tops == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
     slip = next(k for k, frame in enumerate(frames) if frame.slips)
@@ -79,12 +83,11 @@ def drawn(page, part):
     return page.evaluate(f"(({{ U_x, value }}) => [[...U_x], [...value]])({MODEL.format(part)}.data_source.data)")
 
 
-def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(visit):
+def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(visit, frames):
     """Over the top, a slip is the straight line along which the drive relaxes: dF = -w k_t dU_x."""
     page = visit("?preset=soft-drive&view=lab")
     finished(page)
     scene = preset("soft-drive").scene
-    frames = [frame for frame in load_path(scene) if frame.stage != "approach"]
     page.get_by_role("button", name="Pin").click()
     over = page.get_by_label("curves over the top")
     over.check()
@@ -116,11 +119,8 @@ def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(visit):
     assert drawn(page, "forces.F")[0][-1] == pytest.approx(scene.u_x_max, abs=1e-4) and "over" not in page.url
 
 
-def test_switch_to_the_top_is_offered_with_a_drive_alone(visit):
+def test_switch_to_the_top_is_not_offered_with_a_rigid_drive(visit):
     page = visit("?u_x_max=2&view=lab&over=top")
     finished(page)
-    assert page.get_by_label("curves over the top").count() == 0 or not page.locator("#over-top").is_visible()
+    assert not page.locator("#over-top").is_visible()
     assert "top" not in page.evaluate(f"{MODEL.format('map')}.below[0].axis_label")
-    page = visit("?u_x_max=2&view=lab&drive_t=10")
-    finished(page)
-    page.locator("#over-top").wait_for(timeout=PATIENCE)

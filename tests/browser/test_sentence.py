@@ -12,7 +12,7 @@ from app.session.controls import CONTROLS
 from solver import Scene, carried_path, load_path
 from solver.presets import presets
 
-SCENES = 2  # of the default suite
+SCENES = 1  # of the default suite
 MANY = int(os.environ.get("SENTENCES", "30"))  # of the thorough one
 POINTS = 18  # frames of a run at which the sentence is read, besides those at slips
 ROUNDED = 2e-3  # what three digits and the packed fields are good for

@@ -18,7 +18,7 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(visit):
     # nothing but the question: neither words nor a preset's name answer it beforehand
     for what in ("#scrub", "#said", "#row", "#menu"):
         assert page.locator(what).is_hidden()
-    page.evaluate("punch.speed = 20")
+    page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="leading edge").click()
     page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
     assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")

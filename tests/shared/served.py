@@ -97,7 +97,8 @@ class Server:
         )
         self.lines, self.news = [], threading.Condition()
         threading.Thread(target=self._listen, daemon=True).start()
-        self.address = f"http://localhost:{self.port}{prefix}/app"
+        self.origin = f"http://localhost:{self.port}"
+        self.address = f"{self.origin}{prefix}/app"
 
     def _listen(self):
         for line in self.process.stdout:

@@ -92,10 +92,11 @@ def test_a_pressed_flat_completes_its_run(values):
     assert np.diff(loads).min(initial=np.inf) > 0.5 * scene.spacing
 
 
-@pytest.mark.parametrize(
-    "values", [{"nu": 0.49}, {"height": 0.3}, {"nodes": 128, "width": 312.5, "E": 5.0, "nu": 0.49, "phi_ratio": 0.0}]
-)
+@pytest.mark.once(2)
 @pytest.mark.parametrize("du_z", [0.1, 0.05])
+@pytest.mark.parametrize(
+    "values", [{"nodes": 128, "width": 312.5, "E": 5.0, "nu": 0.49, "phi_ratio": 0.0}, {"nu": 0.49}, {"height": 0.3}]
+)
 def test_waves_that_need_all_nodes_are_the_located_end_of_a_branch(values, du_z):
     """The uniform state is unstable where a 2 x 2 block of K - J is singular for some wave: known in closed form."""
     scene = Scene(surface="flat", u_x_max=0.0, du_z=du_z, **values)
