@@ -4,9 +4,9 @@ import json
 import multiprocessing
 import queue
 import re
-import time
 
 import pytest
+from helpers import until
 from served import PATIENCE, finished
 from visitor import Page, order
 
@@ -110,10 +110,10 @@ def test_cancelling_an_accuracy_measurement_ends_its_process():
 def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
     first, second = Visitor(), Visitor()
     first.bench.begin(Scene())
-    first.calls.get(timeout=WAIT)()
+    until(lambda: first.bench.job.caller is not None)
     second.bench.begin(Scene())
     waiting = second.bench.job
-    time.sleep(0.3)
+    first.calls.get(timeout=WAIT)()  # the first measures: meanwhile the second could have started a process, too
     assert waiting.caller is None and second.state == "waiting"
     first.bench.job.caller.process.kill()
     while first.state != "failed":

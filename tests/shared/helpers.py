@@ -8,6 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from solver import load_path
+from solver.isolated import Lost, outcomes
 
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
@@ -51,6 +52,18 @@ def peculiar(item):
     if item == "hang":
         time.sleep(600.0)
     return item
+
+
+def outcomes_beside_a_hang(call, items, workers, hanging):
+    """{index: call(item) or Lost}, where the call of index `hanging` never ends.
+
+    With a longer limit if that has cut off others, as on a slow machine it may: it includes the start of a process.
+    """
+    for limit in (10.0, 60.0, PATIENCE):
+        found = dict(outcomes(call, items, workers, limit))
+        if not any(isinstance(found[k], Lost) and found[k].kind == "hang" for k in found if k != hanging):
+            break
+    return found
 
 
 def first_slip(scene):

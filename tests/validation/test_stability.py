@@ -5,16 +5,15 @@ import os
 import re
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import peculiar
+from helpers import outcomes_beside_a_hang, peculiar, until
 
 from solver import Scene, SceneError, load_path
 from solver.cli import main
-from solver.isolated import Lost, outcomes
+from solver.isolated import Lost
 from solver.mechanics.cohesive_law import traction
 from solver.validation import stability
 from solver.validation.atlas import AXES, Case, cases, scene_fields
@@ -160,7 +159,7 @@ def test_every_verdict_of_the_atlas_can_occur(monkeypatch, frame):
 @pytest.mark.slow
 def test_a_crashing_or_hanging_call_costs_only_its_process():
     items = ["a", "die", "raise", "b", "hang", "c"]
-    found = dict(outcomes(peculiar, items, 2, limit=10.0))
+    found = outcomes_beside_a_hang(peculiar, items, 2, hanging=items.index("hang"))
     assert [found[k] for k in (0, 3, 5)] == ["a", "b", "c"]
     assert [found[k].kind for k in (1, 2, 4)] == ["crash", "error", "hang"]
     assert all(isinstance(found[k], Lost) for k in (1, 2, 4))
@@ -178,7 +177,7 @@ for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_processes_end_with_a_parent_that_is_killed():
-    """The worker is busy for ten minutes when its parent dies; it is gone long before (the poll ends after 20 s)."""
+    """The worker is busy for ten minutes when its parent dies; it is gone long before (`until` ends after five)."""
     here = os.path.join(os.path.dirname(__file__), "..", "shared")
     program = f"import sys; sys.path.insert(0, {here!r})\nif __name__ == '__main__':\n" + "".join(
         f"    {line}\n" for line in KILLED.strip().splitlines()
@@ -186,11 +185,7 @@ def test_processes_end_with_a_parent_that_is_killed():
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as parent:
         worker = int(parent.stdout.readline())
         parent.kill()
-    for _ in range(200):
-        if not alive(worker):
-            break
-        time.sleep(0.1)
-    assert not alive(worker)
+    until(lambda: not alive(worker))
 
 
 def alive(pid):
