@@ -94,9 +94,9 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
     assert page.evaluate("acknowledged") == []
     page.locator("body").press("Space")
     page.wait_for_function("heard.length >= 2")  # that it is paused, and where
-    assert "newtons per metre" in page.inner_text("#told")
+    assert "newtons per metre" in page.inner_text("#announcement")
     page.locator("body").press("]")
-    page.wait_for_function("document.getElementById('told').textContent.startsWith('Slip at')")
+    page.wait_for_function("document.getElementById('announcement').textContent.startsWith('Slip at')")
 
 
 @pytest.mark.thorough

@@ -12,7 +12,7 @@ FETCHED = "performance.getEntriesByType('resource').filter(({ name }) => name.in
 def test_clicking_a_term_loads_and_shows_its_explanation(look):
     page = look()
     assert page.evaluate(FETCHED) == 0
-    term = page.locator("#said .term, figcaption .term").first
+    term = page.locator("#narration .term, figcaption .term").first
     term.hover()
     assert page.locator("#term").is_hidden()
     term.click()
@@ -57,7 +57,7 @@ def test_enter_shows_and_announces_an_explanation_and_escape_hides_it(look):
     term.focus()
     page.keyboard.press("Enter")
     page.locator("#term b").wait_for()
-    assert page.inner_text("#told") == page.inner_text("#term")
+    assert page.inner_text("#announcement") == page.inner_text("#term")
     page.keyboard.press("Escape")
     page.locator("#term").wait_for(state="hidden")
     assert page.evaluate("document.activeElement.className") == "term"

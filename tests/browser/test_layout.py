@@ -208,7 +208,7 @@ def test_a_flat_shows_picture_text_and_one_curve_at_every_size(visit, query):
     page = visit(f"{query}&preset=fig4a-blue")
     finished(page)
     page.locator("main").evaluate("(main) => { main.dataset.chosen = 'area' }")  # a curve that a flat has not
-    places = """() => ['.hero', '#said', '.forces'].map((what) => document.querySelector(`main ${what}`))
+    places = """() => ['.hero', '#narration', '.forces'].map((what) => document.querySelector(`main ${what}`))
         .map((part) => part.getBoundingClientRect()).map((box) => [box.left, box.right, box.top, box.bottom])"""
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})

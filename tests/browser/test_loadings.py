@@ -95,7 +95,7 @@ def forces_of(page, k):
     page.keyboard.press("Escape")
     page.locator("#table").wait_for(state="hidden")
     said, words = page.inner_text("#readout"), " ".join(page.evaluate("window.words"))
-    spoken = page.text_content("#told")
+    spoken = page.text_content("#announcement")
     seen = {
         "punch": re.findall(r"F = (\S+) N/m", words)[-1],
         "readout": re.search(r"F = (\S+) N/m", said)[1],

@@ -196,7 +196,7 @@ def test_stress_picture_follows_playback(visit):
     data = f"{MODEL.format('solid_field.field')}.data_source.data.image[0]"
     first = page.evaluate(f"[...{data}].reduce((a, b) => a + b)")
     page.wait_for_function(f"() => [...{data}].reduce((a, b) => a + b) !== {first}", timeout=PATIENCE)
-    assert "GPa" in page.inner_text("#solid-said")
+    assert "GPa" in page.inner_text("#solid-extent")
 
 
 @pytest.mark.thorough

@@ -97,6 +97,6 @@ def test_a_pinned_run_of_a_link_that_fails_shows_why_and_can_be_removed(visit):
     page = visit("?pin=Lifted*nodes*64*width*160*radius*0.6*E*30*hold*load*delta_bar*-0.1")
     chip = page.locator(".chip", has_text="Lifted: failed")
     chip.wait_for(timeout=PATIENCE)
-    assert page.inner_text("#pins-said").startswith("Lifted failed: ")
+    assert page.inner_text("#pins-status").startswith("Lifted failed: ")
     page.get_by_role("button", name="Remove Lifted").click()
     assert not page.locator(".chip").count() and not page.locator("#pins").is_visible()

@@ -20,7 +20,7 @@ WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
 READ = """async ({ now, before, at, values }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")
-    const { changeSaid, nowSaid, phaseSaid } = await import("http://scripts/js/sentence.js")
+    const { changeSentence, nowSentence, phaseSentence } = await import("http://scripts/js/sentence.js")
     const made = async ({ blocks, scene, carried }) => {
         let run = null
         for (const text of blocks) {
@@ -35,8 +35,8 @@ READ = """async ({ now, before, at, values }) => {
         return run
     }
     const run = await made(now), other = before && (await made(before))
-    const said = at.flatMap((k) => [nowSaid(run, k), phaseSaid(run, k)])
-    return { said, change: other && changeSaid(run, other) }
+    const said = at.flatMap((k) => [nowSentence(run, k), phaseSentence(run, k)])
+    return { said, change: other && changeSentence(run, other) }
 }"""
 
 
@@ -253,7 +253,7 @@ def test_sentence_of_a_continued_run_compares_slips_before_and_after_the_change(
 PLAYED = """async ({ now, speed }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")
-    const { phaseSaid } = await import("http://scripts/js/sentence.js")
+    const { phaseSentence } = await import("http://scripts/js/sentence.js")
     const { paceAt } = await import("http://scripts/js/pace.js")
     let run = null, at = 0
     for (const text of now.blocks) {
@@ -264,7 +264,7 @@ PLAYED = """async ({ now, speed }) => {
     }
     const seen = [], DT = 0.02
     for (at = run.beginning; at < run.length - 1; at += (DT * paceAt(run, at, speed)) / run.head.step) {
-        const { key, text } = phaseSaid(run, Math.floor(at))
+        const { key, text } = phaseSentence(run, Math.floor(at))
         if (seen.at(-1)?.key === key) seen.at(-1).seconds += DT
         else seen.push({ key, text, seconds: DT })
     }

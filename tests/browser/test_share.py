@@ -60,7 +60,7 @@ def test_copying_without_a_clipboard_works_or_says_what_to_press(visit):
     page.get_by_role("button", name="Share").press("Enter")
     page.wait_for_function("document.getElementById('share-python').value")  # the sheet is complete
     page.locator("#copy-link").press("Enter")
-    page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-said').textContent)")
+    page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-status').textContent)")
     page.evaluate("() => new Promise((done) => setTimeout(done, 1100))")  # after that for the clipboard's answer
     assert page.evaluate("rejected") == 0
 
@@ -77,9 +77,9 @@ def test_link_and_python_code_are_copied_even_if_the_clipboard_never_answers(she
     if not answers:
         sheet.evaluate("void (navigator.clipboard.writeText = () => new Promise(() => {}))")
     for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
-        sheet.locator("#share-said").evaluate("(said) => { said.textContent = '' }")
+        sheet.locator("#share-status").evaluate("(said) => { said.textContent = '' }")
         sheet.locator(button).press("Enter")
-        sheet.wait_for_function("document.getElementById('share-said').textContent.includes('copied')")
+        sheet.wait_for_function("document.getElementById('share-status').textContent.includes('copied')")
         assert sheet.evaluate("navigator.clipboard.readText()") == sheet.input_value(field)
     sheet.evaluate("delete navigator.clipboard.writeText")
 

@@ -16,7 +16,7 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(visit):
     hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
     assert hidden["width"] > 0.8 * view["width"] - 90
     # nothing but the question: neither words nor a preset's name answer it beforehand
-    for what in ("#scrub", "#said", "#row", "#menu"):
+    for what in ("#scrub", "#narration", "#row", "#menu"):
         assert page.locator(what).is_hidden()
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="leading edge").click()

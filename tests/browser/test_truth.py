@@ -78,7 +78,7 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
     assert page.evaluate("[...document.querySelectorAll('nav button')].every((button) => button.disabled)")
     assert page.is_enabled("#E") and page.is_enabled("#row input >> nth=0")
     page.locator("#take").dispatch_event("click")
-    page.locator("#share-said", has_text="server does not answer").wait_for()
+    page.locator("#share-status", has_text="server does not answer").wait_for()
     assert page.is_disabled("#copy-python")
     page.keyboard.press("Escape")
     before = page.evaluate("watched")

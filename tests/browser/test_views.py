@@ -85,7 +85,7 @@ def test_a_flat_fills_the_view_and_hides_contact_area_and_map(visit):
     page.select_option("#preset", "fig6")
     finished(page, run=2)
     page.locator("figure[aria-label^='Contact map'] .view").wait_for(state="visible")
-    assert not page.locator("figure[aria-label^='Contact area'] .said").is_visible()
+    assert not page.locator("figure[aria-label^='Contact area'] .note").is_visible()
 
 
 @pytest.mark.thorough

@@ -47,7 +47,7 @@ PICK = f"""([what, part]) => {{
 WRONG = """async () => {
     // what the page says against itself, at rest
     const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-    const [{ nowSaid }, { parts }, { drawnBy }] = await Promise.all(['sentence', 'figures', 'bokeh'].map(of))
+    const [{ nowSentence }, { parts }, { drawnBy }] = await Promise.all(['sentence', 'figures', 'bokeh'].map(of))
     const wrong = [], { run, status, drawn } = punch, by = (id) => document.getElementById(id)
     const differ = (what, a, b) => { if (`${a}` !== `${b}`) wrong.push(`${what}: ${a} against ${b}`) }
     if (status.state === 'failed' || !(run.sheared >= 0)) return wrong
@@ -59,7 +59,7 @@ WRONG = """async () => {
     differ('grey', document.querySelector('.page').dataset.stale, false)
     if (!punch.playing && punch.preview === null && !by('film').checkVisibility()) {
         const k = Math.min(drawn, run.length - 1)
-        differ('sentence', by('sentence').textContent, nowSaid(run, k).text)
+        differ('sentence', by('sentence').textContent, nowSentence(run, k).text)
         differ('increment', by('scrub').value, k)
         const punched = drawnBy(parts.punch.surface) ?? parts.punch.surface.data_source.data
         const gaps = [...(punched.gap ?? punched.y)], frame = run.frame(k)

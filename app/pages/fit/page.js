@@ -26,7 +26,7 @@ export function connect() {
 
 export const opened = () => { drawn = null }
 
-export function told(news) {
+export function receive(news) {
   by("fit-go").disabled = !("fit" in news) || (news.busy ?? null) !== null
   measured = "fit" in news
   if (news.answers !== answers) nameMeasurement(news)

@@ -114,8 +114,8 @@ class Page(Sheet):
             if "drive_t" in free and scene.drive_t == inf:
                 return self.publish(texts={"fit-text": "The drive is rigid: give drive_t a number under Parameters."})
             self.single.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
-            said = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
-            self.publish(busy=0.0, texts={"fit-text": said})
+            text = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
+            self.publish(busy=0.0, texts={"fit-text": text})
         elif what == "cancel":
             self.close()
             self.publish(busy=None, texts={"fit-text": "Cancelled."})
@@ -126,8 +126,8 @@ class Page(Sheet):
         self.answers += 1
         if measured is None:
             there = "The previous measurement stays." if self.measured else "Choose another file."
-            said = f"Not read: {why}. {there}"
-            return self.publish(answers=self.answers, refused=True, texts={"fit-text": said})
+            text = f"Not read: {why}. {there}"
+            return self.publish(answers=self.answers, refused=True, texts={"fit-text": text})
         self.measured, self.found, self.truth = measured, None, truth or {}
         self._draw_measured()
         self._draw_fitted()
@@ -136,10 +136,10 @@ class Page(Sheet):
             view.figure.x_range.update(**along)
         points, slips = counted(measured.U_x.size, "point"), counted(len(measured.slips), "slip")
         noise = measured.noise["F_bar"] * self._unit
-        said = f"{points}, {slips} recognised, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
-        said += " Move the sliders until the curves meet, or click Fit."
+        text = f"{points}, {slips} recognised, noise {noise:.2g} N/m. {' '.join(measured.notes)}".strip()
+        text += " Move the sliders until the curves meet, or click Fit."
         news = {"answers": self.answers, "refused": False, "made": bool(truth), "fit": None}
-        self.publish(texts={"fit-text": said}, **news)
+        self.publish(texts={"fit-text": text}, **news)
 
     @property
     def _unit(self):
@@ -173,14 +173,14 @@ class Page(Sheet):
         self.found = found
         self._draw_fitted()
         runs = counted(found.runs, "predicted run")
-        said = f"χ² per point {found.chi2:.3g}, from {runs}." + "".join(map(in_words, found.warnings))
-        told = {
+        text = f"χ² per point {found.chi2:.3g}, from {runs}." + "".join(map(in_words, found.warnings))
+        result = {
             "values": {name: float(f"{value:.5g}") for name, value in found.values.items()},
             "errors": {name: float(f"{error:.2g}") for name, error in found.errors.items()},
             "truth": {name: float(f"{value:.5g}") for name, value in self.truth.items() if name in found.values},
             "correlations": np.round(found.correlations, 2).tolist(),
         }
-        self.publish(busy=None, texts={"fit-text": said}, fit=told)
+        self.publish(busy=None, texts={"fit-text": text}, fit=result)
 
 
 def in_words(sentence):

@@ -7,7 +7,7 @@ const FAINT = 1e-3 // share of the tangential traction below which its factor ov
 
 let law = null // {spacing, peak: where sticking ends, nm} of the scene on screen
 
-export const told = (news) => { law = news.law }
+export const receive = (news) => { law = news.law }
 export const closed = () => { law = null }
 
 export function frame(run, k) {

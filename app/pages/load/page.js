@@ -42,7 +42,7 @@ function draw() {
 }
 
 const show = (label, list) => fill("load_slips", label,
-  { L: list.map(({ L }) => L), F: list.map(({ F }) => F), label: list.map(said) })
+  { L: list.map(({ L }) => L), F: list.map(({ F }) => F), label: list.map(labelOf) })
 
 function axis(range, name) {
   const [low, high] = extent(points.map((point) => point[name]))
@@ -51,7 +51,7 @@ function axis(range, name) {
 }
 
 // The parameter that changed, and those with a slider; of a path through points also the stage of the slip
-const said = ({ changed, scene, stage }) => [stage ? `first slip of the path, in stage ${stage}` : [],
+const labelOf = ({ changed, scene, stage }) => [stage ? `first slip of the path, in stage ${stage}` : [],
   ...[...new Set([changed ?? [], NAMED].flat())].map((name) => value(name, scene[name]))].flat().join(", ")
 
 const cell = (given) => (typeof given === "number" ? given : `"${`${given ?? ""}`.replaceAll('"', '""')}"`)

@@ -18,7 +18,7 @@ let result = null // {values: {parameter: now}, bars: {parameter: [U_s, F_s, A_s
 
 export const connect = () => on("matters-of", "input", drawBars)
 
-export function told({ matters }) {
+export function receive({ matters }) {
   if (matters === result) return
   result = matters ?? null
   drawBars()

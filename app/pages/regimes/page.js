@@ -23,7 +23,7 @@ export function connect() {
   }))
 }
 
-export function told(news) {
+export function receive(news) {
   axes = news.axes ?? []
   regimes = news.codes?.map((code) => news.names.at(code)) ?? []
   unit = news.unit ?? ""

@@ -221,14 +221,14 @@ class Page(Sheet):
         ends = limits(image)
         low, high = (f"{value + 0.0:.3g}".replace("-", "−") for value in ends)  # no -0
         beyond = np.any(image < ends[0]), np.any(image > ends[1])
-        said = {"low": "≤ " * bool(beyond[0]) + low, "high": "≥ " * bool(beyond[1]) + f"{high} {unit}", "text": text}
-        said["quantity"] = label if self.of == "L_min" else f"{label} of the first slip"
-        said["none"] = "no contact to pull off" if self.of == "L_min" else "no slip"
+        legend = {"low": "≤ " * bool(beyond[0]) + low, "high": "≥ " * bool(beyond[1]) + f"{high} {unit}", "text": text}
+        legend["quantity"] = label if self.of == "L_min" else f"{label} of the first slip"
+        legend["none"] = "no contact to pull off" if self.of == "L_min" else "no slip"
         done = len(points) / self.grid.size if self.sweep.waiting else None
         stopped = len(points) < self.grid.size and done is None
         axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
         read = {"axes": axes, "codes": codes.ravel().tolist(), "names": [*REGIMES, ""]}  # -1: none
-        texts = {f"regimes-{name}": text for name, text in said.items()}
+        texts = {f"regimes-{name}": text for name, text in legend.items()}
         self.publish(texts=texts, busy=done, hidden={"regimes-resume": not stopped}, unit=unit, **read)
 
 

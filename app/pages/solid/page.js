@@ -3,7 +3,7 @@
 import { set } from "../../static/js/bokeh.js"
 import { nice, rampIn, shades } from "../../static/js/colours.js"
 import { by, on } from "../../static/js/dom.js"
-import { extent, figures, fillImage, parts, stretchSaid, tellLimits } from "../../static/js/figures.js"
+import { extent, figures, fillImage, parts, stretchText, tellLimits } from "../../static/js/figures.js"
 import { APART, mean, middles, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
 import { redrawCanvases } from "../../static/js/store.js"
 
@@ -22,7 +22,7 @@ const FIELDS = { // of sums over weights, and the scene; GPa
 }
 
 export function frame(run, k) {
-  const stretch = stretchSaid("solid_field")
+  const stretch = stretchText("solid_field")
   if (stretch) by("solid_field-stretch").textContent = stretch === "to scale" ? stretch : `vertical ${stretch}`
   const scene = run.headOf(k).scene, half = figures.punch.x_range.end
   const depth = Math.min(half, scene.height * scene.width)
@@ -36,7 +36,7 @@ export function frame(run, k) {
   set(figures.solid_field.y_range, { start: 0, end: depth })
   shade(quantity, run.number, image)
   nameQuantity(quantity)
-  by("solid-said").textContent = `largest ${Math.max(...extent(image).map(Math.abs)).toPrecision(3)} GPa`
+  by("solid-extent").textContent = `largest ${Math.max(...extent(image).map(Math.abs)).toPrecision(3)} GPa`
 }
 
 // What the view shows now, and the key of its colours
@@ -61,7 +61,7 @@ function shade(quantity, run, image) {
   tellLimits("solid_field", -top, top)
 }
 
-export function told(news) {
+export function receive(news) {
   if (news.palette) ({ palette, stresses } = news)
 }
 

@@ -51,7 +51,7 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
   })
   const view = { pen, ink, box }
   if (high < 2 * size()) return
-  const text = (said, y, colour) => write(view, said, box.left + 8, y, { of: colour, align: "left", scale: 0.95 })
+  const text = (label, y, colour) => write(view, label, box.left + 8, y, { of: colour, align: "left", scale: 0.95 })
   const above = Math.max(top + 0.6 * size(), Y(0) - 0.75 * size()), below = Y(0) + 1.15 * size()
   if (!says[1] || of.some((T) => T > 0)) text(says[0], above, over)
   if (says[1] && below + 0.5 * size() < top + high) text(says[1], below, under)

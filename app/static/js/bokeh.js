@@ -49,7 +49,7 @@ function dataOf(source) {
   return source.data
 }
 
-// {x, y} of the points of a curve, of dots or of texts, with their texts, if any, as `said`, or {image, rows, columns,
+// {x, y} of the points of a curve, of dots or of texts, with the texts as `labels`, or {image, rows, columns,
 // x, y, dw, dh} of an image; null of anything else
 export function drawnBy(renderer) {
   if (!renderer.data_source) return null
@@ -58,8 +58,8 @@ export function drawnBy(renderer) {
     const { shape: [rows, columns] } = data.image[0]
     return { image: data.image[0], rows, columns, x: data.x[0], y: data.y[0], dw: data.dw[0], dh: data.dh[0] }
   }
-  const said = data[renderer.glyph.text?.field ?? "label"]
-  return x?.field && y?.field ? { x: data[x.field], y: data[y.field], said } : null
+  const labels = data[renderer.glyph.text?.field ?? "label"]
+  return x?.field && y?.field ? { x: data[x.field], y: data[y.field], labels } : null
 }
 
 // Values (rows, columns) as an image wants them: of the kind that came from the server

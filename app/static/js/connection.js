@@ -57,7 +57,7 @@ const pause = (time) => new Promise((go) => {
     "you can play and scrub; what you change takes effect when the server answers. Trying again … ", go)
 })
 
-// The scene last told by the server, then what was asked for since
+// The last scene that the server sent, then what was asked for since
 function openAnew() {
   const address = new URL(location.href)
   let wanted = { ...me.status.address }

@@ -32,7 +32,7 @@ export function say(id, text) {
 
 // Change the parameters of the address in the browser's bar; push: as another entry of its history
 let written = location.search
-export const lastSearch = () => written // what it said before the browser went back
+export const lastSearch = () => written // its text before the browser went back
 export function readdress(change, state = history.state, push = false) {
   const address = new URL(location.href)
   change(address.searchParams)

@@ -139,7 +139,7 @@ function pointAlong(run, view, value, factor) {
     angle: heads.map(([, way]) => (-way * Math.PI) / 2) })
 }
 
-// What is said beside the mouse on a curve: change(where, what) makes it of what it was, [symbol, value] each
+// The text beside the mouse on a curve: change(where, what) makes it from the previous, [symbol, value] each
 function retell(view, change) {
   const tools = figures[view].toolbar.tools.filter(({ tooltips }) => tooltips?.[0])
   for (const tool of tools) set(tool, { tooltips: change(...tool.tooltips) })
@@ -222,7 +222,7 @@ export function shade(view, label, low, high) {
 export const figureShown = (view) => isShown(document.querySelector(`.view[data-view="${view}"]`))
 
 // How many times as high as wide a figure is drawn on this screen now, in words; nothing before it is laid out
-export function stretchSaid(view) {
+export function stretchText(view) {
   const times = stretch(figures[view])
   return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
 }
@@ -231,7 +231,7 @@ export function stretchSaid(view) {
 export const hasRoom = (view, letters) =>
   figures[view].inner_height > LETTER * letters * parseFloat(colour("--plot-text"))
 
-// Figures are drawn on a canvas and must be told the colours: of what is drawn, the one its tag names
+// Figures are drawn on a canvas and need the colours: of what is drawn, the one its tag names
 export function paint() {
   readAgain()
   const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")

@@ -56,8 +56,8 @@ export class Frames {
     const moved = this.moved(k), { state: stateOf } = this.frame(k)
     const acting = [...moved.keys()].filter((i) => stateOf(i) !== "free"), gone = acting.filter((i) => moved[i])
     const sites = gone.length ? Math.abs(moved[gone[gone.length >> 1]]) : 0
-    const said = `${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}`
-    return { acting: acting.length, gone: gone.length, all: gone.length >= ALL * acting.length, sites, said }
+    const shiftText = `${COUNTS[sites] ?? sites} site${sites === 1 ? "" : "s"}`
+    return { acting: acting.length, gone: gone.length, all: gone.length >= ALL * acting.length, sites, shiftText }
   }
 
   // Stretches of repulsion in frame k, [from, to] as numbers of nodes with fractions

@@ -139,8 +139,8 @@ export function drawLattice(view) {
     line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + 9]], ink.body, 2)
   }
   drawAtoms(view, X, (y) => low - y * scale, scale, from, to)
-  const said = `${narrow ? "layer" : "the elastic layer,"} sheared by ${fixed(stretch, 1)} nm`
-  write(view, said, box.left + 0.5 * box.width, box.top + 0.4 * box.height)
+  const text = `${narrow ? "layer" : "the elastic layer,"} sheared by ${fixed(stretch, 1)} nm`
+  write(view, text, box.left + 0.5 * box.width, box.top + 0.4 * box.height)
 }
 
 export function connectLens() {

@@ -6,12 +6,12 @@ import { declared } from "./store.js"
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
 
-let drawn = "" // as it was told
+let drawn = "" // the marks on screen, as JSON
 
 export function drawMarks(marks) {
-  const told = JSON.stringify(marks ?? {})
-  if (told === drawn) return
-  drawn = told
+  const text = JSON.stringify(marks ?? {})
+  if (text === drawn) return
+  drawn = text
   for (const name in declared.positions) draw(name, marks[name] ?? [], declared.positions[name])
 }
 
@@ -19,14 +19,14 @@ function draw(name, marks, values) {
   const scale = by(name).parentElement.querySelector(".ends"), labels = []
   const apart = Math.max(APART[0], APART[1] / (by(name).clientWidth || Infinity))
   for (const old of scale.querySelectorAll(".mark")) old.remove()
-  const titles = marks.map(([value, said]) => `${said} at ${digits(value, 2)}`)
-  marks.forEach(([value, said], i) => {
+  const titles = marks.map(([value, label]) => `${label} at ${digits(value, 2)}`)
+  marks.forEach(([value, label], i) => {
     const at = place(value, values), onclick = () => goThere(by(name), closest(values, value))
     // those who cannot see it hear of it at the slider, which has the keyboard
     const mark = makeButton({ className: "mark", title: `${titles[i]}: click to go there`, tabIndex: -1, onclick })
     mark.style.left = `calc(8px + ${at} * (100% - 16px))`
     if (labels.every((other) => Math.abs(other - at) > apart)) {
-      mark.append(make("span", {}, said))
+      mark.append(make("span", {}, label))
       mark.dataset.side = at < ENDS[0] ? "right" : at > ENDS[1] ? "left" : ""
       labels.push(at)
     }

@@ -21,8 +21,8 @@ let tryNow = null
 export function warn(title, text, retry) {
   if (!tryNow) on("retry", "click", () => tryNow())
   tryNow = retry
-  const [name, said] = by("lost").children
+  const [name, reason] = by("lost").children
   name.textContent = title
-  said.textContent = text
+  reason.textContent = text
   by("lost").hidden = false
 }

@@ -16,15 +16,15 @@ export function unpack(buffer, at = 0) {
 }
 
 // The chunk in a message, which may be compressed, in a while; with what the header of the message says
-export async function unpackLater({ head: said, buffer, start: at }) {
+export async function unpackLater({ head: outer, buffer, start: at }) {
   const { head, start } = opened(buffer, at)
-  if (!head.compressed) return { ...said, ...unpack(buffer, at) }
+  if (!head.compressed) return { ...outer, ...unpack(buffer, at) }
   const stream = new Blob([new Uint8Array(buffer, start)]).stream().pipeThrough(new DecompressionStream("deflate"))
   const planes = new Uint8Array(await new Response(stream).arrayBuffer()), { kept } = head
   const curves = curvesOf(planes, head.columns.length, head.frames), behind = planes.subarray(curves.byteLength)
   const [frames, nodes] = kept ? [kept.frames.length, kept.nodes.length] : [head.frames, head.nodes]
   const fields = fieldsOf(behind, frames, nodes)
-  return { ...said, ...chunkOf(head, curves, kept ? filledIn(fields, kept, head) : fields) }
+  return { ...outer, ...chunkOf(head, curves, kept ? filledIn(fields, kept, head) : fields) }
 }
 
 const named = (names, numbers, size) =>

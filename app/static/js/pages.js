@@ -1,5 +1,5 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
-// app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), told(news),
+// app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), receive(news),
 // frame(run, k) with every frame before Bokeh paints, over(run, k) after that, painted() in other colours, closed().
 
 import { ask, order } from "./channel.js"
@@ -11,7 +11,7 @@ import { cover, declared, me, redraw, view } from "./store.js"
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
 let slots = {} // figure: where it goes
-let sheet = { open: "", figures: [] } // what the server said last of the page that is open
+let sheet = { open: "", figures: [] } // the last message of the server on the open page
 let picking = 0
 export const slot = (name) => slots[name]
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
@@ -83,7 +83,7 @@ export async function read(text) {
   return news
 }
 
-export function told(news) {
+export function receive(news) {
   if (sheet.open !== news.open) {
     call("closed")
     redraw() // in this theme, and without what the page has drawn over the punch
@@ -102,7 +102,7 @@ export function told(news) {
     part.hidden = (sheet.busy ?? null) === null
     part.value = sheet.busy ?? 0
   }
-  call("told", sheet)
+  call("receive", sheet)
   framePage("frame")
 }
 

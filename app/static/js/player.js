@@ -112,7 +112,7 @@ export function play(on) {
   if (!on) {
     me.at = Math.min(me.at, (me.run?.length ?? 1) - 1)
     summarise("Paused")
-  } else by("told").textContent = ""
+  } else by("announcement").textContent = ""
   if (!me.run?.stored && ["running", "paused", "warming"].includes(me.status.state)) order(on ? "resume" : "pause")
 }
 
@@ -135,15 +135,16 @@ export function goto(k) {
   if (me.playing) play(false)
   set({ following: false, preview: null, at: Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1)) })
   if (me.run?.curves.slip[now()]) summarise("Slip")
-  else by("told").textContent = "" // what was announced at another increment is not true of this one
+  else by("announcement").textContent = "" // what was announced at another increment is not true of this one
 }
 
-// A sentence for those who hear the page: at rest only, as what is said at every frame is a flood
+// A sentence for those who hear the page: at rest only, as a sentence for every frame is a flood
 function summarise(what) {
   const { run } = me, k = now()
   if (k < 0) return
   const v = run.values(k)
-  by("told").textContent = `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${digits(v.F)}, `
+  by("announcement").textContent =
+    `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${digits(v.F)}, `
     + `load ${digits(v.L)} newtons per metre, `
       + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
 }

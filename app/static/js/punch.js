@@ -4,7 +4,7 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, shareAxis, stretchSaid,
+  CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, shareAxis, stretchText,
 } from "./figures.js"
 import { declared, me } from "./store.js"
 
@@ -46,9 +46,9 @@ export function drawFrame(run, k) {
 
 // How much larger heights are drawn than widths, and displacements sideways than they are
 function nameScale({ times }) {
-  const up = stretchSaid("punch"), said = times > 1 ? `${up}, sideways ×${times}` : `drawn ${up}`
-  const title = `height (nm), ${said}`
-  if (up) set(figures.punch.left[0], { axis_label: hasRoom("punch", title.length) ? title : said })
+  const up = stretchText("punch"), scaleText = times > 1 ? `${up}, sideways ×${times}` : `drawn ${up}`
+  const title = `height (nm), ${scaleText}`
+  if (up) set(figures.punch.left[0], { axis_label: hasRoom("punch", title.length) ? title : scaleText })
 }
 
 function drawPunch(run, frame, top) {
@@ -67,9 +67,9 @@ function drawPunch(run, frame, top) {
     fill("punch", label, { x: pick(x), at: pick(at), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
   if (!run.head.flat) return
-  const { mark, said } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
+  const { mark, label } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
   by("flat-mark").className = mark
-  by("flat-state").textContent = said
+  by("flat-state").textContent = label
 }
 
 let sites = 0 // how many are drawn on either side of the middle

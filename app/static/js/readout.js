@@ -2,7 +2,7 @@
 
 import { isShown } from "./colours.js"
 import { by, fixed, tell } from "./dom.js"
-import { areaSaid, forceSaid, forceUnit, value as named } from "./words.js"
+import { areaText, forceText, forceUnit, value as named } from "./words.js"
 
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k), others = under(run, k)
@@ -12,14 +12,14 @@ export function tellFrame(run, k) {
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
   const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
   const unit = forceUnit([run]), top = run.driven ? ` (top ${fixed(run.top(k), 1)} nm)` : ""
-  const said = [
+  const texts = [
     `${run.leg(k)} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm${top},`, `δ = ${fixed(v.delta, 1)} nm,`,
-    `${forceSaid(v, "F", unit)},`, `${forceSaid(v, "L", unit)},`, `${areaSaid(v)}${slipped}`,
+    `${forceText(v, "F", unit)},`, `${forceText(v, "L", unit)},`, `${areaText(v)}${slipped}`,
     [work, others].filter(Boolean).join("; "),
   ]
   by("solver").lastElementChild.textContent =
     `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
-  said.forEach((text, i) => { by("readout").children[i].textContent = text })
+  texts.forEach((text, i) => { by("readout").children[i].textContent = text })
 }
 
 // With what a frame was computed that a run goes on from, where that is no longer so; beside the sliders as well

@@ -10,7 +10,7 @@ export const REAL = { // N/m, nm
   L_slip: ["slip_L", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle],
 }
 
-const SPAN = { // of the frames of a run, from the first of shear on unless said otherwise
+const SPAN = { // of the frames of a run, from the first of shear on by default
   T_high: 0, T_low: 0, // GPa, strongest repulsion, and attraction
   T_out: 0, T_back: 0, // GPa, the strongest tangential traction against +x, and along it
   T_most: 0, T_least: 0, // GPa, strongest traction of either kind, and the most negative

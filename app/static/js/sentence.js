@@ -16,13 +16,13 @@ const tell = (key, text, ...claims) => ({ key, text, claims })
 
 // What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the
 // frame
-export function phaseSaid(run, k) {
+export function phaseSentence(run, k) {
   const at = Math.min(Math.max(k, run.sheared + 1), run.length - 1) // not "at rest" while the top moves
   const stage = run.sheared < 0 ? "" : run.stage(at), sheared = ["shear", "back"].includes(stage)
   const slips = sheared && !run.filmed
     ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
   if (slips.length > 1 && at >= slips[0] + AFTER / run.head.step) return jerks(run, slips)
-  return nowSaid(run, at, true)
+  return nowSentence(run, at, true)
 }
 
 function jerks(run, [first, second]) {
@@ -35,7 +35,7 @@ function jerks(run, [first, second]) {
 }
 
 // What happens at frame k; playing: without the numbers of a slip
-export function nowSaid(run, k, playing = false) {
+export function nowSentence(run, k, playing = false) {
   if (run.filmed)
     return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
   const stage = run.stage(k), frame = run.frame(k)
@@ -84,9 +84,10 @@ function pressed(run, k, stage) {
 }
 
 function slid(run, at, playing) {
-  const { F, A } = run.curves, start = eventOf(run, at), { gone, all, sites, said } = run.followed ? {} : run.slipTo(at)
+  const { F, A } = run.curves, start = eventOf(run, at)
+  const { gone, all, sites, shiftText } = run.followed ? {} : run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
-  const far = sites && all ? ` by ${said}, ${nm(sites * run.head.spacing)}` : ""
+  const far = sites && all ? ` by ${shiftText}, ${nm(sites * run.head.spacing)}` : ""
   const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0
   const numbers = playing ? "" : ` from ${digits(was)} to ${newtons(is)}${round ? " the other way" : ""}`
   const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"}${numbers}`
@@ -197,7 +198,7 @@ const ALONE = ["surface", "path", "hold"] // another experiment: nothing to comp
 const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.abs(b))
 
 // What one change has done, against the run before; null where there is nothing to compare
-export function changeSaid(run, before) {
+export function changeSentence(run, before) {
   if (!run?.scene || !before?.scene || run.normal !== before.normal || run.head.flat !== before.head.flat
     || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
   const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
@@ -217,14 +218,14 @@ export function changeSaid(run, before) {
   if (!then)
     return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true],
       ["slipped before", false], ["U_s", now.U])
-  const said = [], claims = []
+  const differences = [], claims = []
   if (differs(now.U, then.U))
-    said.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
+    differences.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
   if (differs(now.F, then.F))
-    said.push(`${said.length ? "" : "it slips at "}${newtons(now.F)} instead of ${newtons(then.F)}`)
+    differences.push(`${differences.length ? "" : "it slips at "}${newtons(now.F)} instead of ${newtons(then.F)}`)
   claims.push(["U_s", now.U], ["U_s before", then.U], ["F_s", now.F], ["F_s before", then.F])
-  if (!said.length) return tell("change none", `${head}: hardly a difference.`, ...claims)
-  return tell("change", `${head}: ${said.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
+  if (!differences.length) return tell("change none", `${head}: hardly a difference.`, ...claims)
+  return tell("change", `${head}: ${differences.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
 }
 
 const compared = (head, verb, now, then, ...claims) =>

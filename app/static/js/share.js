@@ -55,8 +55,8 @@ function wrapped(pen, text, width) {
 }
 
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
-const textAt = (x, y, said, more = "") =>
-  `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(said)}</text>`
+const textAt = (x, y, text, more = "") =>
+  `<text x="${x}" y="${y}" dominant-baseline="middle" ${more}>${escaped(text)}</text>`
 
 // What the colours of a view mean, where its caption has a scale
 function scaleOf(name) {
@@ -87,10 +87,10 @@ function framed(name, over = () => "") {
   let x = MARGIN, y = MARGIN + LINE / 2
   pen.font = `14px ${FONT}`
   parts.push(textAt(x, y, titleOf(holder), 'font-weight="600"'))
-  keyOf(holder).forEach(([ink, said], i) => {
-    const wide = 24 + pen.measureText(said).width
+  keyOf(holder).forEach(([ink, label], i) => {
+    const wide = 24 + pen.measureText(label).width
     if (!i || x + wide > width - MARGIN) [x, y] = [MARGIN, y + LINE]
-    parts.push(`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, said))
+    parts.push(`<rect x="${x}" y="${y - 2}" width="18" height="4" fill="${ink}"/>`, textAt(x + 24, y, label))
     x += wide + 16
   })
   const top = y + LINE / 2
@@ -159,7 +159,7 @@ export function csv(run) {
   return [...comments, heading.join(","), ...rows, ""].join("\n")
 }
 
-const say = (text) => { by("share-said").textContent = text }
+const say = (text) => { by("share-status").textContent = text }
 
 // Browsers lend the clipboard to secure pages only, and may never answer: then the old way
 async function copy(field, what) {
@@ -216,17 +216,18 @@ export function open() {
   by("share-frame").value = frameOf(link)
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
   const { address, after } = me.status
-  const said = []
+  const sentences = []
   if (address.profile?.startsWith("known-"))
-    said.push("The measured profile is too large for a link, which holds only while this server runs; the JSON has it.")
+    sentences.push("The measured profile is too large for a link, which holds only while this server runs; "
+      + "the JSON has it.")
   if (after)
-    said.push("This run goes on from another. The link starts its scene from the beginning; "
+    sentences.push("This run goes on from another. The link starts its scene from the beginning; "
       + "Python and the data have the whole path.")
-  if (me.lost) said.push("The server does not answer: it is needed for Python, NPZ and JSON.")
+  if (me.lost) sentences.push("The server does not answer: it is needed for Python, NPZ and JSON.")
   for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
   if (me.lost) by("share-python").value = ""
-  if (!me.run?.whole) said.push("The run is still being computed: CSV and pictures hold what there is.")
-  say(said.join(" "))
+  if (!me.run?.whole) sentences.push("The run is still being computed: CSV and pictures hold what there is.")
+  say(sentences.join(" "))
   order("share", { link })
   by("share").showModal()
 }

@@ -19,7 +19,7 @@ export function tellDepth(value, refused) {
   document.querySelector("[data-name=delta_bar] .unit").textContent = refused ? "" : `= ${digits(depth)} nm`
 }
 
-// Every control as the server told it; before: the values told before
+// Every control as the server sent it; before: the values sent before
 export function describeAll({ values, errors }, before) {
   for (const name in values) describe(name, values[name], errors[name], before?.[name])
   for (const id of ["delta_bar", "delta_bar-entry"]) by(id).disabled = values.path === "points" // they set the depth

@@ -47,7 +47,7 @@ function tellScene() {
     describeAll(status, described?.values)
     described = status
     namePreset()
-    const look = presetSaid()
+    const look = presetText()
     if (by("look").textContent !== look) explain(by("look"), look)
   }
   if (status.frames > 0 && !me.dragging) writeAddress()
@@ -64,7 +64,7 @@ function tellNotes() {
 
 const SAID = 4 // parameters at most
 
-// {parameter: value} as the controls have it: what the server told, and what was asked for since
+// {parameter: value} as the controls have it: as the server sent them, with what was asked for since
 function asked() {
   const changes = me.waiting.filter(({ what }) => what === "scene").map(({ values }) => values)
   return Object.assign({}, me.status.values, ...changes, me.entered)
@@ -97,15 +97,15 @@ function namePreset() {
 }
 
 // What to look for, where the scene is still that of the preset
-function presetSaid() {
+function presetText() {
   const { preset, address, after } = me.status
   const changed = changes()
-  const said = changed.map((name) => `${inWords(name)} = ${minus(address[name])}`).join(", ")
+  const listed = changed.map((name) => `${inWords(name)} = ${minus(address[name])}`).join(", ")
   if (after && me.origin?.number === after[0]) {
     const where = `increment ${after[1]} (Uₓ = ${me.origin.curves.U_x[after[1]].toFixed(1)} nm)`
-    return `carried on from ${where} with ${said || "the preset's values"}; the address holds the parameters only`
+    return `carried on from ${where} with ${listed || "the preset's values"}; the address holds the parameters only`
   }
-  return changed.length ? `changed: ${said}` : declared.looks[preset]
+  return changed.length ? `changed: ${listed}` : declared.looks[preset]
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped

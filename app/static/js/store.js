@@ -5,7 +5,7 @@ import { painted } from "./bokeh.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
-export const declared = {} // what Python declares, as main.js is told
+export const declared = {} // what Python declares, as main.js receives it
 
 const fields = {
   // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
@@ -16,7 +16,7 @@ const fields = {
   picture: null, // {run, k, own: whether of the run on screen} as drawn last
   film: null, // {run, k, paused}: a state of a slow motion, drawn in place of the frame
   playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
-  status: {}, waiting: [], // what the server said last; {n, what, values, at} of orders without an answer
+  status: {}, waiting: [], // the last message of the server; {n, what, values, at} of orders without an answer
   // no server; the sliders say another scene; the place of the path to go to once it is there
   lost: false, stale: false, place: null,
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held

@@ -6,7 +6,7 @@ import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
-import { changeSaid, nowSaid, phaseSaid } from "./sentence.js"
+import { changeSentence, nowSentence, phaseSentence } from "./sentence.js"
 import { exact, me } from "./store.js"
 import { explain } from "./terms.js"
 
@@ -19,8 +19,8 @@ const MARKED = 1.0 // nm of the path for which a slip stays marked
 const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
 const LENS = 0.5 // of the width, beyond which the lens does not reach as the page opens
 const WIDE = 52 // times the size of the text, from which there is room for whole sentences
-const PATCHES = 8 // with a bracket each; more are told in words
-const GAIN = 0.005 // a change of the area by less is not told
+const PATCHES = 8 // with a bracket each; more are described in words
+const GAIN = 0.005 // a smaller change of the area is not shown
 
 // Draw everything that belongs to frame k of a run over the punch
 export function drawStory(run, k) {
@@ -138,12 +138,12 @@ function drawEdges(view) {
   if (!start) return
   const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b]
   const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too
-  const told = peeled.map((sites) => {
+  const labels = peeled.map((sites) => {
     const nm = Math.abs(sites) * run.head.spacing
     return Math.abs(sites) < 0.05 ? "" : `${fixed(nm, nm < 10 ? 1 : 0)} nm ${sites > 0 ? "let go" : "gained"}`
   })
-  if (told[0]) write(view, told[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right", stays: true })
-  if (told[1]) write(view, told[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left", stays: true })
+  if (labels[0]) write(view, labels[0], Math.min(left, from - 8, X(0) - 20), low, { align: "right", stays: true })
+  if (labels[1]) write(view, labels[1], Math.max(right, to + 8, X(0) + 20), low, { align: "left", stays: true })
 }
 
 function bracket({ pen, ink }, [left, right], y) {
@@ -175,14 +175,14 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   pen.globalAlpha = 1
 }
 
-export function slipSaid(run, at, brief = false) {
-  const { acting, gone, all, sites, said } = run.slipTo(at)
+export function slipText(run, at, brief = false) {
+  const { acting, gone, all, sites, shiftText } = run.slipTo(at)
   const before = run.curves.A_bar[at - 1], now = run.curves.A_bar[at], change = now / before - 1
   const area = before === 0 ? (now > 0 ? ", contact again" : "") : now === 0 ? ", A falls to 0"
     : Math.abs(change) < GAIN ? "" : `, A ${change > 0 ? "+" : "−"}${(100 * Math.abs(change)).toPrecision(2)} %`
   if (!gone) return run.stage(at) === "unload" ? "pull-off" : `jump${area}`
   const part = all ? "" : `${gone} of ${acting} nodes`, nm = fixed(sites * run.head.spacing, 1)
-  const far = part && brief ? "" : `${part && " by "}${said}${brief ? "" : ` (${nm} nm)`}`
+  const far = part && brief ? "" : `${part && " by "}${shiftText}${brief ? "" : ` (${nm} nm)`}`
   return `slip: ${part}${far}${run.head.flat ? "" : area}`
 }
 
@@ -192,20 +192,20 @@ let sentence = { key: "", text: "", at: -HOLD }, compared = [] // what is on scr
 // The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
 export function tellNow(run, k) {
   const moving = me.playing || me.dragging, time = performance.now()
-  const said = moving ? phaseSaid(run, k) : nowSaid(run, k), same = moving && said.key === sentence.key
-  if (said.text !== sentence.text && !same && !(moving && time - sentence.at < HOLD)) {
-    sentence = { ...said, at: time }
-    explain(by("sentence"), said.text)
+  const next = moving ? phaseSentence(run, k) : nowSentence(run, k), same = moving && next.key === sentence.key
+  if (next.text !== sentence.text && !same && !(moving && time - sentence.at < HOLD)) {
+    sentence = { ...next, at: time }
+    explain(by("sentence"), next.text)
   }
-  const wanted = [run, me.ghost, run.whole, run.scene] // its scene may be told after its frames
+  const wanted = [run, me.ghost, run.whole, run.scene] // its scene may arrive after its frames
   if (wanted.every((what, i) => what === compared[i])) return
   compared = wanted
-  const changed = changeSaid(run, me.ghost)?.text ?? ""
+  const changed = changeSentence(run, me.ghost)?.text ?? ""
   explain(by("why"), changed)
-  by("told").textContent = changed // what was told of the run before is no longer so
+  by("announcement").textContent = changed // the text on the run before is out of date
 }
 
 function tellSlip({ run, k, slip, narrow }) {
   by("slow").hidden = !exact(run) || run.slipBefore(k) === null
-  say("slip", slip !== null && slipSaid(run, slip, narrow))
+  say("slip", slip !== null && slipText(run, slip, narrow))
 }

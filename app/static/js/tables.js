@@ -82,7 +82,7 @@ function openData(name, title) {
     const drawn = UNSAID.test(label) ? null : drawnBy(part)
     if (drawn?.image) rows.push(...grid(drawn).map((cells) => [called(label), ...cells]))
     else for (let i = 0; i < (drawn?.x.length ?? 0); i++)
-      rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), drawn.said?.[i] ?? ""])
+      rows.push([called(label), short(drawn.x[i]), short(drawn.y[i]), drawn.labels?.[i] ?? ""])
   }
   const valued = rows.some((cells) => cells[3])
   const headings = ["what", across.axis_label, up.axis_label, ...(valued ? ["value"] : [])]

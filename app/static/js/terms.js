@@ -39,7 +39,7 @@ async function show(source) {
   } catch {
     box.textContent = "The explanation could not be loaded. Click the word again."
   }
-  by("told").textContent = box.textContent
+  by("announcement").textContent = box.textContent
 }
 
 export function connect() {

@@ -148,7 +148,7 @@ function hideFuture() {
 const paragraph = (className, ...parts) => make("p", { className }, ...parts)
 
 // A text with its terms explained
-function told(tag, className, text) {
+function explained(tag, className, text) {
   const element = make(tag, { className })
   explain(element, filled(text))
   return element
@@ -170,16 +170,16 @@ function write() {
 
 function writeQuestion(stop) {
   const asking = phase === "ask"
-  if (asking && stop.said) card.append(make("ul", {}, ...stop.said.map((text) => make("li", {}, text))))
-  card.append(told("p", "question", stop.question))
+  if (asking && stop.hints) card.append(make("ul", {}, ...stop.hints.map((text) => make("li", {}, text))))
+  card.append(explained("p", "question", stop.question))
   card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
-  if (phase === "show") card.append(paragraph("said", "Watch …"))
+  if (phase === "show") card.append(paragraph("note", "Watch …"))
 }
 
 function writeReason(stop) {
   const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
   const picture = make("canvas", { className: "picture-of" })
-  card.append(make("p", { role: "status" }, yes, told("span", "", stop.why)), picture)
+  card.append(make("p", { role: "status" }, yes, explained("span", "", stop.why)), picture)
   PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
 }
 
@@ -193,7 +193,7 @@ function ways() {
   return buttons
 }
 
-// An answer; once the reason is told, only that chosen and the right one
+// An answer; once the reason is shown, only that chosen and the right one
 function answerButton(i) {
   const reason = i === right() ? "right" : i === chosen && "wrong"
   const mark = { show: i === chosen && "chosen", why: reason }[phase]

@@ -1,4 +1,4 @@
-// In what words and units a scene and an increment are told. Forces and areas: per metre of depth, in N, or over wE on
+// The words and units of a scene and an increment. Forces and areas: per metre of depth, in N, or over wE on
 // request (?force=bar); nm, or over w. Parameters by the symbols and words of their controls, or in short.
 
 import { by, digits, fixed, minus, on, readdress } from "./dom.js"
@@ -19,14 +19,14 @@ export function forceUnit(runs) {
 }
 
 // A force of a frame's values with its unit, in four digits
-export function forceSaid(values, name, unit) {
+export function forceText(values, name, unit) {
   const value = values[unit.names[name]] * unit.factor
   if (overE()) return `${unit.symbols[name]} = ${fixed(value, 3)}·${unit.text}`
   const whole = Math.max(0, 3 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-3))) - 1)
   return `${unit.symbols[name]} = ${fixed(value, Math.min(3, whole))} ${unit.text}`
 }
 
-export const areaSaid = ({ A, A_bar }) => `A = ${fixed(A, 1)} nm (Ā = ${fixed(A_bar * 1000, 1)}·10⁻³)`
+export const areaText = ({ A, A_bar }) => `A = ${fixed(A, 1)} nm (Ā = ${fixed(A_bar * 1000, 1)}·10⁻³)`
 
 // Words about the axis of the area where it does not begin at zero
 export const tellStart =
@@ -63,8 +63,8 @@ export function parameters({ values, address, preset } = me.status, changing = [
     !["preset", "profile", ...MAIN].includes(name))
   const title = document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
   const changed = others.length || changing.length || MAIN.some((name) => name in address)
-  const said = [...MAIN, ...others].map((name) => value(name, values[name])).join(", ")
-  return `${title}${changed ? ", changed" : ""}: ${said}`
+  const text = [...MAIN, ...others].map((name) => value(name, values[name])).join(", ")
+  return `${title}${changed ? ", changed" : ""}: ${text}`
 }
 
 export function described(run, k) {

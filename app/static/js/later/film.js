@@ -42,7 +42,7 @@ function tell(text) {
 function refuse(why) {
   film = null
   tell(why)
-  by("told").textContent = why
+  by("announcement").textContent = why
   setTimeout(() => { if (!film) tell("") }, SAID)
 }
 
@@ -62,7 +62,7 @@ function receive(chunk) {
   const range = figures.traction.y_range, { T_least, T_most } = film.frames // of the motion as well, which is rougher
   film.range = { start: range.start, end: range.end }
   set(range, { start: Math.min(range.start, 1.1 * T_least), end: Math.max(range.end, 1.1 * T_most) })
-  by("told").textContent = "Slow motion through the slip: the surface is not at rest."
+  by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
 }
 

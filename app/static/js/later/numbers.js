@@ -47,10 +47,10 @@ function row(name, mark, run, leadTo) {
   const found = run ? measured(run) : {}
   const cells = Object.keys(MEASURES).map((measure) => {
     const { text = "…", why = "", k } = found[measure] ?? {}
-    const said = `${name}, ${MEASURES[measure][0]}: ${text} ${MEASURES[measure][1]}${why && `; ${why}`}`
+    const label = `${name}, ${MEASURES[measure][0]}: ${text} ${MEASURES[measure][1]}${why && `; ${why}`}`
     const onclick = () => { by("numbers").close(); leadTo(k) }
     return make("td", {},
-      makeButton({ title: why, disabled: k === undefined, "aria-label": said, data: { measure }, onclick }, text))
+      makeButton({ title: why, disabled: k === undefined, "aria-label": label, data: { measure }, onclick }, text))
   })
   return make("tr", {}, heading, ...cells)
 }

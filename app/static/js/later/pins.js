@@ -22,7 +22,7 @@ export function pinRun() {
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((one) => one.run === run)) return say("this run is pinned already")
   const made = add(run, { ...status.address }, named(status.address, status.preset), Boolean(status.after))
-  by("told").textContent = `pinned: ${titleOf(made)}`
+  by("announcement").textContent = `pinned: ${titleOf(made)}`
 }
 
 function add(run, scene, name, carried = false) {
@@ -34,9 +34,9 @@ function add(run, scene, name, carried = false) {
 
 // What differs from the preset, or the title of that
 function named(scene, preset) {
-  const said =
+  const values =
     Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
-  return said.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
+  return values.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
 
 const change = (slot, news) => { me.pins = me.pins.map((one) => (one.slot === slot ? { ...one, ...news } : one)) }
@@ -66,14 +66,14 @@ function chip(one) {
 
 function say(text) {
   by("pins").hidden = false
-  by("pins-said").textContent = text
+  by("pins-status").textContent = text
 }
 
 function tell() {
   const { pins } = me, focused = document.activeElement.closest(".chip")?.dataset.slot
   by("pins").hidden = !pins.length
   const failures = pins.filter(({ failure }) => failure).map(({ name, failure }) => `${name} failed: ${failure}.`)
-  by("pins-said").textContent = failures.join(" ")
+  by("pins-status").textContent = failures.join(" ")
   by("chips").replaceChildren(...pins.map(chip))
   if (focused) document.querySelector(`.chip[data-slot="${focused}"] button`)?.focus()
   readdress((now) => {

@@ -18,8 +18,8 @@ const curve = (y, [a, b], up, look) => {
 }
 const line = (x1, y1, x2, y2, look = "axis") => `<path class="${look}" d="M${x1} ${y1}L${x2} ${y2}"/>`
 // _ begins a subscript, as not every font has all of them
-const text = (x, y, said, anchor = "middle") => {
-  const parts = said.split(/_([\w,]+)/).map((part, i) => (
+const text = (x, y, label, anchor = "middle") => {
+  const parts = label.split(/_([\w,]+)/).map((part, i) => (
     i % 2 ? `<tspan dy="3" font-size="9">${part}</tspan>` : i ? `<tspan dy="-3">${part}</tspan>` : part))
   return `<text x="${x}" y="${y}" text-anchor="${anchor}">${parts.join("")}</text>`
 }
@@ -34,8 +34,8 @@ const pressed = (x) => 1.5 * (1 - x * x) * Math.exp((-x * x) / 1.6)
 const OPEN = [[-0.45, 4.5], [-0.5, 0.72]], ACROSS = [[-2.6, 2.6], [-0.6, 1.6]], SLID = [[0, 3], [0, 1.1]]
 const SAW = [[0, 0], [1, 1], [1, 0.45], [1.55, 1], [1.55, 0.45], [2.1, 1], [2.1, 0.45], [2.6, 0.95]]
 const normal = () => axes("Δ_n", "T_n", height(0, OPEN[1]), place(0, OPEN[0]), "start") + curve(opening, ...OPEN)
-const level = (force, said, look) => trace([[1, force], [2.6, force]], ...SLID, look)
-  + text(194, height(force, SLID[1]) + 4, said, "start")
+const level = (force, label, look) => trace([[1, force], [2.6, force]], ...SLID, look)
+  + text(194, height(force, SLID[1]) + 4, label, "start")
 
 const IDEAS = {
   gaps: () =>

@@ -81,7 +81,7 @@ export const STOPS = [
       { values: { delta_bar: -0.1 }, why: "Held higher, less contact holds it, so a shorter pull is enough." },
       { values: { phi_ratio: 0.5 }, why: "With a weaker grip each spring gives way earlier." },
     ],
-    said: ["A punch sticks like a spring until its springs to the sites give way.",
+    hints: ["A punch sticks like a spring until its springs to the sites give way.",
       "Before that its edges peel, behind more than in front.",
       "A slip by one site brings contact back.", "Adhesion alone can carry friction, without any load."],
     question: "Now a scene that you have not seen: {change}. "
