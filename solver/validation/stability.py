@@ -158,15 +158,15 @@ def _deviation(scene, frame, second: Recheck):
 def stable(scene: Scene, frames: Sequence[Frame]) -> tuple[Verdict | None, dict]:
     """(which of a sample of frames is unstable, the largest growth and the counts), by the whole surface's spectrum.
 
-    Only where dense eigenvalues are cheap. A frame that reports possible flutter counts as `said`, not as wrong.
+    Only where dense eigenvalues are cheap. A frame that reports possible flutter counts as `cautioned`, not as wrong.
     """
-    rates, counts, wrong = [], {"spectra": 0, "unstable": 0, "said": 0}, None
+    rates, counts, wrong = [], {"spectra": 0, "unstable": 0, "cautioned": 0}, None
     judged = sampled(frames, SPECTRA) if scene.nodes <= DENSE or scene.surface == "flat" else []
     for frame in judged:
         held = scene.hold == "load" and frame.stage in SIDEWAYS
         rates.append(growth(scene, frame, held))
         if rates[-1] > UNSTABLE and frame.may_flutter:
-            counts["said"] += 1
+            counts["cautioned"] += 1
         elif rates[-1] > UNSTABLE:
             counts["unstable"] += 1
             text = f"{frame.stage} increment {frame.index}: unstable, disturbances grow as exp({rates[-1]:.3g} t)"

@@ -12,7 +12,7 @@ from .stability import BAD, GOOD
 
 # Colours of Okabe & Ito
 COLOURS = dict(zip(GOOD, ("#0072B2", "#BBBBBB", "#E69F00"), strict=True)) | dict.fromkeys(BAD, "#D55E00")
-FRAMES = {"unstable": "unstable", "said": "said", "judged": "spectra"}  # numbers of `stability.stable`
+FRAMES = "unstable", "cautioned", "spectra"  # numbers of `stability.stable`
 NOTE = (
     "Every scene is an approach and a short shear. A sample of its frames is rechecked by sums over springs and modes"
     " in long double, which share no code with the solver, and by all growth rates of the frame's disturbances."
@@ -20,10 +20,10 @@ NOTE = (
 
 
 def counted(results: Iterable[Mapping[str, Any]]) -> dict[str, int]:
-    """Scenes per verdict; frames that are unstable, those that report possible flutter, and all judged."""
+    """Scenes per verdict; frames that are unstable, unstable with a caution, and all with a computed spectrum."""
     results = list(results)
     verdicts = {verdict: sum(r["verdict"] == verdict for r in results) for verdict in COLOURS}
-    return verdicts | {name: sum(r.get(key, 0) for r in results) for name, key in FRAMES.items()}
+    return verdicts | {name: sum(r.get(name, 0) for r in results) for name in FRAMES}
 
 
 @dataclass(frozen=True)
@@ -74,10 +74,10 @@ class Report:
         """The report for people."""
         from pandas import DataFrame  # takes longer to import than the solver
 
-        unstable, said, judged = (self.counts[name] for name in FRAMES)
+        unstable, cautioned, spectra = (self.counts[name] for name in FRAMES)
         scenes = (
             f"Scenes: {len(self.results)}; converged: {100 * self.share:.2f}% of the valid ones; unstable frames:"
-            f" {unstable}, and {said} with a caution, of {judged} whose spectrum was computed"
+            f" {unstable}, and {cautioned} with a caution, of {spectra} whose spectrum was computed"
         )
         limits = "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)"
         plain = self.data()

@@ -214,10 +214,10 @@ def test_a_sample_of_the_atlas_finds_nothing_wrong_and_writes_its_report(tmp_pat
     assert bad == [] and code == 0
     assert report["converged_of_valid"] >= 0.9
     frames = report["unstable_frames"]
-    assert frames["unstable"] == 0 and frames["judged"] >= 100
-    assert sum(region["judged"] > 0 for region in report["regions"].values()) >= len(AXES)
+    assert frames["unstable"] == 0 and frames["spectra"] >= 100
+    assert sum(region["spectra"] > 0 for region in report["regions"].values()) >= len(AXES)
     shown = capsys.readouterr().out
-    assert f"0, and {frames['said']} with a caution, of {frames['judged']} whose spectrum was computed" in shown
+    assert f"0, and {frames['cautioned']} with a caution, of {frames['spectra']} whose spectrum was computed" in shown
     # Bokeh's own scripts, written out in the page, name addresses that they would load for formulas: not elements
     text = page.read_text()
     assert "Conditioning" in text and not re.search(r'<(script|link|img)[^>]*(src|href)="http', text)
@@ -231,11 +231,11 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     wrong, numbers = stability.stable(scene, [saddle])
     assert "unstable, disturbances grow" in wrong.reason
     report = Report([{"probed": ["nodes"]} | wrong._asdict() | numbers], [], [])
-    assert [report.counts[name] for name in ("unstable", "said", "judged")] == [1, 0, 1] and report.failed
+    assert [report.counts[name] for name in ("unstable", "cautioned", "spectra")] == [1, 0, 1] and report.failed
     assert report.data()["regions"]["nodes"]["unstable"] == 1
     vars(saddle)["safe_damping"] = 2.0 * scene.damping  # a frame that reports possible flutter itself
     wrong, numbers = stability.stable(scene, [saddle])
-    assert wrong is None and (numbers["unstable"], numbers["said"]) == (0, 1)
+    assert wrong is None and (numbers["unstable"], numbers["cautioned"]) == (0, 1)
 
 
 def test_a_number_outside_the_atlas_is_rejected(capsys):
