@@ -118,3 +118,13 @@ def test_points_are_exported_as_table_and_csv(opened):
     for row in rows:
         point = [float(row[name]) for name in ("L (N/m)", "F_s (N/m)")]
         assert point == pytest.approx(first_slip(E=float(row["E"])), rel=1e-4)
+
+
+@pytest.mark.thorough
+def test_a_single_point_without_load_lies_on_axes_of_the_size_of_forces(visit):
+    """Flats at zero gap bear no load. An axis of 0.2 N/m or less would suggest that its numbers mean something."""
+    page = visit("?preset=fig4a-red&page=load")
+    has_points(page, 1)
+    figure = "[...Bokeh.documents[0]._all_models.values()].findLast((model) => model.name === 'load_slips')"
+    L = page.evaluate(f"(({{ start, end }}) => [start, end])({figure}.x_range)")
+    assert L[0] < -1.0 and L[1] > 1.0

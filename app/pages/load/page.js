@@ -10,6 +10,7 @@ import { value } from "../../static/js/words.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.08 // of an axis, beyond the points
+const ALONE = 0.05 // of the largest force of all points: the least room, also around one point
 const EMPTY = 100 // N/m, either way of an axis without points
 
 const groupOf = ({ changed }) => (changed === null ? "several" : NAMED.includes(changed) ? changed : "another")
@@ -46,7 +47,8 @@ const show = (label, list) => fill("load_slips", label,
 
 function axis(range, name) {
   const [low, high] = extent(points.map((point) => point[name]))
-  const room = points.length ? ROOM * Math.max(high - low, 1) : EMPTY
+  const largest = Math.max(...points.flatMap(({ L, F }) => [Math.abs(L), Math.abs(F)]))
+  const room = points.length ? Math.max(ROOM * (high - low), ALONE * largest) : EMPTY
   set(figures.load_slips[range], { start: low - room, end: high + room })
 }
 
