@@ -113,6 +113,11 @@ def event_force(frame):
     return frame.slips[0].F_bar * frame.scene.E * frame.scene.width
 
 
+def apart(frame):
+    """Whether no traction exceeds a share of the peak attraction."""
+    return np.abs(frame.T).max() <= WEAK * frame.scene.phi_n / (np.e * frame.scene.delta_n)
+
+
 def near(a, b, scale=1.0):
     return abs(a - b) <= ROUNDED * max(abs(a), abs(b), scale)
 
@@ -129,7 +134,7 @@ def holds(run, claim, before=None):
     wide = ROUNDED * max(map(abs, given[1:3]), default=0.0) if "between" in name else 0.0
     U = lambda whole, k: whole.frames[k].slips[0].load  # noqa: E731
     return {
-        "apart": lambda: np.abs(at.T).max() <= WEAK * scene.phi_n / (np.e * scene.delta_n),
+        "apart": lambda: apart(at),
         "slip": lambda: bool(at.slips),
         "A rises": lambda: A_of(at) > A_of(previous),
         "A falls": lambda: A_of(at) < A_of(previous),
@@ -153,7 +158,7 @@ def holds(run, claim, before=None):
         "F eases": lambda: way * at.F <= way * previous.F + ROUNDED * abs(at.F),
         "F against": lambda: way * at.F < small,
         "peeled": lambda: _peeled(frames, *given),
-        "apart is": lambda: True,
+        "apart is": lambda: all(map(apart, frames)) == given[0],
         "slips": lambda: (first is not None) == given[0],
         "slipped before": lambda: (other is not None) == given[0],
         "U_s": lambda: near(U(run, first), given[0]),

@@ -80,6 +80,24 @@ def test_a_stored_run_plays_without_workers_and_without_the_server(held_back):
     page.evaluate(PLAYS)
 
 
+@pytest.mark.thorough
+def test_a_stored_run_named_by_a_link_plays_from_its_beginning(held_back, browser):
+    """The jump into contact, which "Jump in" is about, happens during the approach."""
+    server, _ = held_back
+    page = browser.new_page(**PLAYING)
+    page.add_init_script("""(() => {
+        const look = () => {
+            if (window.punch?.run?.stored && punch.drawn >= 0) window.first ??= punch.drawn / punch.run.sheared
+            requestAnimationFrame(look)
+        }
+        look()
+    })()""")
+    page.goto(f"{server.address}?view=hero&preset=unload")
+    page.wait_for_function("window.first !== undefined", timeout=PATIENCE)
+    assert page.evaluate("first") < 0.5
+    page.close()
+
+
 class HeldBack:
     """Holds back the server's messages from the first binary one on, until they are released."""
 

@@ -54,7 +54,7 @@ export function follow(message) {
 // A stored run takes the screen until the computed one is whole
 export function standIn(run) {
   begin(run)
-  if (me.following) set({ at: me.playing ? Math.max(0, run.sheared) : run.length - 1, following: false })
+  if (me.following) set({ at: me.playing ? run.beginning : run.length - 1, following: false })
   else if (me.place) toPlace()
 }
 
