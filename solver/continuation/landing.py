@@ -26,9 +26,9 @@ class LandingOptions:
     far: float = 5.0  # sites beyond which two further motions must agree: one of 30 such slips needed that
     half: float = 0.5  # sites beyond which a node has passed a barrier
     same: float = 0.05  # units within which two states are one equilibrium: at another site, a node is a unit off
-    # units: where the load had to rise farther until the surface came to rest, the motion wandered, and its slip is
-    # sensitive: so far on, another equilibrium cannot be told from a later one of the same branch. No slip of
-    # tests/bench/constants.py comes near it: 0.1 and 0.4 make no difference
+    # units; a slip is sensitive where its load had to rise by more before the surface came to rest. The state reached
+    # may then lie on another branch, or farther along the same one. Values of 0.1 and 0.4 change no slip of
+    # tests/bench/constants.py
     raised: float = 0.2
     slip: SlipOptions = SLIP
 
