@@ -1,7 +1,7 @@
 """Measure what the project claims, and write docs/evidence.md: `python docs/evidence.py NAME ...`, or `all`.
 
 Each entry of COMMANDS is one command of the repository. Its standard output is kept in docs/evidence.json with the
-commit, date and processor, and shown on the page; no number is typed in. Lines on single scenes are standard errors.
+commit, date and processor, and shown on the page; no number is typed in. Benches print single scenes to standard error.
 """
 
 import argparse
