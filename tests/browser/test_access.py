@@ -91,7 +91,7 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
     )
     now = page.evaluate("punch.clock")
     page.wait_for_function(f"punch.clock > {now} + 1")
-    assert page.evaluate("acknowledged") == []
+    assert page.evaluate("heard") == []
     page.locator("body").press("Space")
     page.wait_for_function("heard.length >= 2")  # that it is paused, and where
     assert "newtons per metre" in page.inner_text("#announcement")
