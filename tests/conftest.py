@@ -3,6 +3,7 @@
 import os
 import shutil
 from collections import Counter
+from functools import cached_property
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads that wait for each other eat both cores
@@ -29,12 +30,17 @@ def pytest_xdist_auto_num_workers(config):
 
 
 class OneBrowser(LoadFileScheduling):
-    """One process has all tests of a browser, with one server; both share these where there are no other tests."""
+    """One process has all tests of a browser, with one server; both share these where they are most of the tests."""
+
+    folder = "tests/browser/"
 
     def _split_scope(self, nodeid):
-        file, folder = super()._split_scope(nodeid), "tests/browser/"
-        alone = all(other.startswith(folder) for other in self.collection)
-        return folder if file.startswith(folder) and not alone else file
+        file = super()._split_scope(nodeid)
+        return self.folder if file.startswith(self.folder) and not self._mostly else file
+
+    @cached_property
+    def _mostly(self):
+        return 2 * sum(test.startswith(self.folder) for test in self.collection) > len(self.collection)
 
 
 def pytest_xdist_make_scheduler(config, log):
