@@ -23,13 +23,13 @@ def edges(scene, frame) -> NDArray[np.float64]:
     else:  # beyond a patch there is no traction
         at, T_z = np.arange(-1, n + 1), np.concatenate(([-least], T_z, [-least]))
     changes = np.flatnonzero(np.diff(T_z > 0.0))
-    found = (at[changes] + T_z[changes] / (T_z[changes] - T_z[changes + 1])).reshape(-1, 2)
-    if closed and len(found) > 1 and found[-1, 1] > n:
-        gaps = np.append(found[1:, 0], found[0, 0] + n) - found[:, 1]
+    edges = (at[changes] + T_z[changes] / (T_z[changes] - T_z[changes + 1])).reshape(-1, 2)
+    if closed and len(edges) > 1 and edges[-1, 1] > n:
+        gaps = np.append(edges[1:, 0], edges[0, 0] + n) - edges[:, 1]
         k = int(np.argmax(gaps)) + 1
-        found = np.concatenate((found[k:], found[:k] + n))
-        found -= n * (found[0, 0] // n)
-    return (frame.first + found) * scene.spacing
+        edges = np.concatenate((edges[k:], edges[:k] + n))
+        edges -= n * (edges[0, 0] // n)
+    return (frame.first + edges) * scene.spacing
 
 
 def peel_asymmetry(scene, before, after) -> float:

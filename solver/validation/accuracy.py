@@ -66,10 +66,10 @@ def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iter
     slips = slips or effort.slips
     short = shortened(scene.changed(path="shear", hold="delta"), slips)  # every method knows these
     right = landings(short, 2.0 * effort.longest)
-    known = reference(short, right.states)
-    judged = compare(Point("tolerance", "gfmd", right.scene.tolerance), right, known, known)
-    safe = largest_safe_damping(list(known.states.values()))
-    report = Report(scene, quick, slips, known.scene, known.seconds, tuple(known.slips), judged, safe)
+    best = reference(short, right.states)
+    judged = compare(Point("tolerance", "gfmd", right.scene.tolerance), right, best, best)
+    safe = largest_safe_damping(list(best.states.values()))
+    report = Report(scene, quick, slips, best.scene, best.seconds, tuple(best.slips), judged, safe)
     planned, finished, stopped = plan(short, effort), {}, set()
     for done, point in enumerate(planned, 1):
         run, kin = (point.series, short.changed(**{point.sweep: point.value})), (point.sweep, point.series)
@@ -78,8 +78,8 @@ def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iter
         else:
             if run not in finished:  # the scene's own values belong to every sweep
                 repeats = REPEATS if point.series == "fast" else 1
-                finished[run] = perform(run[1], SERIES[point.series], known.states, effort.longest, repeats)
-            point = compare(point, finished[run], known, right)
+                finished[run] = perform(run[1], SERIES[point.series], best.states, effort.longest, repeats)
+            point = compare(point, finished[run], best, right)
             stopped |= {kin} if finished[run].stopped else set()
         report = replace(report, points=(*report.points, point))
         yield done / len(planned), report

@@ -82,14 +82,14 @@ class Point:
     @property
     def branch_error(self) -> float | None:
         """The largest of the errors before the first slip."""
-        known = [getattr(self, name) for name in QUANTITIES]
-        return None if None in known else max(known)
+        errors = [getattr(self, name) for name in QUANTITIES]
+        return None if None in errors else max(errors)
 
     @property
     def branches(self) -> tuple[int, int]:
         """(slips after which the branch was that of the reference, slips after which it is known)."""
-        known = [slip.same_branch for slip in self.slips if slip.same_branch is not None]
-        return sum(known), len(known)
+        judged = [slip.same_branch for slip in self.slips if slip.same_branch is not None]
+        return sum(judged), len(judged)
 
     @property
     def right(self) -> bool:
@@ -100,8 +100,8 @@ class Point:
         """The largest `position` or `force` error of the slips in shear up to the first wrong branch."""
         shear = [slip for slip in self.slips if slip.stage == "shear"]
         wrong = next((k for k, slip in enumerate(shear) if slip.same_branch is False), len(shear))
-        known = [getattr(slip, name) for slip in shear[: wrong + 1]]
-        return max((value for value in known if value is not None), default=None)
+        errors = [getattr(slip, name) for slip in shear[: wrong + 1]]
+        return max((value for value in errors if value is not None), default=None)
 
 
 def position(frame: Frame) -> float:
@@ -175,29 +175,29 @@ def recorded(scene, path, keep=None, longest=inf) -> Curves:
     return curves
 
 
-def compare(point: Point, curves: Curves, known: Curves, right: Curves) -> Point:
-    """The outcome of a Point with these Curves: errors against the Curves `known`, branches against `right`."""
-    errors = dict(zip(QUANTITIES, on_branch(curves, known), strict=True))
+def compare(point: Point, curves: Curves, best: Curves, right: Curves) -> Point:
+    """The outcome of a Point with these Curves: errors against the Curves `best`, branches against `right`."""
+    errors = dict(zip(QUANTITIES, on_branch(curves, best), strict=True))
     work = {"seconds": curves.seconds, "evaluations": curves.evaluations, "failure": curves.failure}
-    return replace(point, **errors, **work, slips=tuple(slip_errors(curves, known, right)))
+    return replace(point, **errors, **work, slips=tuple(slip_errors(curves, best, right)))
 
 
-def on_branch(curves: Curves, known: Curves) -> list[float | None]:
+def on_branch(curves: Curves, best: Curves) -> list[float | None]:
     """Errors of F, L, A before the first slip of either, over the reference's largest value."""
-    end = min([*known.shear_slips[:1], *curves.shear_slips[:1], curves.scene.u_x_max])
-    both = [at for at in curves.rows if at in known.rows and at <= round(end, 9)]
+    end = min([*best.shear_slips[:1], *curves.shear_slips[:1], curves.scene.u_x_max])
+    both = [at for at in curves.rows if at in best.rows and at <= round(end, 9)]
     if not both:
         return [None] * len(QUANTITIES)
-    scale = np.maximum(np.abs(list(known.rows.values())).max(axis=0), NOTHING)
+    scale = np.maximum(np.abs(list(best.rows.values())).max(axis=0), NOTHING)
     scale[:2] = np.maximum(scale[:2], SMALLEST * scale[:2].max())  # F and L share a unit
-    errors = np.abs([np.subtract(curves.rows[at], known.rows[at]) for at in both]).max(axis=0)
+    errors = np.abs([np.subtract(curves.rows[at], best.rows[at]) for at in both]).max(axis=0)
     return (errors / scale).tolist()
 
 
-def slip_errors(curves: Curves, known: Curves, right: Curves) -> list[SlipError]:
+def slip_errors(curves: Curves, best: Curves, right: Curves) -> list[SlipError]:
     """A SlipError for every slip of the reference."""
-    largest, errors = max((abs(row[0]) for row in known.rows.values()), default=0.0) or 1.0, []
-    for event, after in zip_longest(known.slips, known.slips[1:]):
+    largest, errors = max((abs(row[0]) for row in best.rows.values()), default=0.0) or 1.0, []
+    for event, after in zip_longest(best.slips, best.slips[1:]):
         own = [other for other in curves.slips if other.stage == event.stage]
         nearest = min(own, key=lambda other: abs(other.load - event.load), default=None)
         position = nearest and abs(nearest.load - event.load)
