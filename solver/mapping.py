@@ -37,7 +37,7 @@ def add_map(commands: Any) -> None:
     parser.add_argument("--x", metavar=form, required=True, help="a continuous parameter, range and number of values")
     parser.add_argument("--y", metavar=form, required=True, help="another continuous parameter")
     column = "write this column only, as a table of y by x"
-    parser.add_argument("--of", metavar="COLUMN", choices=("regime", *QUANTITIES), help=column)
+    parser.add_argument("--column", metavar="NAME", choices=("regime", *QUANTITIES), help=column)
     parser.add_argument("--resume", action="store_true", help="keep the points that --csv has of the same map")
     add_scheduler(parser)
     add_file(parser, "csv", "a row per point", required=True)
@@ -66,12 +66,12 @@ def mapped(scene: Scene, arguments: argparse.Namespace) -> int:
                 points.append(point)
                 bar.update()
     except KeyboardInterrupt:
-        remedy = "run again with --resume to finish" if arguments.of is None else "run again"
+        remedy = "run again with --resume to finish" if arguments.column is None else "run again"
         print(f"Interrupted; {remedy}", file=sys.stderr)
         code = INTERRUPTED
     table = grid.table(points)
-    write(arguments.csv, _write, table, arguments.of, grid)
-    write(arguments.html, plots.save, plots.first_slips, table, grid.x.name, grid.y.name, arguments.of)
+    write(arguments.csv, _write, table, arguments.column, grid)
+    write(arguments.html, plots.save, plots.first_slips, table, grid.x.name, grid.y.name, arguments.column)
     print(_described(points))
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
 
