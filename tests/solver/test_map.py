@@ -269,7 +269,7 @@ def test_map_command_resumes_from_its_rows_and_writes_tables(tmp_path, capsys):
     file.write_text("\n".join(lines[:-2]) + "\n")
     assert main(["map", *AXES, "--csv", str(file), "--resume"]) == 0
     assert file.read_text().splitlines()[:-2] == lines[:-2] and sorted(file.read_text().splitlines()) == sorted(lines)
-    assert main(["map", *AXES, "--of", "A_0", "--csv", str(table)]) == 0
+    assert main(["map", *AXES, "--column", "A_0", "--csv", str(table)]) == 0
     found = list(csv.reader(table.open()))
     assert found[0][1:] == ["-0.9", "-0.85", "-0.8"] and [row[1:] for row in found[1:]] == [["0.0"] * 3] * 2
     assert "6 points, 0 followed" in capsys.readouterr().out
@@ -277,7 +277,7 @@ def test_map_command_resumes_from_its_rows_and_writes_tables(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--x", "E=10:20:3"], [*AXES, "--of", "colour"], ["--x", "E=10:20", "--y", "delta_bar=0:1:3"]],
+    [["--x", "E=10:20:3"], [*AXES, "--column", "colour"], ["--x", "E=10:20", "--y", "delta_bar=0:1:3"]],
 )
 def test_bad_input_is_refused_in_a_line(arguments, tmp_path, capsys):
     assert main(["map", *arguments, "--csv", str(tmp_path / "map.csv")]) == 2
