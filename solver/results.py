@@ -23,6 +23,7 @@ from .run.loadpath import load_path
 from .run.summary import fields_of
 from .scene import PARAMETERS, Scene
 from .text import counted
+from .threads import one_thread
 
 if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
     import holoviews as hv
@@ -139,6 +140,7 @@ def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
     return Result(scene, *collected(with_progress(scene, path) if progress else path))
 
 
+@one_thread()
 def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
     """(the Frames of a path up to its end or failure, the reason of the failure or None)."""
     frames: list[Frame] = []

@@ -11,6 +11,7 @@ from math import ceil, floor
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from .state import TINY, End
@@ -31,9 +32,19 @@ NEAR = 1e-6  # nm: closer loads are the same, far above rounding and far below a
 def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
     """Weights (..., n) of the values at `nodes` (..., n) in that of their polynomial at x (...)."""
     nodes = np.asarray(nodes, float)
-    itself, apart = np.eye(nodes.shape[-1], dtype=bool), nodes[..., :, None] - nodes[..., None, :]
-    ratios = (np.asarray(x, float)[..., None, None] - nodes[..., None, :]) / np.where(itself, 1.0, apart)
-    return np.where(itself, 1.0, ratios).prod(axis=-1)
+    return _lagrange(nodes.reshape(-1, nodes.shape[-1]), np.asarray(x, float).reshape(-1)).reshape(nodes.shape)
+
+
+@njit(cache=True, nogil=True)
+def _lagrange(nodes, x):
+    """As `lagrange`, (k, n) for (k, n) and (k,): a run asks for so few weights so often that numpy's calls add up."""
+    weights = np.ones_like(nodes)
+    for k in range(nodes.shape[0]):
+        for i in range(nodes.shape[1]):
+            for j in range(nodes.shape[1]):
+                if j != i:
+                    weights[k, i] *= (x[k] - nodes[k, j]) / (nodes[k, i] - nodes[k, j])
+    return weights
 
 
 class Passed(NamedTuple):
