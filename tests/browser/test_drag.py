@@ -63,7 +63,7 @@ def paused(visit, query):
     return page
 
 
-def test_dragging_a_slider_shows_predictions_on_fixed_axes_then_the_exact_run(visit):
+def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_stay(visit):
     page = paused(visit, "?E=71.3&delta_bar=0.1")
     before = page.evaluate("[...punch.run.shear('F_bar')]")
     axes, colours, at = page.evaluate(f"[{AXES}, {COLOURS}, punch.run.curves.U_x[300]]")
@@ -91,9 +91,10 @@ def test_dragging_a_slider_shows_predictions_on_fixed_axes_then_the_exact_run(vi
     seen = page.evaluate("seen")
     held = [each for each in seen if each["held"]]
     assert held and all(each["followed"] and each["word"] == "followed" for each in held)
-    wider = [each["axes"].pop("area") for each in held]  # which the area would leave that this drag adds
-    narrow = axes.pop("area")
-    assert wider[0] == narrow and all(a[2] == narrow[2] and a[3] >= narrow[3] for a in wider)
+    assert page.evaluate(f"[{AXES}, {COLOURS}]") == [held[-1]["axes"], colours]  # also after letting go
+    for name in ("forces", "area"):  # these axes grow at their upper end, which the curves leave
+        narrow, wider = axes.pop(name), [each["axes"].pop(name) for each in held]
+        assert all(a[:3] == narrow[:3] and a[3] >= narrow[3] for a in wider)
     assert [(each["axes"], each["colours"]) for each in held] == [(axes, colours)] * len(held)
     assert not any(each["stale"] for each in seen)
     assert all(each["at"] == pytest.approx(at, abs=0.01) for each in seen)  # what was looked at

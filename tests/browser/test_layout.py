@@ -1,7 +1,7 @@
 """The layout at every screen size: no clipped text, no overlap, and plots that are high enough."""
 
 import pytest
-from served import FAULTS, PATIENCE, finished, laid_out
+from served import FAULTS, MODEL, PATIENCE, finished, laid_out
 
 from app.pages import listed
 
@@ -102,16 +102,19 @@ def test_an_error_message_leaves_slider_widths_unchanged(visit):
 
 
 SHARES = {(1440, 900): 0.55, (1280, 720): 0.55, (390, 844): 0.38}  # of the first screen that is the hero's
+PLOTS = {(1440, 900): 180, (1280, 720): 130, (1920, 1080): 300}  # px, of the forces within their axes
 
 
 @pytest.mark.thorough
 def test_punch_fills_its_share_of_every_screen_beside_a_visible_curve(look):
     page = look("?view=hero")
-    for width, height in (*SHARES, (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657), (844, 390)):
+    others = (1920, 1080), (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657), (844, 390)
+    for width, height in (*SHARES, *others):
         page.set_viewport_size({"width": width, "height": height})
         laid_out(page)
         hero, curve = (page.locator(what).bounding_box() for what in (".hero", ".view[data-view=forces]"))
         assert hero["width"] * hero["height"] >= SHARES.get((width, height), 0.4) * width * height, (width, height)
+        assert page.evaluate(f"{MODEL.format('forces')}.inner_height") >= PLOTS.get((width, height), 0)
         player = page.locator(".player").bounding_box()["y"]
         assert max(box["y"] + box["height"] for box in (hero, curve)) <= player, (width, height)
 

@@ -14,8 +14,9 @@ export const parts = {} // figure: {label: what is drawn in it}
 export const CURVES = ["forces", "area", "map"]
 export const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
-const SIGHT = 0.9 // of a curve must be in sight while a slider is held
-const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it, so that it stays for a while
+const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at its ends are whole
+const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
+const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
 const TO_SCALE = 0.02 // a difference that nobody sees
 const THICK = 2.5 // times, for a projector
 const TITLES = [["map", "x, undeformed (nm)", "x (nm)"], ["traction", "traction (GPa)", "GPa"]] // in full, and short
@@ -38,20 +39,19 @@ export const fillImage = (view, label, values, shape, place) => (
 
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
-// A range that holds low..high with room, half of it at least, so that marks at the ends are whole; it follows at once
-// when too small, and shrinks only when far too large
-export function fit(range, low, high, curves = [[low, high]], room = 0.08) {
-  const size = Math.max(high - low, 1e-9), least = 0.5 * room * size
-  if (me.dragging) { // what moves is seen against what stays, as long as it is in sight
-    const { start, end } = range, lost = ([a, b]) => Math.min(b, end) - Math.max(a, start) < SIGHT * (b - a)
-    const [below, above] = [low < start ? low - ROOM * size : start, high > end ? high + ROOM * size : end]
-    if (curves.some(lost)) set(range, { start: below, end: above })
-    return
-  }
-  const inside = low - least >= range.start && high + least <= range.end
-  if (inside && size > 0.6 * (range.end - range.start)) return
-  set(range, { start: low - room * size, end: high + room * size })
+// A range that holds low..high. It grows at once when too small. It shrinks when far too large, and no slider is held
+export function fit(range, low, high, room = 0.08) {
+  const { start, end } = range, size = Math.max(high - low, 1e-9)
+  const below = low - EDGE * size < start, above = high + EDGE * size > end
+  if (me.dragging)
+    set(range, { start: below ? low - ROOM * size : start, end: above ? high + ROOM * size : end })
+  else if (below || above || size < FAR_LESS * (end - start))
+    set(range, { start: low - room * size, end: high + room * size })
 }
+
+// The end of an axis, where a run needs `needed`, with `spare` of it without harm out of sight
+export const settled = (end, needed, spare = 0) =>
+  (needed <= (1 + spare) * end && needed > FAR_LESS * end ? end : needed)
 
 // [lowest, highest] of all numbers, and zero
 export const extent = (...lists) => lists.reduce(([a, b], list) => {
@@ -91,7 +91,7 @@ export function drawCurves(run, ghost, approach) {
   markSlips(run, unit, approach)
   say("apart", run.apart ? APART : "")
   const values = (name) => [run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => part(of, name).value)
-  fitCurves(run, approach, [F, L].map(values), values("A"), [F, L].map((name) => part(run, name).value))
+  fitCurves(run, approach, [F, L].map(values), values("A"))
 }
 
 // Slips, and which way each part of a loop is walked
@@ -105,12 +105,11 @@ function markSlips(run, { names: { F, L }, factor }, approach) {
   }
 }
 
-// Axes that hold the forces and areas of all runs drawn; own: the forces of the run, which must stay in sight
-function fitCurves(run, approach, forces, areas, own) {
+// Axes that hold the forces and areas of all runs drawn
+function fitCurves(run, approach, forces, areas) {
   const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
   set(figures.forces.x_range, { start: start - room, end: end + room })
-  const bounds = own.filter((list) => list.length).map((list) => [Math.min(...list), Math.max(...list)])
-  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...forces.flat()), bounds)
+  fit(figures.forces.y_range, ...extent([-0.01, 0.02], ...forces.flat()))
   const all = areas.flatMap((list) => [...list]), least = Math.min(...all), most = Math.max(...all, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
   fit(figures.area.y_range, from, most)
@@ -203,8 +202,12 @@ export function drawMap(run, shown) {
   fill("map", "slips_map", { U_x, x: U_x.map(() => 0.94 * figures.map.y_range.start) })
 }
 
+const ends = [0, 0] // GPa, at which the colours of the map end
 export function shadeMap(run) {
-  if (run?.sheared >= 0) shade("map", "map", -nice(Math.max(-run.T_low, LEAST)), nice(Math.max(run.T_high, LEAST)))
+  if (!(run?.sheared >= 0)) return
+  const needed = [-run.T_low, run.T_high].map((T) => nice(Math.max(T, LEAST)))
+  needed.forEach((GPa, i) => { ends[i] = settled(ends[i], GPa) })
+  shade("map", "map", -ends[0], ends[1])
 }
 
 // Colours of an image for its limits, unless it has them

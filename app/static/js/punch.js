@@ -4,12 +4,12 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, shareAxis, stretchText,
+  CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, settled, shareAxis, stretchText,
 } from "./figures.js"
 import { declared, me } from "./store.js"
 
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
-const FAR_LESS = 0.6 // of an axis: where a run needs less of it, the axis shrinks
+const TAIL = 0.2 // of what acts may lie out of sight, where attraction is weak, before the axis grows
 const LARGER = 3 // times, at most, that a displacement sideways is drawn
 const IN_SIGHT = 0.4 // of half of the view: the top is drawn to move by no more
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
@@ -85,15 +85,12 @@ function drawSites({ spacing, middle }) {
 // How far from the middle the map of a run reaches, and its punch is seen, nm
 const reach = ({ head: { flat, nodes, spacing }, reach: acting }) => (
   flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((acting * 1.05) / 50)))
-const seen = (run) => (run.head.flat ? Math.min(reach(run), SITES * run.head.spacing) : reach(run))
-
-// The end of an axis, where a run needs `needed`: it stays as it is until the run leaves it, or needs far less
-const settled = (end, needed) => (needed <= end && needed > FAR_LESS * end ? end : needed)
+const seen = ({ head: { flat, spacing } }, half) => (flat ? Math.min(half, SITES * spacing) : half)
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
   if (me.dragging || run.followed) return
-  const { flat } = run.head, half = reach(run)
+  const { map, punch } = figures, { flat } = run.head, half = run.apart ? map.y_range.end : reach(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
   if (others) {
@@ -101,7 +98,8 @@ export function fitFrames(run) {
     shareAxis()
     for (const part of Object.values(parts.punch)) if (part.glyph) set(part, { visible: !flat }) // lens.js draws a flat
   }
-  const { map, punch } = figures, wide = settled(punch.x_range.end, seen(run)), tall = settled(map.y_range.end, half)
+  const spare = flat || others ? 0 : TAIL
+  const wide = settled(punch.x_range.end, seen(run, half), spare), tall = settled(map.y_range.end, half, spare)
   set(map.y_range, { start: -tall, end: tall })
   set(punch.x_range, { start: -wide, end: wide })
   set(punch.y_range, { start: -settled(-punch.y_range.start, Math.max(DEEP, -1.15 * run.lowest)) })

@@ -78,9 +78,7 @@ function checkTruth() {
   const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(scene[name])}`).join(", ")
   // curves come with the shear
   const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following
-  const stale = me.stale && !(me.dragging && me.run.followed)
-  say("stale", stale ? `computed for ${values || "the scene before"}`
-    : mixed && "curves: still those of the run before")
+  tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
   const grey = me.stale && !me.lost && (me.run === me.anchor || Boolean(me.run.stored))
   Object.assign(document.querySelector(".page").dataset, { mixed, stale: grey })
 }
