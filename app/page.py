@@ -22,8 +22,8 @@ from app import pages, schema
 from app.assets import assets
 from app.glossary import forms
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
+from app.session.orders import Wire
 from app.session.session import Session
-from app.session.wire import Wire
 from app.views.live import live_figures
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS

@@ -15,7 +15,6 @@ A page publishes one dictionary. The browser shows these entries of it, and page
     tables {element: rows}; a cell is a text or a button {label, pressed, ask: the order that it sends}
 """
 
-import json
 import logging
 from functools import cache
 from importlib import import_module
@@ -140,7 +139,7 @@ class Pages:
             for slot in page.views:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name = ""
-            self.session.wire.page = "{}"
+            self.session.send("page")
 
     def close(self):
         """Cancel all calls: the visitor left."""
@@ -167,4 +166,4 @@ class Pages:
         """Send the news of a page, unless it is closed."""
         page.published = page.published | news
         if page is self.page:
-            self.session.wire.page = json.dumps(page.published)
+            self.session.send("page", **page.published)

@@ -11,7 +11,8 @@ from math import ceil, e
 
 import numpy as np
 
-from app.service.packing import FREE, ORDER, columns, headed, middle, pack
+from app.service import packing
+from app.service.packing import FREE, ORDER, arrays, middle
 from solver import NotFollowed, follow
 from solver.run.frame import contact_area, forces
 
@@ -27,20 +28,20 @@ AGREE_U, AGREE_F = 1e-4, 1e-3  # tolerances of a predicted run: slips in nm; F o
 
 @dataclass(frozen=True)
 class Followed:
-    """The message of `picture`, and the pickled Skeleton from which the next prediction starts."""
+    """The `picture`, and the pickled Skeleton from which the next prediction starts."""
 
-    picture: bytes
+    picture: dict
     skeleton: bytes
 
 
-def followed(skeleton, scene, at, number=None):
+def followed(skeleton, scene, at):
     """Predict a scene from a pickled Skeleton of a similar scene; return its Followed, or a str: why it failed.
 
-    at: U_x of the frame on screen, nm; number: the message that the picture answers.
+    at: U_x of the frame on screen, nm.
     """
     try:
         there = follow(pickle.loads(skeleton), scene)
-        return Followed(picture(there, at, number), pickle.dumps(there))
+        return Followed(picture(there, at), pickle.dumps(there))
     except NotFollowed as why:
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # metrics count reasons without their numbers
 
@@ -50,7 +51,7 @@ def compared(skeleton, blocks):
 
     blocks: the packed blocks of the exact run.
     """
-    there, parts = pickle.loads(skeleton), [columns(block)[1] for block in blocks]
+    there, parts = pickle.loads(skeleton), [packing.columns(block)[1] for block in blocks]
     stage, U_x, F_bar, slip, at = (
         np.concatenate([part[name] for part in parts]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
     )
@@ -66,8 +67,11 @@ def compared(skeleton, blocks):
     return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
 
 
-def picture(skeleton, at, number=None):
-    """Return the message of a picture: JSON header, float32 CURVES (k,), int8 map (rows, columns), packed frames."""
+def picture(skeleton, at):
+    """Return a picture: {frames, columns, shown, map: its place, block: header of two frames, body}.
+
+    body: float32 CURVES (columns, frames), what `packing.arrays` has of the two frames, int8 map (rows, columns).
+    """
     scene = skeleton.scene
     steps, every = _increments(scene, [slip.load for slip in skeleton.slips])
     loads = scene.shear_at(steps)
@@ -80,18 +84,15 @@ def picture(skeleton, at, number=None):
     else:
         even = np.flatnonzero(steps % every == 0)
         cells, place = _map(skeleton, v[even], T[even], every)
-    header = {
-        "kind": "picture",
-        "acknowledged": number,
+    block, columns, fields = arrays(scene, [(frame, 0.0) for frame in frames], True)
+    return {
         "frames": loads.size,
         "columns": CURVES,
         "shown": shown,
-        "values": {name: getattr(scene, name) for name in SHOWN},
         "map": {"rows": cells.shape[0], "columns": cells.shape[1], **place},
+        "block": block,
+        "body": b"".join(part.tobytes() for part in (_curves(skeleton, loads, T), columns, fields, cells)),
     }
-    body = _curves(skeleton, loads, T).tobytes() + cells.tobytes()
-    block = pack(scene, [(frame, 0.0) for frame in frames], True)
-    return headed(header, body + b"\0" * (-len(body) % 4) + block)
 
 
 def _increments(scene, slips):

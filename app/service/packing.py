@@ -53,17 +53,23 @@ def packed(scene, rows, done):
     if scene.surface == "flat":
         rows = [(middle(scene, frame), work) for frame, work in rows]
     blocks = [list(block) for _, block in groupby(rows, lambda row: (row[0].first, row[0].u.shape[1]))]
-    return tuple(pack(scene, block, done and block is blocks[-1], compress=True) for block in blocks)
+    return tuple(pack(scene, block, done and block is blocks[-1]) for block in blocks)
 
 
-def pack(scene, rows, last, compress=False):
-    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header, float32 COLUMNS (n), int16 FIELDS (n, m).
+def pack(scene, rows, last):
+    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header of `arrays`, and these, `compressed`."""
+    head, *numbers = arrays(scene, rows, last)
+    return headed(head, compressed(*numbers))
+
+
+def arrays(scene, rows, last):
+    """Return (header, float32 COLUMNS (c, n), int16 FIELDS (4, n, m)) of rows (frame, work) of one patch.
 
     scene: of all these frames. The header has its parameters, and names the columns, and the fields with their scales,
     in the order in which they follow.
 
     Each field is stored as int16 with its own scale per block: 1/32767 of its largest value, invisible on a screen,
-    at half the bytes of float32. `compressed` makes it several times smaller.
+    at half the bytes of float32.
     """
     frames = [frame for frame, _ in rows]
     first, nodes = frames[0].first, frames[0].u.shape[1]
@@ -72,19 +78,16 @@ def pack(scene, rows, last, compress=False):
     traction = np.array([frame.T for frame in frames])
     fields = (profile + u[:, 1], u[:, 0], traction[:, 1], traction[:, 0])
     scales = [max(float(np.abs(field).max()), 1e-12) / 32767 for field in fields]
-    curves = np.array([_numbers(scene, frame, work) for frame, work in rows], dtype=np.float32).T
+    curves = np.array([_numbers(scene, frame, work) for frame, work in rows], dtype="<f4").T
     of_block = {
         "last": last,
-        "compressed": compress,
         "frames": len(frames),
         "nodes": nodes,
         "first": first,
         "scales": dict(zip(FIELDS, scales, strict=True)),
     }
-    curves = np.ascontiguousarray(curves, "<f4")
     fields = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
-    body = compressed(curves, fields) if compress else curves.tobytes() + fields.tobytes()
-    return headed(of_block | _of_scene(scene), body)
+    return of_block | _of_scene(scene), np.ascontiguousarray(curves), fields
 
 
 def _of_scene(scene):
@@ -135,9 +138,8 @@ def _summed(planes, kind, shape):
 
 
 def headed(head, body):
-    """A message of bytes: uint32 length, a JSON head that ends on a multiple of four, the body."""
+    """Bytes: uint32 length, a JSON head, the body."""
     text = json.dumps(head).encode()
-    text += b" " * (-len(text) % 4)
     return struct.pack("<I", len(text)) + text + body
 
 
@@ -149,12 +151,9 @@ def header(block):
 
 def columns(block):
     """(header, {column: (n,)}) of a packed block."""
-    head, body = header(block), _body(block)
+    head = header(block)
     n, count = head["frames"], len(head["columns"])
-    if head["compressed"]:
-        curves = _summed(zlib.decompressobj().decompress(body, 4 * count * n), "<i4", (count, n)).view("<f4")
-    else:
-        curves = np.frombuffer(body[: 4 * count * n], "<f4").reshape(count, n)
+    curves = _summed(zlib.decompressobj().decompress(_body(block), 4 * count * n), "<i4", (count, n)).view("<f4")
     return head, dict(zip(head["columns"], curves, strict=True))
 
 
@@ -162,10 +161,7 @@ def unpack(block):
     """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block."""
     head, curves = columns(block)
     n, m, start = head["frames"], head["nodes"], 4 * len(curves) * head["frames"]
-    if head["compressed"]:
-        fields = _summed(zlib.decompress(_body(block))[start:], "<i2", (len(FIELDS), m, n)).transpose(0, 2, 1)
-    else:
-        fields = np.frombuffer(_body(block)[start:], "<i2").reshape(-1, n, m)
+    fields = _summed(zlib.decompress(_body(block))[start:], "<i2", (len(FIELDS), m, n)).transpose(0, 2, 1)
     return head, curves, dict(zip(head["scales"], fields, strict=True))
 
 

@@ -28,15 +28,15 @@ class Film(Requests):
         places = [run.place(frame, session.run_cache) for frame in (k - 1, k)]
         if None in places:
             why = "the server has dropped the increment before this slip; compute the run again"
-            return session.wire.send("film failed", why=why)
+            return session.send("film failed", why=why)
         call = (tasks.slow_motion, run.scene, *places)
         self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=LONGEST_FILM)
 
     def _made(self, made, k):
         if made is None or isinstance(made, str):
-            return self.session.wire.send("film failed", why=made or "it could not be computed; try again")
+            return self.session.send("film failed", why=made or "it could not be computed; try again")
         for block in made:
-            self.session.wire.send("film", block, frame=k)
+            self.session.send("film", frame=k, body=block)
 
 
 class Layer(Requests):
@@ -62,7 +62,7 @@ class Layer(Requests):
     def _made(self, made, head):
         if not isinstance(made, Exception):  # without a table the browser draws nothing
             counts, scale, body = made
-            self.session.wire.send("layer", body, counts=counts, scale=scale, **head)
+            self.session.send("layer", counts=counts, scale=scale, body=body, **head)
 
 
 class Pinned(Requests):
@@ -89,10 +89,10 @@ class Pinned(Requests):
             self.session.run_cache.put(call[1], run)
         for pin in pins:
             if isinstance(run, Exception):
-                self.session.wire.send("pinned failed", pin=pin, why=str(run))
+                self.session.send("pinned failed", pin=pin, why=str(run))
             else:
                 for block in run.blocks:
-                    self.session.wire.send("pinned", block, pin=pin)
+                    self.session.send("pinned", pin=pin, body=block)
 
 
 class Marks(Requests):

@@ -20,11 +20,11 @@ from app.hosts import NamedHost
 from app.page import shared
 from app.service import metrics
 from app.session import orders
+from app.session.orders import Wire
 from app.session.session import VISITORS, visitors
-from app.session.wire import Wire
 
 log = logging.getLogger("app")
-LONGEST = 2 * orders.SMALL  # characters of a text in a message: an order inside JSON
+LONGEST = 2 * orders.SMALL  # characters of a text in a message, such as an order without its file
 AT_ONCE = 0.5  # s of the event loop that a visitor may use before messages wait: enough to open a few pages
 LONGEST_WAIT = 5.0  # s; a page counts its connection as lost after a longer time
 SHARE = 0.5  # fraction of the loop's time for all visitors beyond AT_ONCE
@@ -154,13 +154,29 @@ def _bounded(fragment):
     """Return a part of a message, or an empty one if it is too long."""
     if isinstance(fragment, str):
         return fragment if len(fragment) <= LONGEST else "{}"
-    return fragment if len(fragment) <= orders.SMALL + orders.LARGEST else b""
+    return fragment if len(fragment) <= orders.LARGEST else b""
 
 
 def _orders(message):
-    """Return the new values of `wire.order` in a message, str or bytes; raises ValueError for other messages."""
+    """Return the new values {name: value} of `wire.order` in a message; raises ValueError for other messages."""
     if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
         raise ValueError("a message that no page sends")
     events = message.content.get("events", ()) if message.msgtype == "PATCH-DOC" else ()
-    new = [event["new"] for event in events if event.items() >= CHANGE.items()]
-    return [value if isinstance(value, str) else bytes(message.buffers[0].data) for value in new]
+    files = [buffer.to_bytes().decode("utf-8", "replace") for buffer in message.buffers]
+    found = [decoded(event["new"], files) for event in events if event.items() >= CHANGE.items()]
+    if not all(isinstance(order, dict) for order in found):
+        raise ValueError("an order without fields")
+    return found
+
+
+def decoded(value, files=()):
+    """Return a value that BokehJS has encoded, from plain values, lists, objects and one file of `files`, a text."""
+    if isinstance(value, list):
+        return [decoded(each, files) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if value["type"] == "map":
+        return {str(name): decoded(each, files) for name, each in value.get("entries", ())}
+    if value["type"] == "bytes":
+        return files[0]
+    return float(value["value"])  # of type "number": nan or infinite

@@ -1,26 +1,30 @@
 """Orders of a browser. Each class declares the fields, their types, and the action on the visitor's Session.
 
-A message is JSON {"do": name, "n": number, "values": {field: value}}. A message with a file is bytes: a uint32 length
-of that JSON, the JSON, the file.
+An order is {"do": name, "n": number, field: value, ...}.
 """
 
-import json
-import struct
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Annotated, ClassVar, get_type_hints
+from dataclasses import dataclass, fields
+from typing import Annotated, ClassVar
+
+from bokeh.core.properties import Any
+from bokeh.model import DataModel
 
 from app.session.controls import PARAMETERS
 
-SMALL = 8000  # characters of an order without its file
+SMALL = 8000  # characters of an entry; more than any number needs
 LARGEST = 2_000_000  # bytes of a file; the browser checks this too
 FILES, FORMATS = ("profile", "measurement"), ("npz", "json")
 
 
-class Refused(ValueError):
-    """A rejected order; `n` is its number."""
+class Wire(DataModel):
+    """The model through which a browser gives its orders."""
 
-    n = None
+    order = Any(default=None)
+
+
+class Refused(ValueError):
+    """A rejected order."""
 
     def __init__(self):
         super().__init__("The page sent an order that this server does not know. Reload the page.")
@@ -55,12 +59,13 @@ def _is_flag(value):
 
 
 def _are_entries(values):
-    known = values.keys() <= PARAMETERS.keys()
-    return known and all(isinstance(value, str) or _is_number(value) for value in values.values())
+    known = isinstance(values, dict) and values.keys() <= PARAMETERS.keys()
+    return known and all(_is_text(value, SMALL) or _is_number(value) for value in values.values())
 
 
 def _is_address(values):
-    return values.keys() <= {"preset", "profile", *PARAMETERS} and all(isinstance(v, str) for v in values.values())
+    known = isinstance(values, dict) and values.keys() <= {"preset", "profile", *PARAMETERS}
+    return known and all(_is_text(value, SMALL) for value in values.values())
 
 
 # The type of a field, and the test of its values
@@ -235,44 +240,19 @@ class Ask(Order):
         session.pages.order({name: value for name, value in vars(self).items() if value is not None})
 
 
-def read(message):
-    """Return (number, Order) of a message, str or bytes; raises Refused."""
-    given, file = _parts(message)
-    number = given.get("n") if _is_number(given.get("n")) else None
+def read(given):
+    """Return the Order that a browser has given as {name: value}; raises Refused."""
+    kind = Order.known.get(str(given.get("do")))
+    values = {name: value for name, value in given.items() if name not in ("do", "n") and value is not None}
+    types = {field.name: field.type for field in fields(kind)} if kind else {}
     try:
-        return number, _order(given, file)
-    except Refused as refused:
-        refused.n = number
-        raise
-
-
-def _parts(message):
-    """Return ({field: value} of a message's JSON, text of its file or None); raises Refused."""
-    try:
-        file = None
-        if isinstance(message, bytes):
-            end = 4 + struct.unpack_from("<I", message)[0]
-            message, file = message[4:end].decode(), message[end:].decode("utf-8", "replace")
-        given = json.loads(message if len(message) <= SMALL else "")
-        if isinstance(given, dict):
-            return given, file
-    except (ValueError, RecursionError, struct.error):
+        if all(types[name].__metadata__[0](value) for name, value in values.items()):
+            return kind(**values)
+    except (KeyError, TypeError):  # a field is unknown or missing
         pass
     raise Refused
 
 
-def _order(given, file):
-    kind, values = Order.known.get(str(given.get("do"))), given.get("values") or {}
-    hints = get_type_hints(kind, include_extras=True) if kind else {}
-    if kind is None or not isinstance(values, dict):
-        raise Refused
-    if "values" in hints:  # values of a scene: the other fields are outside of them
-        values = {name: given[name] for name in hints if given.get(name) is not None} | {"values": values}
-    if file is not None:
-        values = values | {"text": file}
-    if not all(name in hints and hints[name].__metadata__[0](value) for name, value in values.items()):
-        raise Refused
-    try:
-        return kind(**values)
-    except TypeError:  # a field is missing
-        raise Refused from None
+def number_of(given):
+    """Return the number of an order, or None."""
+    return given.get("n") if _is_number(given.get("n")) else None

@@ -168,7 +168,7 @@ class Pursuit:
         if self.run and self.run.state == "running":
             self.run.state = "skipped"
         self.session.marks.cancel()  # until the next run has ended
-        call = (followed, skeleton, request.scene, request.at, request.number)
+        call = (followed, skeleton, request.scene, request.at)
         self._submit(call, partial(self._show_picture, request=request), rank=SCREEN)
 
     # following
@@ -186,7 +186,7 @@ class Pursuit:
             return self._begin(request.scene, request.after)
         metrics.count("followed")
         self.skeleton, self.shown = made.skeleton, request.scene
-        self.session.wire.deliver(made.picture)
+        self.session.send("picture", acknowledged=request.number, **made.picture)
         if self.requested is not None:
             self._start_newest()
         elif not self.held:
@@ -268,7 +268,7 @@ class Pursuit:
     def _send(self, blocks):
         """Send packed frames of the run."""
         for block in blocks:
-            self.session.wire.send("run", block, run=self.run.number)
+            self.session.send("run", run=self.run.number, body=block)
 
     # failures
 

@@ -1,8 +1,9 @@
 """The session of a visitor: runs the orders of the browser, and publishes the status of the run."""
 
-import json
 import logging
 import os
+
+from bokeh.document.events import MessageSentEvent
 
 from app.limits import INCREMENTS
 from app.service import metrics, tasks
@@ -14,10 +15,10 @@ from app.service.run_cache import run_cache as shared_run_cache
 from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.extras import Film, Layer, Marks, Pinned
+from app.session.orders import Wire
 from app.session.pursuit import Pursuit
 from app.session.run import RunRequest
 from app.session.share import Share
-from app.session.wire import Wire
 from solver import SceneError
 from solver.run.carry import GEOMETRY
 
@@ -42,7 +43,7 @@ class Session:
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.pinned, self.marks = Pinned(self), Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores older values
-        self.published_position = self.published_order = None
+        self.status = {}  # as sent last
         self.reading = Requests(self)  # reads an uploaded profile
         self.closed = False
         visitors.add(self)
@@ -65,31 +66,34 @@ class Session:
         """Call `take(task)` under the lock of the document once a call of the pool is done, unless the visitor left."""
         task.add_done_callback(lambda _: self.closed or self.doc.add_next_tick_callback(lambda: take(task)))
 
+    def send(self, kind, **content):
+        """Send a message to the browser, whose values are those of JSON, or bytes.
+
+        Bokeh 3.9 documents the event, but not that the document's callbacks send it.
+        """
+        event = MessageSentEvent(self.doc, "message", {"kind": kind} | content)
+        self.doc.callbacks.trigger_on_change(event)
+
     # orders from the browser
 
-    def obey(self, message):
-        """Run the order in a message of the browser. Every order is acknowledged, even a rejected one.
+    def obey(self, given):
+        """Run an order of the browser, {name: value}. Every order is acknowledged, even a rejected one.
 
         A picture acknowledges its own order. Until then the browser sends no newer position of the slider.
         """
-        try:
-            number, order = orders.read(message)
-        except orders.Refused as refused:
-            return self._refuse(refused)
+        number, pictured = orders.number_of(given), False
         self.acknowledged = self.acknowledged if number is None else number
         try:
+            order = orders.read(given)
             order.obey(self)
+            pictured = getattr(order, "held", False) and self.pursuit.state == "following"
+        except orders.Refused as refused:
+            metrics.count("rejected_messages")
+            self.notes = [f"{refused}{controls.STAYS}"]
         except Exception:
             self.pursuit.fail_unexpectedly()
-        pictured = getattr(order, "held", False) and self.pursuit.state == "following"
-        if self.published_order != self.acknowledged and not pictured:
+        if not pictured:
             self.publish()
-
-    def _refuse(self, refused):
-        metrics.count("rejected_messages")
-        self.acknowledged = self.acknowledged if refused.n is None else refused.n
-        self.notes = [f"{refused}{controls.STAYS}"]
-        self.publish()
 
     def hello(self):
         """Start the first run: the page is ready."""
@@ -163,22 +167,22 @@ class Session:
 
     def look(self):
         """Publish the position in the queue and the number of compiled kernels; a timer calls this, in any thread."""
-        warming = self.run is not None and self.run.state == "warming"
-        if not self.closed and (warming or self.published_position or self.pursuit.position):
+        if not self.closed and self.pursuit.state == "exact":
             self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
 
     def publish(self):
-        """Send status, values, notes and errors to the browser."""
-        run = self.run
+        """Send status, values, notes and errors to the browser, if any has changed."""
+        run, position = self.run, self.pursuit.position
         if run is None:
             return
-        self.published_position = self.pursuit.position
-        waits = [f"{self.published_position} before you in the queue of the server."] if self.published_position else []
+        waits = [f"{position} before you in the queue of the server."] if position else []
         own = {"values": controls.values_of(self.scene), "acknowledged": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
-        own |= {"scene": controls.values_of(run.scene), "marks": self.marks.values}  # scene: of the run
-        self.published_order = self.acknowledged
+        own |= {"marks": self.marks.values}
         if run.state == "warming":
             own["compiled"] = min(self.pool.compiled, KERNELS), KERNELS
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
-        self.wire.status = json.dumps(run.status() | own)
+        status = run.status() | own
+        if status != self.status:
+            self.status = status
+            self.send("status", **status)

@@ -24,7 +24,7 @@ class Share(Requests):
 
     def sheet(self, link):
         """Send the Python lines of the run on screen, then the QR code of a link, which a worker draws."""
-        send = partial(self.session.wire.send, "sheet", link=link, python=python_lines(self.session.pursuit.legs))
+        send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.legs))
         send(qr="")
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
@@ -36,7 +36,7 @@ class Share(Requests):
 
     def _made(self, body, kind):
         why = LARGE if len(body) > LARGEST else "" if body else SLOW
-        self.session.wire.send("file", b"" if why else body, ending=kind, why=why)
+        self.session.send("file", ending=kind, why=why, body=b"" if why else body)
 
 
 def python_lines(legs):

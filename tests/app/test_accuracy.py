@@ -1,6 +1,5 @@
 """Cautions about questionable parameters, and the accuracy measurement in the app."""
 
-import json
 import multiprocessing
 import queue
 import re
@@ -131,7 +130,7 @@ def test_an_empty_accuracy_report_has_no_points():
 
 
 def page_state(session):
-    return json.loads(session.wire.page)
+    return session.pages.page.published
 
 
 def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session):

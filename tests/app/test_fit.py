@@ -1,6 +1,5 @@
 """The page "Fit" without a browser: files, example data, fits and messages."""
 
-import json
 import re
 
 import pytest
@@ -15,7 +14,7 @@ CURVE = "U_x,F\n" + "".join(f"{k},{k * 2.0}\n" for k in range(1, 20))
 
 
 def page_state(session):
-    return json.loads(session.wire.page)
+    return session.pages.page.published
 
 
 def answer(session):

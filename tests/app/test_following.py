@@ -154,12 +154,10 @@ def test_only_the_newest_slider_position_is_predicted_next(page):
         move(page, value)
     assert page.status()["acknowledged"] not in (1.0, 2.0, 3.0, 4.0)  # the pictures acknowledge these orders
     assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.01]
-    page.pool.answer(
-        page, following.followed, following.Followed(packing.headed({"kind": "picture"}, b"!"), b"skeleton")
-    )
-    assert page.messages == [({"kind": "picture"}, b"!")]
+    page.pool.answer(page, following.followed, following.Followed({"body": b"!"}, b"skeleton"))
+    assert page.messages == [{"kind": "picture", "acknowledged": 1.0, "body": b"!"}]
     (task,) = page.pool.waiting(following.followed)
-    assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04), 9.0, 4.0) and task.rank == SCREEN
+    assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04), 9.0) and task.rank == SCREEN
     assert not page.pool.waiting(worker.compute)  # no run
 
 

@@ -42,7 +42,7 @@ def test_a_run_continues_from_the_increment_on_screen(page):
     frame = page.status()["frames"] - 20
     change(page, (1, frame), E=90)
     expected = carried_frames(SHORT, frame + 1, SHORT.changed(E=90.0))
-    assert page.status()["after"] == [1, frame]
+    assert page.status()["after"] == (1, frame)
     assert page.curve("F_bar") == pytest.approx([f.F_bar for f in expected], rel=1e-6)
     assert page.status()["frames"] == frame + 1 + len(expected) == page.status()["total"]
 

@@ -1,6 +1,5 @@
 """The page "Map" without a browser: tiles against exact runs, refinement, labels, colours."""
 
-import json
 import pickle
 
 import numpy as np
@@ -62,7 +61,7 @@ def test_map_is_refined_from_coarse_to_complete(session):
     assert image == pytest.approx(1e-4 * scene.width * scene.E, rel=1e-6)  # N/m, everywhere
     outline = np.array(view.parts["outline"].data_source.data["i"])
     assert np.nanmin(outline) == np.nanmax(outline) == COLUMNS // 2 + 0.5
-    told = json.loads(session.wire.page)
+    told = session.pages.page.published
     assert told["busy"] is None and told["texts"]["regimes-text"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
@@ -137,21 +136,21 @@ def test_colour_range_of_the_map_ignores_one_outlier():
 
 def test_a_cancelled_map_can_be_resumed(session):
     order(session, "page", page="regimes")
-    assert json.loads(session.wire.page)["hidden"]["regimes-resume"]
+    assert session.pages.page.published["hidden"]["regimes-resume"]
     order(session, "ask", what="cancel")
-    told = json.loads(session.wire.page)
+    told = session.pages.page.published
     assert told["busy"] is None and not told["hidden"]["regimes-resume"]
     order(session, "ask", what="resume")
-    assert json.loads(session.wire.page)["busy"] is not None
+    assert session.pages.page.published["busy"] is not None
     answered(session)
-    assert json.loads(session.wire.page)["texts"]["regimes-text"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
+    assert session.pages.page.published["texts"]["regimes-text"].startswith(f"{COLUMNS * ROWS} of {COLUMNS * ROWS}")
 
 
 def test_map_title_names_the_displayed_quantity(session):
     order(session, "page", page="regimes")
-    assert json.loads(session.wire.page)["texts"]["regimes-quantity"] == "friction Fₛ of the first slip"
+    assert session.pages.page.published["texts"]["regimes-quantity"] == "friction Fₛ of the first slip"
     order(session, "ask", what="of", of="L_min")
-    assert json.loads(session.wire.page)["texts"]["regimes-quantity"] == "load L at pull-off"
+    assert session.pages.page.published["texts"]["regimes-quantity"] == "load L at pull-off"
 
 
 def test_swapped_axes_make_a_new_map(session):

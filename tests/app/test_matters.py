@@ -1,7 +1,5 @@
 """The page "What matters" without a browser: sensitivities of the first slip."""
 
-import json
-
 import pytest
 from visitor import order
 
@@ -40,6 +38,6 @@ def test_a_visitor_receives_the_sensitivities_of_the_scene_on_screen(session):
     order(session, "page", page="matters")
     (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.what_matters]
     assert task.call[1] == session.scene
-    assert json.loads(session.wire.page)["texts"]["matters-text"].startswith("Computing")
+    assert session.pages.page.published["texts"]["matters-text"].startswith("Computing")
     order(session, "page", page="")
     assert task.abandoned or task.cancelled()

@@ -1,13 +1,12 @@
 """The pages without a browser: their contents match the solver, and a closed page costs nothing."""
 
-import json
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from bokeh.models import ColumnDataSource, LayoutDOM
-from visitor import order
+from visitor import messages, order
 
 from app import pages
 from app.pages import Sheet, listed, section
@@ -30,11 +29,11 @@ def test_lines_of_scripts_styles_and_templates_have_at_most_120_characters(kind)
 
 @pytest.mark.slow
 def test_a_closed_page_leaves_no_models_and_no_texts(session):
-    before = len(session.doc.models)
+    before, sent = len(session.doc.models), messages(session)
     order(session, "page", page="law")
-    assert len(session.doc.models) > before and json.loads(session.wire.page)["open"] == "law"
+    assert len(session.doc.models) > before and session.pages.page.published["open"] == "law"
     order(session, "page", page="")
-    assert len(session.doc.models) == before and session.wire.page == "{}"
+    assert len(session.doc.models) == before and sent[-1] == {"kind": "page"}
 
 
 @pytest.mark.parametrize("name", listed())
@@ -45,16 +44,18 @@ def test_every_page_fills_its_own_slots_only(session, name):
 
 
 def test_closed_pages_cause_no_tasks_and_no_messages(session):
-    said = []
-    session.wire.on_change("page", lambda attribute, old, new: said.append(new))
+    sent = messages(session)
     order(session, "hello")
     order(session, "scene", E="80")
-    assert not said and all(task.call[0].__module__ == "app.service.worker" for task in session.pool.tasks)
+    assert {message["kind"] for message in sent} == {"status"} and all(
+        task.call[0].__module__ == "app.service.worker" for task in session.pool.tasks
+    )
 
 
 def test_an_unknown_page_opens_nothing(session):
+    sent = messages(session)
     order(session, "page", page="secret")
-    assert session.pages.page is None and session.wire.page == "{}"
+    assert session.pages.page is None and {message["kind"] for message in sent} <= {"status"}
 
 
 def test_interface_law_matches_the_solver_and_follows_the_scene(session):
@@ -69,7 +70,7 @@ def test_interface_law_matches_the_solver_and_follows_the_scene(session):
         gap = data["y"][0] + data["dh"][0] * (rows // 2 + 0.5) / rows
         middle = image[rows // 2, [columns // 4, 3 * (columns // 4)]]
         assert middle == pytest.approx(-cohesive_law.traction(scene, s, gap)[0], rel=1e-6)
-        law = json.loads(session.wire.page)["law"]
+        law = session.pages.page.published["law"]
         assert (
             law["spacing"] == scene.spacing and 0.5 < law["peak"] < 0.71
         )  # 1/sqrt(2) for one spring, less for a lattice
@@ -85,12 +86,12 @@ def test_interface_law_page_shows_both_laws_and_explains_overlap(session):
         gap = np.asarray(parts["law"].data_source.data["gap"])
         assert shares["np1"] == pytest.approx(np.exp(-gap), rel=1e-9)
         assert shares["xu-needleman"] == pytest.approx((1.0 + gap) * np.exp(-gap), rel=1e-9, abs=1e-12)
-        assert words in json.loads(session.wire.page)["texts"]["law-numbers"]
+        assert words in session.pages.page.published["texts"]["law-numbers"]
 
 
 def test_tangential_traction_peaks_where_the_page_states(session):
     order(session, "page", page="law")
-    peak = json.loads(session.wire.page)["law"]["peak"]
+    peak = session.pages.page.published["law"]["peak"]
     at, beside = np.abs(cohesive_law.traction(Scene(), np.array([peak, peak + 0.05]), 0.0)[0])
     assert at > beside and at > abs(cohesive_law.traction(Scene(), peak - 0.05, 0.0)[0])
 
@@ -107,7 +108,7 @@ def test_a_folder_with_a_page_module_becomes_a_page(session, monkeypatch, tmp_pa
     order(session, "page", page="law")
     order(session, "scene", E="80")
     order(session, "ask", what="ever")
-    assert json.loads(session.wire.page)["open"] == "law"
+    assert session.pages.page.published["open"] == "law"
     assert 'sheet("law")' in section("law") and 'plot("law_shear_map")' in section("law")  # macros of page.html
     order(session, "page", page="")
     assert session.pages.page is None
@@ -122,10 +123,9 @@ def test_repeated_requests_for_a_layer_table_compute_it_once(session):
     for task in made:
         task.set_running_or_notify_cancel()
         task.set_result(task.call[0](*task.call[1:]))
-    sent = []
-    session.wire.on_change("message", lambda attribute, old, new: new and sent.append(new))
+    sent = messages(session)
     order(session, "layer", rows=100, modes=100, depth=100.0)
-    assert len(list(filter(None, sent))) == 1  # what is known is sent at once
+    assert [message["kind"] for message in sent].count("layer") == 1  # what is known is sent at once
 
 
 @pytest.mark.parametrize("name", [name for name in listed() if name not in ("regimes", "accuracy", "arealaws")])

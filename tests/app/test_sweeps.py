@@ -1,6 +1,5 @@
 """Requests of pages to workers: shared between visitors, cancelled when unused, repeated after a lost worker."""
 
-import json
 import pickle
 
 import numpy as np
@@ -113,7 +112,7 @@ def of_kind(kind):
 
 
 def page_state(session):
-    return json.loads(session.wire.page)
+    return session.pages.page.published
 
 
 @pytest.mark.slow
@@ -145,7 +144,7 @@ def test_legend_of_the_stick_slip_map_ends_at_its_largest_value(session):
     told = []
     for nodes in (512, 1024, 2048):
         session.change({"nodes": str(nodes)})
-        told.append(float(json.loads(session.wire.page)["texts"]["stickslip-most"]))
+        told.append(float(session.pages.page.published["texts"]["stickslip-most"]))
         shown = session.pages.page.views["map"].parts["map"].glyph.color_mapper
         assert told[-1] == pytest.approx(shown.high, rel=0.05)
     assert told[0] > told[1] > told[2]

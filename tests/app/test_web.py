@@ -32,7 +32,7 @@ from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
 from app.session import session as session_module
-from app.session.wire import Wire
+from app.session.orders import Wire
 
 
 @pytest.fixture(scope="module")

@@ -219,9 +219,9 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(visit):
     finished(page)
     ordered = page.evaluate(
         """() => {
-            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.properties.message)
+            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
             window.ordered = []
-            wire.properties.order.change.connect(() => ordered.push(JSON.parse(wire.order)))
+            wire.properties.order.change.connect(() => ordered.push(wire.order))
             for (const name of ["stickslip", "law", "solid", "arealaws", "stickslip", "law"]) {
                 document.querySelector(`nav button[data-page=${name}]`).click()
             }
@@ -231,7 +231,7 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(visit):
     assert "drawing" in ordered
     page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
     page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')", timeout=PATIENCE)
-    assert page.evaluate("ordered.filter((o) => o.do === 'page').map((o) => o.values.page)") == ["law"]
+    assert page.evaluate("ordered.filter((o) => o.do === 'page').map((o) => o.page)") == ["law"]
     assert painted_pixels(page, "Interface law") > 8
 
 

@@ -43,7 +43,7 @@ def run_of(tab, scene):
             const { unpackLater } = await import("http://scripts/js/packed.js")
             for (const text of blocks) {
                 const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
-                const chunk = await unpackLater({ buffer, start: 0 })
+                const chunk = await unpackLater({ body: buffer })
                 if (text === blocks[0]) window.run = new Run(7, chunk.head)
                 window.run.add(chunk)
             }
@@ -54,33 +54,26 @@ def run_of(tab, scene):
 
 
 def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
-    first, second = (base64.b64encode(packing.headed({"kind": "run", "number": k}, b"")).decode() for k in (0, 1))
     passed_on = tab.evaluate(
-        """async (messages) => {
-            const { connect, listen, take } = await import("http://scripts/js/channel.js")
-            const listeners = {}, passedOn = []
-            const property = (name) => ({ change: { connect: (call) => { listeners[name] = call } } })
-            const wire = { properties: { message: property("message"), status: property("status") } }
-            const send = (name, value) => { wire[name] = value; listeners[name]() }
-            const unpacking = [Promise.withResolvers(), Promise.withResolvers()]
-            connect(wire)
-            listen("status", (message) => passedOn.push(message))
-            take("run", (message) => passedOn.push(message), ({ head }) => unpacking[head.number].promise)
-            const [run, next] = messages.map((text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer)
-            send("status", "first")
-            send("message", run)
-            send("message", null)
-            send("status", "second")
-            send("message", next)
-            send("status", "third")
+        """async () => {
+            const { connect, take } = await import("http://scripts/js/channel.js")
+            const passedOn = [], unpacking = [Promise.withResolvers(), Promise.withResolvers()]
+            let send = null
+            connect({ document: { on_message: (kind, call) => { send = call } } })
+            take("status", ({ text }) => passedOn.push(text))
+            take("run", (message) => passedOn.push(message), ({ number }) => unpacking[number].promise)
+            send({ kind: "status", text: "first" })
+            send({ kind: "run", number: 0 })
+            send({ kind: "status", text: "second" })
+            send({ kind: "run", number: 1 })
+            send({ kind: "status", text: "third" })
             unpacking[1].resolve("chunk 1")
             await new Promise((then) => setTimeout(then))
             const waited = passedOn.length === 1
             unpacking[0].resolve("chunk 0")
             await new Promise((then) => setTimeout(then))
             return [waited, passedOn]
-        }""",
-        [first, second],
+        }"""
     )
     assert passed_on == [True, ["first", "chunk 0", "second", "chunk 1", "third"]]
 
@@ -197,17 +190,15 @@ def test_stress_inside_the_layer_equals_the_sum_over_all_modes(tab, scene):
     depth = min(half, scene.height * scene.width)
     counts, scale, body = tasks.layer_table(scene, depth, rows, scene.nodes // 2)
     assert len(body) == 12 * sum(counts)
-    table = base64.b64encode(packing.headed({"counts": counts, "scale": scale}, body)).decode()
     made = tab.evaluate(
-        """async (table) => {
+        """async ([table, counts, scale]) => {
             const { tableOf, sumsIn, middles, XX, ZZ, XZ, APART, SHEARED } = await import("http://scripts/js/inside.js")
-            const { opened } = await import("http://scripts/js/packed.js")
             const weights = [XX, ZZ, XZ, APART, SHEARED]
-            const bytes = Uint8Array.from(atob(table), (c) => c.charCodeAt(0)).buffer
-            const sums = sumsIn(run, run.length - 1, tableOf(opened(bytes)), middles(50, 60), weights)
+            const { buffer: body } = Uint8Array.from(atob(table), (c) => c.charCodeAt(0))
+            const sums = sumsIn(run, run.length - 1, tableOf({ counts, scale, body }), middles(50, 60), weights)
             return sums.map((sum) => [...sum])
         }""",
-        table,
+        [base64.b64encode(body).decode(), counts, scale],
     )
     *made, apart, sheared = np.array(made).reshape(-1, rows, 50)
     first, T = (0, np.repeat(frame.T[:, :1], scene.nodes, 1)) if scene.surface == "flat" else (frame.first, frame.T)

@@ -15,12 +15,13 @@ import urllib.request
 from contextlib import suppress
 from pathlib import Path
 
+from bokeh.core.serialization import Serializer
 from bokeh.protocol import Protocol
 from bokeh.protocol.receiver import Receiver
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
-from app.service.packing import header
+from app.session.message_filter import decoded
 
 ROOT = Path(__file__).parent.parent.parent
 PATIENCE = 60  # s; a limit against hanging
@@ -68,14 +69,15 @@ class Tab:
                 return message
 
     def patch(self, order):
-        """The content of a message that gives an order (text)."""
-        event = {"kind": "ModelChanged", "model": {"id": self.wire}, "attr": "order", "new": order}
+        """The content of a message that gives an order, {name: value}."""
+        new = Serializer().encode(order)
+        event = {"kind": "ModelChanged", "model": {"id": self.wire}, "attr": "order", "new": new}
         return {"events": [event]}
 
     async def order(self, what, **values):
         """Ask for something, and wait until its run has ended: seconds to the first frames and to the last, status."""
         start, first = time.perf_counter(), None
-        await self.give({"do": what} | ({"values": values} if values else {}))
+        await self.give({"do": what} | ({"values": values} if what in ("scene", "restore") else values))
         while (heard := await self.heard()) != "status" or self.status["state"] not in ENDS:
             first = (first or time.perf_counter() - start) if heard == "run" else first
         whole = time.perf_counter() - start
@@ -107,19 +109,17 @@ class Tab:
 
     async def give(self, order):
         self.orders += 1
-        order = json.dumps(order | {"n": self.orders}, separators=(",", ":"))
-        await self.send("PATCH-DOC", self.patch(order))
+        await self.send("PATCH-DOC", self.patch(order | {"n": self.orders}))
 
     async def heard(self):
         """What comes next of "run", "picture" and "status", of these what answers the last order."""
         while True:
             message = await self.message("PATCH-DOC")
             for event in message.content["events"]:
-                what = event.get("attr")
+                news = decoded(event["msg_data"], ("",)) if event["kind"] == "MessageSent" else {}
+                what = news.get("kind")
                 if what == "status":
-                    self.status = json.loads(event["new"])
-                elif what == "message" and message.buffers:
-                    what = header(message.buffers[0].to_bytes())["kind"]
+                    self.status = news
                 if what in ("run", "picture") or (what == "status" and self.status["acknowledged"] == self.orders):
                     return what
 

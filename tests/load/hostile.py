@@ -53,12 +53,12 @@ def order(dice, odd=0.3):
     made = {"do": name, "n": dice.choice([*ODD, 7]) if dice.random() < odd else dice.randrange(10**6)}
     if dice.random() < odd / 3:
         fields[dice.choice(["E", "values", "do"])] = dice.choice(ODD)
-    return json.dumps(made | (fields if "values" in fields else {"values": fields}))
+    return made | fields
 
 
-def mutated(text, dice):
-    """The text with a few characters changed, cut or doubled."""
-    text = list(text)
+def mutated(content, dice):
+    """The JSON of a message's content with a few characters changed, cut or doubled."""
+    text = list(json.dumps(content))
     for _ in range(dice.randrange(1, 5)):
         k = dice.randrange(len(text))
         text[k : k + dice.randrange(3)] = dice.choice(['"', "{", "[" * 50, "}", "9" * 30, "\\u0000", "é", ""])
@@ -74,9 +74,10 @@ def event(tab, dice):
     div = {"type": "object", "name": "Div", "id": "x1", "attributes": {"text": "x" * 5000}}
     return dice.choice(
         [
-            {"kind": "ModelChanged", "model": wire, "attr": "message", "new": {"type": "bytes", "data": BOMB}},
-            {"kind": "ModelChanged", "model": wire, "attr": "status", "new": "{}"},
+            {"kind": "ModelChanged", "model": wire, "attr": "order", "new": {"type": "bytes", "data": BOMB}},
+            {"kind": "ModelChanged", "model": wire, "attr": "name", "new": "mine"},
             {"kind": "ModelChanged", "model": wire, "attr": "order", "new": dice.choice(ODD)},
+            {"kind": "ModelChanged", "model": wire, "attr": "order", "new": {"type": "map", "entries": [[[], {}]]}},
             {"kind": "ModelChanged", "model": {"id": "p1001"}, "attr": "title", "new": "mine"},
             {"kind": "RootAdded", "model": div},
             {"kind": "RootAdded", "model": {"type": "object", "name": "os.system", "id": "x2"}},
@@ -94,13 +95,14 @@ async def speak(tab, dice):
     if kind < 0.6:
         await tab.send("PATCH-DOC", tab.patch(order(dice)))
     elif kind < 0.75:
-        await tab.send("PATCH-DOC", tab.patch(mutated(order(dice), dice)))
+        for part in (json.dumps({"msgid": "1", "msgtype": "PATCH-DOC"}), "{}", mutated(tab.patch(order(dice)), dice)):
+            await tab.socket.write_message(part)
     elif kind < 0.9:
         await tab.send("PATCH-DOC", {"events": [event(tab, dice) for _ in range(dice.randrange(1, 4))]})
     elif kind < 0.93:
         await tab.send(dice.choice(["PUSH-DOC", "OK", "ERROR", "ACK", "NONE"]), {"doc": {}})
     elif kind < 0.96:
-        await tab.socket.write_message(mutated('{"msgid":"1","msgtype":"PATCH-DOC","num_buffers":1}', dice))
+        await tab.socket.write_message(mutated({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 1}, dice))
     elif kind < 0.97:
         await tab.socket.write_message(bytes(dice.randrange(1000)), binary=True)
     else:
@@ -112,7 +114,7 @@ async def flood(tab, dice):
     if dice.random() < 0.8:
         await tab.send("PATCH-DOC", tab.patch(order(dice, odd=0.0)))
     else:
-        await tab.send("PATCH-DOC", tab.patch("[" + "{}," * 4000 + "{}]"))
+        await tab.send("PATCH-DOC", tab.patch([[] for _ in range(4000)]))
         await tab.send("PATCH-DOC", {"events": [[] for _ in range(dice.choice([2_000, 1_000_000]))]})
 
 

@@ -2,15 +2,17 @@
 
 import json
 import queue
-import struct
 import time
+from dataclasses import fields
 
 import numpy as np
+from bokeh.document.events import MessageSentEvent
 
 from app.pages import Pages
 from app.service import packing, worker
 from app.service.pool import Task
 from app.service.run_cache import RunCache
+from app.session import orders
 from app.session.session import Session
 from solver import Scene
 
@@ -25,19 +27,16 @@ class Page:
         self.calls, self.chunks = queue.Queue(), []
         self.session = Session(self, Pages, arguments, pool, run_cache or RunCache())
         self.session.scene = scene
-        self.messages = []  # [(header, body)], but for packed frames
-        self.session.wire.on_change("message", self._take)
+        self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
 
-    def _take(self, attribute, old, new):
+    def trigger_on_change(self, event):
         """Keep a message: frames of the run on screen, of a pin or of a film, by their number; or another one."""
-        if new is None:
-            return
-        head, body = opened(new)
-        numbers = {"run": head.get("run"), "pinned": ("pin", head.get("pin")), "film": ("film", head.get("frame"))}
-        if head["kind"] in numbers:
-            self.chunks.append((numbers[head["kind"]], *unpacked(body)))
-        else:
-            self.messages.append((head, body))
+        new = event.msg_data
+        numbers = {"run": new.get("run"), "pinned": ("pin", new.get("pin")), "film": ("film", new.get("frame"))}
+        if new["kind"] in numbers:
+            self.chunks.append((numbers[new["kind"]], *unpacked(new["body"])))
+        elif new["kind"] != "status":
+            self.messages.append(new)
 
     def add_next_tick_callback(self, call):
         self.calls.put(call)
@@ -46,13 +45,13 @@ class Page:
         self.calls.put(call)  # however short the time, nothing may get lost
 
     def order(self, what, **values):
-        say(self.session, {"do": what, "values": values, "n": time.monotonic()})
+        order(self.session, what, n=time.monotonic(), **values)
 
     def file(self, entry, text):
         send_file(self.session, entry, text)
 
     def status(self):
-        return json.loads(self.session.wire.status)
+        return self.session.status
 
     def until(self, state):
         """Live on until the run has the given state."""
@@ -72,11 +71,6 @@ def slices(scene, budget, **how):
     while not piece.done:
         piece = worker.compute(scene, piece.state, budget, **how)
         yield piece
-
-
-def opened(message):
-    """(header, body) of a message."""
-    return packing.header(message), message[4 + struct.unpack_from("<I", message)[0] :]
 
 
 def unpacked(block):
@@ -104,15 +98,24 @@ class NoPool:
         task.cancel()
 
 
+def messages(session):
+    """The messages that a session sends from now on, as a list that grows."""
+    sent = []
+    session.doc.on_change(lambda event: isinstance(event, MessageSentEvent) and sent.append(event.msg_data))
+    return sent
+
+
 def say(session, order):
-    """Give an order, a text or what is one in JSON, as the message filter does."""
-    session.obey(order if isinstance(order, str | bytes) else json.dumps(order))
+    """Give an order, {name: value} or the same in JSON, as the message filter does."""
+    session.obey(json.loads(order) if isinstance(order, str) else order)
 
 
 def send_file(session, entry, text):
     """Give an order that brings a file."""
-    session.obey(packing.headed({"do": "file", "values": {"entry": entry}, "n": 1}, text.encode()))
+    order(session, "file", entry=entry, text=text)
 
 
-def order(session, what, /, **values):
-    say(session, {"do": what, "values": values, "n": 1})
+def order(session, what, /, n=1, **values):
+    """Give an order with these fields, or with these values of a scene."""
+    of_scene = any(field.name == "values" for field in fields(orders.Order.known[what]))
+    say(session, {"do": what, "n": n} | ({"values": values} if of_scene else values))

@@ -55,7 +55,7 @@ function row(name, i) {
 function show() {
   leaveBehind()
   const own = OWN.filter((name) => name in fitted.values)
-  order("scene", Object.fromEntries(own.map((name) => [name, `${fitted.values[name]}`])))
+  order("scene", { values: Object.fromEntries(own.map((name) => [name, `${fitted.values[name]}`])) })
 }
 
 // The curve of the run on screen, as far as it is there

@@ -50,7 +50,7 @@ function raise(name) {
   const now = Number(me.status.values[name])
   leaveBehind()
   const wanted = now === 0 ? OF_ZERO : now + Math.abs(now) * (MORE - 1)
-  order("scene", { [name]: `${Number(wanted.toPrecision(5))}` })
+  order("scene", { values: { [name]: `${Number(wanted.toPrecision(5))}` } })
 }
 
 // Below the punch, with every frame: how much each node holds

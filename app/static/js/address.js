@@ -71,7 +71,7 @@ export function restore(scene, k = null) {
   me.entered = null
   me.move = { name: "" }
   wanted = k
-  order("restore", scene)
+  order("restore", { values: scene })
 }
 
 // beside the scene: going back leaves them as they are

@@ -27,6 +27,7 @@ export function set(model, values) {
   model.setv(values, here)
 }
 export const onChange = (model, property, call) => model.properties[property].change.connect(call)
+export const onMessage = (model, call) => model.document.on_message("message", call)
 export const onEvent = (model, name, call) => model.on_event(name, call)
 
 // {label: renderer, band or line} of a figure: what has a name "figure.label"

@@ -1,53 +1,36 @@
-// Messages between this page and the server: `order` to it, everything else from it (app/session/wire.py).
+// Orders to the server (app/session/orders.py), and messages from it, {kind, ...}.
 
-import { onChange } from "./bokeh.js"
+import { onMessage } from "./bokeh.js"
 import { by, on } from "./dom.js"
-import { opened } from "./packed.js"
 import { me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LARGEST = 2e6 // bytes of a file, as the server
 let wire = null
-let orders = 0, asks = 0
+let orders = 0
 
-// Messages of bytes go to what takes their kind
+// Messages go to what takes their kind, in the order in which they came
 export function connect(given) {
   wire = given
-  onChange(wire, "message", () => {
-    if (!wire.message) return // the server lets go of it
-    const message = opened(wire.message), [call, unpack] = takers[message.head.kind] ?? []
-    if (call) arrived(message, call, unpack)
+  onMessage(wire, (message) => {
+    const [call, unpack] = takers[message.kind] ?? []
+    if (!call) return
+    const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
+    before = Promise.allSettled([unpack ? unpack(message) : message, before]).then(pass).catch(reportError)
   })
 }
 
 const takers = {} // {kind: [call, unpack]}
+let before = Promise.resolve() // done once all messages until now are passed on, also where these take long or fail
 // Call `call` with every message of a kind; unpack: makes a promise of what is in it, where that takes time
 export const take = (kind, call, unpack) => { takers[kind] = [call, unpack] }
-export const listen = (what, call, unpack) => onChange(wire, what, () => arrived(wire[what], call, unpack))
 export const silence = () => (me.waiting.length ? performance.now() - me.waiting[0].at : 0) // ms
 
-let before = Promise.resolve() // done once all messages until now are passed on
-// Pass a message on after those before it, also where these take longer to unpack or fail
-function arrived(message, call, unpack) {
-  const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
-  before = Promise.allSettled([unpack ? unpack(message) : message, before]).then(pass).catch(reportError)
-}
-
-export function order(what, values, more) {
+// Give an order with its fields
+export function order(what, fields = {}) {
   const n = orders++
-  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values, at: performance.now() }]
-  if (!me.lost) wire.order = JSON.stringify({ do: what, values, n, ...more })
-}
-
-// An order with a file: bytes, as app/session/orders.py reads them
-async function orderFile(entry, file) {
-  const body = new Uint8Array(await file.arrayBuffer())
-  const head = new TextEncoder().encode(JSON.stringify({ do: "file", values: { entry }, n: orders++ }))
-  const message = new Uint8Array(4 + head.length + body.length)
-  new DataView(message.buffer).setUint32(0, head.length, true)
-  message.set(head, 4)
-  message.set(body, 4 + head.length)
-  if (!me.lost) wire.order = message.buffer
+  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values, at: performance.now() }]
+  if (!me.lost) wire.order = { do: what, n, ...fields }
 }
 
 // The server has heard the orders up to a number
@@ -56,9 +39,7 @@ export function heard(n) {
 }
 
 // Ask the page that is open for something
-export function ask(values) {
-  if (!me.lost) wire.order = JSON.stringify({ do: "ask", values, ask: asks++ })
-}
+export const ask = (values) => order("ask", values)
 
 // What is chosen as a file goes to the server; refuse(why) where it is too large
 export function sendFile(id, refuse) {
@@ -67,6 +48,6 @@ export function sendFile(id, refuse) {
     if (!file) return
     const size = (file.size / 1e6).toFixed(1)
     if (file.size > LARGEST) refuse(`${id}: ${file.name} has ${size} MB, allowed: 2 MB; thin it out.`)
-    else await orderFile(id, file)
+    else order("file", { entry: id, text: await file.arrayBuffer() })
   })
 }

@@ -38,7 +38,7 @@ function draw() {
     drawStage(run, k, time)
   }
   if (isPlayed() && time < cost.ended + REST * cost.of && me.picture?.run === run) return
-  if (!frame(run, k, run.whole, run.scene, me.ghost, me.pins, me.playing, me.dragging, me.look)) return
+  if (!frame(run, k, run.whole, me.ghost, me.pins, me.playing, me.dragging, me.look)) return
   drawIncrement(run, k)
   by("scrub").value = k
 }
@@ -47,7 +47,7 @@ function draw() {
 function drawPart(run, k, time) {
   const approach = run.approaching(k), grows = run.number === me.begun && !run.whole && approach === me.approach
   if (grows && time - curvesAt < QUIET) return again(QUIET)
-  if (!curves(run, run.length, run.whole, run.scene, me.ghost, me.pins, approach, me.look)) return
+  if (!curves(run, run.length, run.whole, me.ghost, me.pins, approach, me.look)) return
   curvesAt = time
   fitFrames(run)
   drawCurves(run, me.ghost, approach)

@@ -108,7 +108,7 @@ const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 function choosePreset(preset) {
   leaveBehind(false)
   set({ following: true, preview: null, place: null, at: 0 })
-  order("restore", { preset })
+  order("restore", { values: { preset } })
   if (!reduced) play(true)
 }
 

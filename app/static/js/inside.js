@@ -31,8 +31,8 @@ export function connectInside() {
   })
 }
 
-export function tableOf({ head, buffer, start }) {
-  return { ...head, factors: Float32Array.from(new Int16Array(buffer, start), (value) => value * head.scale) }
+export function tableOf({ body, ...table }) {
+  return { ...table, factors: Float32Array.from(new Int16Array(body), (value) => value * table.scale) }
 }
 
 const keyOf = (geometry, { rows, modes, depth }) => JSON.stringify([geometry, rows, modes, depth])

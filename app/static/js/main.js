@@ -47,8 +47,8 @@ export function start({ wire, figures, slots, declarations, index }) {
   connectSlips()
   channel.take("run", player.receive, unpackLater)
   channel.take("picture", player.follow)
-  channel.listen("status", status.heard)
-  channel.listen("page", pages.receive, pages.read)
+  channel.take("status", status.heard)
+  channel.take("page", pages.receive, pages.read)
   connectStored(player.standIn)
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {

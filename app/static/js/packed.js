@@ -1,36 +1,22 @@
-// Messages of bytes: a JSON header and numbers behind it (format: app/service/packing.py).
+// Packed frames (format: app/service/packing.py).
 
-// uint32 length of the header, the header, the rest from `start` on
-export function opened(buffer, at = 0) {
-  const length = new DataView(buffer).getUint32(at, true), start = at + 4 + length
-  return { head: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, at + 4, length))), buffer, start }
-}
-
-// A chunk that is not compressed, at that place of an ArrayBuffer: {head, columns: {name: Float32Array}, fields: {name:
-// Int16Array (frames, nodes)}}; nothing is copied
-export function unpack(buffer, at = 0) {
-  const { head, start } = opened(buffer, at), { frames, nodes, columns, scales } = head
-  const curves = new Float32Array(buffer, start, columns.length * frames)
-  const fields = new Int16Array(buffer, start + curves.byteLength, Object.keys(scales).length * frames * nodes)
-  return chunkOf(head, curves, fields)
-}
-
-// The chunk in a message, which may be compressed, in a while; with what the header of the message says
-export async function unpackLater({ head: outer, buffer, start: at }) {
-  const { head, start } = opened(buffer, at)
-  if (!head.compressed) return { ...outer, ...unpack(buffer, at) }
-  const stream = new Blob([new Uint8Array(buffer, start)]).stream().pipeThrough(new DecompressionStream("deflate"))
+// The chunk in the body of a message, in a while, with the rest of the message: {..., head, columns: {name:
+// Float32Array}, fields: {name: Int16Array (frames, nodes)}}
+export async function unpackLater({ body, ...message }) {
+  const length = new DataView(body).getUint32(0, true), rest = new Uint8Array(body, 4 + length)
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(body, 4, length)))
+  const stream = new Blob([rest]).stream().pipeThrough(new DecompressionStream("deflate"))
   const planes = new Uint8Array(await new Response(stream).arrayBuffer()), { kept } = head
   const curves = curvesOf(planes, head.columns.length, head.frames), behind = planes.subarray(curves.byteLength)
   const [frames, nodes] = kept ? [kept.frames.length, kept.nodes.length] : [head.frames, head.nodes]
   const fields = fieldsOf(behind, frames, nodes)
-  return { ...outer, ...chunkOf(head, curves, kept ? filledIn(fields, kept, head) : fields) }
+  return { ...message, ...chunkOf(head, curves, kept ? filledIn(fields, kept, head) : fields) }
 }
 
 const named = (names, numbers, size) =>
   Object.fromEntries(names.map((name, k) => [name, numbers.subarray(k * size, (k + 1) * size)]))
 
-function chunkOf(head, curves, fields) {
+export function chunkOf(head, curves, fields) {
   return {
     head,
     columns: named(head.columns, curves, head.frames),

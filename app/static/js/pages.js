@@ -77,8 +77,8 @@ async function load(name) {
 }
 
 // What a message holds, once the script of its page is there
-export async function read(text) {
-  const news = { open: "", figures: [], ...JSON.parse(text) }
+export async function read(message) {
+  const news = { open: "", figures: [], ...message }
   await load(news.open)
   return news
 }

@@ -1,7 +1,7 @@
 // A picture that follows the hand on a slider (format: app/service/following.py): the curves and the map of a whole
 // run, and two of its frames, that where sliding begins and the one on screen. It is read as a Run is.
 
-import { unpack } from "./packed.js"
+import { chunkOf } from "./packed.js"
 import { REAL, Run, SPANS } from "./run.js"
 
 const NOTHING = -128, SHADES = 127 // of a cell: where nothing acts, and the last of either sign
@@ -11,25 +11,30 @@ const BEYOND = 1.1, ROOM = 1.3
 let count = 0
 
 export class Picture extends Run {
-  // message: as `opened`; before: the run on screen; values: {parameter: value} of its scene
-  constructor({ head, buffer, start }, before, values) {
-    const { frames, columns, map } = head
-    const cells = start + 4 * columns.length * frames, end = cells + map.rows * map.columns
-    const chunk = unpack(buffer, end + (-end & 3))
-    super(--count, chunk.head)
+  // before: the run on screen
+  constructor({ frames, columns, shown, map, block, body }, before) {
+    super(--count, block)
+    let at = 0 // how much of the body is read
+    const read = (kind, size) => {
+      const part = new kind(body, at, size)
+      at += part.byteLength
+      return part
+    }
+    const curves = columns.map(() => read(Float32Array, frames)), { nodes, scales } = block
+    const ofFrames = read(Float32Array, block.columns.length * block.frames)
+    const chunk = chunkOf(block, ofFrames, read(Int16Array, Object.keys(scales).length * block.frames * nodes))
     this.followed = this.whole = true
     this.sheared = 0
-    this.shown = head.shown
-    this.scene = { ...values, ...head.values }
-    this.cells = { ...map, values: new Int8Array(buffer, cells, map.rows * map.columns) }
+    this.shown = shown
+    this.cells = { ...map, values: read(Int8Array, map.rows * map.columns) }
     this.places = Array.from({ length: frames }, (_, k) => [chunk, k && 1])
     const still = (value) => Array.from({ length: frames }, () => value)
     for (const name in this.curves) this.curves[name] = still(0)
-    columns.forEach((name, i) => { this.curves[name] = [...new Float32Array(buffer, start + 4 * i * frames, frames)] })
-    this.curves.index = this.curves.U_x.map((U_x) => Math.round(U_x / chunk.head.step))
+    columns.forEach((name, i) => { this.curves[name] = [...curves[i]] })
+    this.curves.index = this.curves.U_x.map((U_x) => Math.round(U_x / block.step))
     for (const name of ["stage", "delta"]) this.curves[name] = still(chunk.columns[name][1])
     for (const name in REAL) {
-      const [bar, unit] = REAL[name], by = unit(chunk.head)
+      const [bar, unit] = REAL[name], by = unit(block)
       this.curves[name] = this.curves[bar].map((value) => value * by)
     }
     for (const name of SPANS) this[name] = before[name] // what the views extend over stays while a hand moves

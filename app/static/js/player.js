@@ -43,10 +43,10 @@ function replaced(chunk) {
 
 // A picture of where the hand is, or was a moment ago; first the server hears where it is now
 export function follow(message) {
-  heard(message.head.acknowledged)
+  heard(message.acknowledged)
   sendNext()
   if (!me.run?.length) return
-  const picture = new Picture(message, me.run, me.status.values)
+  const picture = new Picture(message, me.run)
   begin(picture)
   set({ at: picture.shown, following: false })
 }
@@ -66,7 +66,6 @@ function begin(run) {
   if (me.run?.length && !me.following && (!exact(me.run) || me.run.head.step !== run.head.step)) {
     me.place ??= me.run.place(now())
   }
-  if (me.status.run === run.number) run.scene = me.status.scene
   set({ run, anchor: null, preview: null })
 }
 
@@ -154,5 +153,5 @@ export function reset() {
   by("speed").value = plain.value
   set({ ghost: null, behind: null, anchor: null, following: true, preview: null, playing: !reduced,
     speed: Number(plain.value) })
-  order("restore", {})
+  order("restore", { values: {} })
 }

@@ -38,6 +38,8 @@ export class Run extends Frames {
 
   get length() { return this.places.length }
 
+  get scene() { return this.head.scene }
+
   // Whether the fields of frame k are here
   has() { return true }
 

@@ -199,7 +199,7 @@ const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.ab
 
 // What one change has done, against the run before; null where there is nothing to compare
 export function changeSentence(run, before) {
-  if (!run?.scene || !before?.scene || run.normal !== before.normal || run.head.flat !== before.head.flat
+  if (!run || !before || run.filmed || run.normal !== before.normal || run.head.flat !== before.head.flat
     || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
   const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
   if (names.length !== 1 || ALONE.includes(names[0])) return null

@@ -170,13 +170,13 @@ async function copy(field, what) {
   say(copied ? `${what} copied` : `The browser forbids copying. The ${what} is selected: press Ctrl+C.`)
 }
 
-function showFile({ head: { why, ending }, buffer, start }) {
+function showFile({ why, ending, body }) {
   if (why) say(why)
-  else download(new Blob([buffer.slice(start)]), `.${ending}`)
+  else download(new Blob([body]), `.${ending}`)
   for (const button of document.querySelectorAll("[data-file]")) button.disabled = false
 }
 
-function showSheet({ head: { link, qr, python } }) {
+function showSheet({ link, qr, python }) {
   if (link !== by("share-link").value) return
   by("share-qr").src = qr
   by("share-qr").hidden = !qr

@@ -7,7 +7,7 @@ import { by, fixed, minus, on, say, tell } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
-import { declared, me, touch, view } from "./store.js"
+import { declared, me, view } from "./store.js"
 import { explain } from "./terms.js"
 import { inWords, symbol } from "./words.js"
 
@@ -20,16 +20,12 @@ export function connect() {
   view(["run", "status", "playing", "lost"], tellState)
 }
 
-export function heard(text) {
+export function heard(status) {
   const old = me.status
-  me.status = JSON.parse(text)
+  me.status = status
   acknowledged(me.status.acknowledged)
   sendNext()
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
-  if (me.run?.number === me.status.run && !me.run.scene) {
-    me.run.scene = me.status.scene
-    touch("run")
-  }
   const { state, frames } = me.status
   if (state === "finished" && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1

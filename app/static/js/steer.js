@@ -41,7 +41,7 @@ const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
 export function sendNext(held = me.dragging) {
   if (!me.entered || (me.dragging && me.waiting.length)) return
   const at = sheared() ? me.run.curves.U_x[now()] : 0
-  order("scene", me.entered, { ...(from && { after: from }), ...(held && { held, at }) })
+  order("scene", { values: me.entered, after: from, ...(held && { held, at }) })
   me.entered = null
 }
 

@@ -14,9 +14,9 @@ export function connectStored(show) {
     if (!address || address === asked || computed()) return
     asked = address
     const response = await fetch(address).catch(() => null)
-    const chunk = response?.ok && (await unpackLater({ buffer: await response.arrayBuffer(), start: 0 }))
+    const chunk = response?.ok && (await unpackLater({ body: await response.arrayBuffer() }))
     if (!chunk || address !== asked || computed()) return
-    const run = Object.assign(new Run(0, chunk.head), { stored: true, scene: chunk.head.scene })
+    const run = Object.assign(new Run(0, chunk.head), { stored: true })
     run.add(chunk)
     show(run)
   }

@@ -197,7 +197,7 @@ export function tellNow(run, k) {
     sentence = { ...next, at: time }
     explain(by("sentence"), next.text)
   }
-  const wanted = [run, me.ghost, run.whole, run.scene] // its scene may arrive after its frames
+  const wanted = [run, me.ghost, run.whole]
   if (wanted.every((what, i) => what === compared[i])) return
   compared = wanted
   const changed = changeSentence(run, me.ghost)?.text ?? ""

@@ -54,9 +54,9 @@ function begin() {
   chosen = null
   unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : null
   choose(stop.curve)
-  order("restore", { preset: stop.preset })
+  order("restore", { values: { preset: stop.preset } })
   const values = wanted()
-  if (Object.keys(values).length) order("scene", values)
+  if (Object.keys(values).length) order("scene", { values })
   write()
 }
 
@@ -68,7 +68,7 @@ const atStop = () => {
   return preset === STOPS[at].preset
     && Object.entries(wanted()).every(([name, value]) => Number(values[name]) === value)
 }
-const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run) && me.run.scene
+const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run)
   && !me.stale
 const failed = () => me.status.state === "failed" && atStop()
 

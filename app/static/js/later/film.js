@@ -123,6 +123,6 @@ function leave() {
 }
 
 take("film", receive, unpackLater)
-take("film failed", ({ head: { why } }) => { if (film && !film.frames) refuse(`Slow motion: ${why}.`) })
+take("film failed", ({ why }) => { if (film && !film.frames) refuse(`Slow motion: ${why}.`) })
 cover(["picture"], drawTrace)
 view(["run", "at"], () => { if (film && (me.run !== film.run || now() !== film.k)) leave() })

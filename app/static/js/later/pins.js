@@ -93,7 +93,7 @@ export function fromLink(texts) {
     const asked = new URLSearchParams()
     for (let i = 0; i + 1 < pairs.length; i += 2) asked.set(pairs[i], pairs[i + 1])
     const scene = sceneOf(asked), { slot } = add(null, scene, name.slice(0, 40) || "pinned run")
-    order("pin", scene, { pin: slot })
+    order("pin", { values: scene, pin: slot })
   }
 }
 
@@ -108,5 +108,5 @@ function receive(chunk) {
 
 take("pinned", receive, unpackLater)
 // The chip of a run that failed stays, with the reason, until the user removes it
-take("pinned failed", ({ head: { pin, why } }) => change(pin, { failure: why }))
+take("pinned failed", ({ pin, why }) => change(pin, { failure: why }))
 view(["pins", "look"], () => { if (me.pins.length || by("chips")?.children.length) tell() })
