@@ -1,8 +1,6 @@
 """Predictions during a drag: they match the exact run, skip intermediate positions and end in the exact run."""
 
-import json
 import pickle
-import struct
 
 import numpy as np
 import pytest
@@ -35,20 +33,22 @@ def runs():
 
 
 def parts(picture):
-    """(header, {column: (k,)}, map (rows, columns), packed frames with their number) of a picture."""
-    (length,) = struct.unpack_from("<I", picture)
-    head, start = json.loads(picture[4 : 4 + length]), 4 + length
-    shape = len(head["columns"]), head["frames"]
-    columns = np.frombuffer(picture, "<f4", shape[0] * shape[1], start).reshape(shape)
-    start += columns.nbytes
-    cells = np.frombuffer(picture, np.int8, head["map"]["rows"] * head["map"]["columns"], start)
-    start += cells.nbytes + -cells.nbytes % 4
-    return (
-        head,
-        dict(zip(head["columns"], columns, strict=True)),
-        cells.reshape(-1, head["map"]["columns"]),
-        picture[start:],
-    )
+    """({column: (k,)}, {field: (2, m)} in nm and GPa of both frames, map (rows, columns)) of a picture."""
+    place, block, at = picture["map"], picture["block"], 0
+
+    def read(kind, *shape):
+        nonlocal at
+        values = np.frombuffer(picture["body"], kind, int(np.prod(shape)), at).reshape(shape)
+        at += values.nbytes
+        return values
+
+    curves = read("<f4", len(picture["columns"]), picture["frames"])
+    read("<f4", len(block["columns"]), block["frames"])
+    fields = read("<i2", len(block["scales"]), block["frames"], block["nodes"])
+    cells = read(np.int8, place["rows"], place["columns"])
+    assert at == len(picture["body"])
+    scaled = {name: scale * field for (name, scale), field in zip(block["scales"].items(), fields, strict=True)}
+    return dict(zip(picture["columns"], curves, strict=True)), scaled, cells
 
 
 def sheared(run):
@@ -61,10 +61,10 @@ def sheared(run):
 
 def test_a_predicted_picture_is_small_and_matches_the_exact_run(runs):
     made = following.followed(runs[SCENE].skeleton, NEXT, 9.0)
-    assert len(made.picture) < MOST
-    head, curves, _, block = parts(made.picture)
+    assert len(made.picture["body"]) < MOST
+    curves, shown, _ = parts(made.picture)
     exact, (exact_head, _, fields) = sheared(runs[NEXT])
-    assert head["values"]["delta_bar"] == 0.02
+    assert made.picture["block"]["scene"]["delta_bar"] == 0.02
     np.testing.assert_allclose(curves["U_x"], exact["U_x"], atol=1e-5)
     for name in ("F_bar", "L_bar", "A_bar"):
         largest = np.abs(exact[name]).max()
@@ -73,10 +73,9 @@ def test_a_predicted_picture_is_small_and_matches_the_exact_run(runs):
     slips = exact["slip"] > 0
     assert slips.sum() == 3
     np.testing.assert_allclose(curves["slip_at"][slips], exact["slip_at"][slips], atol=following.AGREE_U)
-    k = head["shown"]
+    k = made.picture["shown"]
     assert exact["U_x"][k] == pytest.approx(9.0)
-    frames_head, _, shown = unpacked(block)
-    first = frames_head["first"] - exact_head["first"]
+    first = made.picture["block"]["first"] - exact_head["first"]
     within = slice(max(0, first), max(0, first) + 40)
     ours, theirs = (
         shown["T_z"][1][within.start - first :][:40],
@@ -87,8 +86,8 @@ def test_a_predicted_picture_is_small_and_matches_the_exact_run(runs):
 
 def test_contact_map_of_a_prediction_holds_quantised_tractions(runs):
     made = following.followed(runs[SCENE].skeleton, SCENE, 9.0)
-    head, _, cells, _ = parts(made.picture)
-    place = head["map"]
+    _, _, cells = parts(made.picture)
+    place = made.picture["map"]
     loads = place["step"] * np.arange(place["columns"])
     frames = pickle.loads(made.skeleton).frames(loads)
     rows = slice(place["first"] - frames[0].first, place["first"] - frames[0].first + place["rows"])
