@@ -25,7 +25,7 @@ READ = """async ({ now, before, at, values }) => {
         let run = null
         for (const text of blocks) {
             const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
-            const chunk = await unpackLater({ buffer, start: 0 })
+            const chunk = await unpackLater({ body: buffer })
             if (!run) {
                 run = Object.assign(new Run(7, chunk.head), { scene })
                 if (carried) run.takeOver(await made(before), carried)
@@ -263,7 +263,7 @@ PLAYED = """async ({ now, speed }) => {
     let run = null, at = 0
     for (const text of now.blocks) {
         const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
-        const chunk = await unpackLater({ buffer, start: 0 })
+        const chunk = await unpackLater({ body: buffer })
         run ??= Object.assign(new Run(7, chunk.head), { scene: now.scene })
         run.add(chunk)
     }
