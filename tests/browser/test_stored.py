@@ -15,7 +15,7 @@ NOBODY = "tcp://127.0.0.1:9"  # the port "discard": no scheduler, thus no worker
 COMPARE = """async (texts) => {
     const { unpackLater } = await import("http://scripts/js/packed.js")
     const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer
-    const [one, other] = await Promise.all(texts.map((text) => unpackLater({ buffer: bytes(text), start: 0 })))
+    const [one, other] = await Promise.all(texts.map((text) => unpackLater({ body: bytes(text) })))
     const apart = (a, b) => a.length === b.length && a.reduce((most, v, i) => Math.max(most, Math.abs(v - b[i])), 0)
         / b.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-7)  // below: round-off, as F of a lifted punch
     const of = (kind, names) => Object.fromEntries(
