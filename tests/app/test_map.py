@@ -1,4 +1,4 @@
-"""The page "Map" without a browser: tiles against exact runs, refinement, labels, colours."""
+"""The page "Map of regimes" without a browser: tiles against exact runs, refinement, labels, colours."""
 
 import pickle
 

@@ -22,15 +22,19 @@ def test_clicking_a_term_loads_and_shows_its_explanation(look):
     page.locator("#term").wait_for(state="hidden")
 
 
-def test_clicking_a_term_in_a_caption_does_not_enlarge_the_plot(look):
+def test_a_term_in_a_caption_explains_and_its_heading_enlarges_the_plot(look):
     page = look("?view=hero")
     term = page.locator(".area figcaption .term").first
     if term.is_hidden():
-        page.locator("#chosen label", has_text="Contact").click()
-        page.locator("#chosen label", has_text="Force").click()
+        page.locator("#chosen label", has_text="Contact area").click()
+        page.locator("#chosen label", has_text="Forces").click()
     page.evaluate("document.querySelector('.area figcaption .term').click()")
     page.locator("#term b").wait_for()
     assert page.locator("main").get_attribute("data-chosen") == "forces"
+    page.evaluate("document.getElementById('term').hidePopover()")
+    page.evaluate("document.querySelector('.area figcaption > b').click()")
+    assert page.locator("main").get_attribute("data-chosen") == "area" and page.locator("#term").is_hidden()
+    assert not page.locator("main :is(.forces, .area, .map) figcaption > b .term").count()
 
 
 @pytest.mark.thorough

@@ -100,7 +100,7 @@ def forces_of(page, k):
         "punch": re.findall(r"F = (\S+) N/m", words)[-1],
         "readout": re.search(r"F = (\S+) N/m", said)[1],
         "table": row,
-        "spoken": re.search(r"friction (\S+),", spoken)[1] if "friction" in spoken else "0",
+        "spoken": re.search(r"friction (\S+) newtons", spoken)[1] if "friction" in spoken else "0",
         "curve": page.evaluate(f"punch.run.shear('F'){at}"),
     }
     return {name: float(str(value).replace("−", "-")) for name, value in seen.items()}, said

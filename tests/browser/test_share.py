@@ -9,7 +9,8 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from served import PATIENCE, finished
+from PIL import Image
+from served import PATIENCE, finished, laid_out
 
 from solver.cli import main as command_line
 
@@ -129,6 +130,12 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
         assert name in ("punch", "traction") or "displacement Uₓ" in text  # its own axis, also above another
         assert (name == "map") == ("colours: from" in text)
         assert len(list(root.iter())) > 20  # axes and curves
+    sheet.set_viewport_size({"width": 1280, "height": 720})  # with the tractions as bands under the punch
+    laid_out(sheet)
+    sheet.select_option("#share-view", "punch")
+    picture = np.asarray(Image.open(io.BytesIO(saved(sheet, "#save-png"))).convert("RGB")).astype(int)
+    bands = picture[int(0.78 * len(picture)) : int(0.95 * len(picture))]
+    assert (abs(bands - [0, 122, 90]).max(axis=2) < 20).any()  # --shear, of the lower band
 
 
 @pytest.mark.thorough

@@ -1,4 +1,4 @@
-// The page "Map": its axes and its quantity; a click goes to that scene, and a drag through all between.
+// The page "Map of regimes": its axes and its quantity; a click goes to that scene, and a drag through all between.
 
 import { drawnBy, onEvent, set } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"

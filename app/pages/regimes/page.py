@@ -1,4 +1,4 @@
-"""The page "Map": the first slip over two parameters, with named regimes. A click or a drag selects a scene.
+"""The page "Map of regimes": the first slip over two parameters, with named regimes. A click or a drag selects a scene.
 
 The map has tiles (solver/analysis/maps), from coarse to fine; a worker computes each in one call. The page requests a
 tile as soon as the points around it are known. All visitors share the results (requests.py).
@@ -22,7 +22,7 @@ from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
 from solver.scene import PARAMETERS
 
-TITLE, ORDER, FIGURES = "Map", 6, ("map",)
+TITLE, ORDER, FIGURES = "Map of regimes", 6, ("map",)
 COLUMNS, ROWS = 33, 25
 AXES = {  # axes to choose from: label, low, high, whether logarithmic, ticks
     "delta_bar": ("press depth δ/δ₀", -0.8, 1.0, False, (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),

@@ -1,5 +1,5 @@
 // The address of the page: it brings scene, increment and page back, and each settled change is an entry of the
-// browser's history, so that Back undoes.
+// browser's history, so that Back undoes. While a page is open Back closes it.
 
 import { order } from "./channel.js"
 import { by, lastSearch, on, readdress } from "./dom.js"
@@ -13,6 +13,7 @@ let written = null // the scene in the address, as text; null before it is known
 let writtenOf = null // the move of which the address has something
 let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
 let resting = 0
+let undoing = false // Back was asked for by Undo, not by the browser's button
 let wanted = asked() // the increment to go to once the run is there
 
 function asked() {
@@ -57,7 +58,11 @@ export function addEntry(change, more) {
   tellHistory()
 }
 
-export const undo = () => { if (entry > 0) history.back() }
+export const undo = () => {
+  if (entry <= 0) return
+  undoing = true
+  history.back()
+}
 export const redo = () => { if (entry < top) history.forward() }
 
 function tellHistory() {
@@ -76,18 +81,22 @@ export function restore(scene, k = null) {
 
 // beside the scene: going back leaves them as they are
 const VIEWED = ["theme", "embed", "tour", "view", "pin", "force", "over"]
+const openedPage = () => document.querySelector(".page").dataset.page
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
+  const closing = openedPage() && !undoing && event.state.entry < entry // Back closes a page and undoes nothing
   entry = event.state.entry
+  undoing = false
   const k = asked(), before = lastSearch(), seen = [...new URLSearchParams(before)]
   const same = !me.status.values || !difference(sceneOf(before), sceneOf(location.search))
-  const kept = same ? [...VIEWED, "k"] : VIEWED
+  const kept = closing ? [...VIEWED, "k", ...sceneNames()] : same ? [...VIEWED, "k"] : VIEWED
   readdress((now) => {
     for (const name of kept) now.delete(name)
     for (const [name, text] of seen) if (kept.includes(name)) now.append(name, text)
+    if (closing) now.delete("page")
   })
-  if (!same) {
+  if (!same && !closing) {
     written = null
     restore(sceneOf(location.search), k)
   }
@@ -118,7 +127,7 @@ export function goToAsked() {
 
 // The address of what is on screen now, for others; more: further parameters [[name, text], ...]
 export function linkTo(more = []) {
-  const url = new URL(location.pathname, location.origin), page = document.querySelector(".page").dataset.page
+  const url = new URL(location.pathname, location.origin), page = openedPage()
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)

@@ -1,7 +1,7 @@
 // Which run is on screen, and its playing and scrubbing, without asking the server.
 
 import { heard, order } from "./channel.js"
-import { by, digits, fixed } from "./dom.js"
+import { by, fixed, newtons } from "./dom.js"
 import { paceAt } from "./pace.js"
 import { Picture } from "./picture.js"
 import { Run } from "./run.js"
@@ -141,11 +141,11 @@ export function goto(k) {
 function summarise(what) {
   const { run } = me, k = now()
   if (k < 0) return
-  const v = run.values(k)
-  by("announcement").textContent =
-    `${what} at a displacement of ${fixed(v.U_x, 1)} nanometres: friction ${digits(v.F)}, `
-    + `load ${digits(v.L)} newtons per metre, `
-      + (run.head.flat ? "all in contact." : `contact ${fixed(v.A, 0)} nanometres wide.`)
+  const { U_x, F, L, A } = run.values(k), spoken = (force) => newtons(force).replace("mN/m", "millinewtons per metre")
+    .replace("N/m", "newtons per metre")
+  by("announcement").textContent = `${what} at a displacement of ${fixed(U_x, 1)} nanometres: `
+    + `friction ${spoken(F)}, load ${spoken(L)}, `
+    + (run.head.flat ? "all in contact." : `contact ${fixed(A, 0)} nanometres wide.`)
 }
 
 export function reset() {

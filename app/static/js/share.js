@@ -1,11 +1,13 @@
 // The sheet of what can be taken away
 
 import { linkTo } from "./address.js"
+import { drawBands } from "./bands.js"
 import { bokehPainted, holderOf, set, svgOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
-import { colour } from "./colours.js"
+import { colour, isShown } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
+import { drawFringes } from "./fringes.js"
 import { sharpen } from "./pen.js"
 import { me } from "./store.js"
 import { drawStory } from "./story.js"
@@ -67,7 +69,7 @@ function scaleOf(name) {
 // Call with the axis of a view visible, also where it stands above another that has the same
 async function withAxis(name, call) {
   const [axis] = figures[name].below, { visible } = axis
-  if (visible) return call()
+  if (visible || (name === "punch" && isShown(by("bands")))) return call() // the bands have the places
   set(axis, { visible: true })
   try {
     await bokehPainted()
@@ -78,10 +80,22 @@ async function withAxis(name, call) {
   }
 }
 
-// {text, holder, width, height, top, whole} of a view as an SVG with its title, key and caption, px; below `top` the
-// view itself, and what `over` makes of what lies over it
-function framed(name, over = () => "") {
-  const holder = holderOf(figures[name]), { width, height } = holder.getBoundingClientRect()
+// The canvases of a view as images of an SVG: those behind it, those over it, and the bands under it
+function canvasesOf(holder) {
+  const drawn = (part) => [...part.querySelectorAll(":scope > canvas")].filter((one) => one.width && one.clientHeight)
+  const image = (y) => (canvas) => `<image y="${y}" width="${canvas.clientWidth}" height="${canvas.clientHeight}" `
+    + `opacity="${getComputedStyle(canvas).opacity}" href="${canvas.toDataURL()}"/>`
+  const behind = drawn(holder).filter((one) => one.matches(".fringes")), under = drawn(holder.parentElement)
+  const over = drawn(holder).filter((one) => !behind.includes(one))
+  const deep = under.reduce((sum, { clientHeight }) => sum + clientHeight, 0)
+  return { behind: behind.map(image(0)).join(""), deep,
+    over: [...over.map(image(0)), ...under.map(image(holder.clientHeight))].join("") }
+}
+
+// {text, width, height} of a view as an SVG with its title, key and caption, px
+function framed(name) {
+  const holder = holderOf(figures[name]), { width } = holder.getBoundingClientRect()
+  const { behind, over, deep } = canvasesOf(holder), height = holder.clientHeight + deep
   const pen = make("canvas").getContext("2d")
   const parts = [`<rect width="100%" height="100%" fill="${colour("--page")}"/>`]
   let x = MARGIN, y = MARGIN + LINE / 2
@@ -97,12 +111,12 @@ function framed(name, over = () => "") {
   const lines = [scaleOf(name), described(me.run, me.drawn)].filter(Boolean).flatMap((text) =>
     wrapped(pen, text, width - 2 * MARGIN))
   const whole = top + height + LINE * lines.length + MARGIN
-  parts.push(`<g transform="translate(0 ${top})">${svgOf(figures[name])}${over(holder, width, height)}</g>`)
+  parts.push(`<g transform="translate(0 ${top})">${behind}${svgOf(figures[name])}${over}</g>`)
   lines.forEach((line, i) => parts.push(textAt(MARGIN, top + height + LINE * (i + 0.5), line)))
   const size = `width="${width}" height="${whole}" viewBox="0 0 ${width} ${whole}"`
   const font = `font-family="${FONT}" font-size="14" fill="${colour("--text")}"`
   const spaces = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
-  return { text: `<svg ${spaces} ${size} ${font}>${parts.join("")}</svg>`, holder, width, height, top, whole }
+  return { text: `<svg ${spaces} ${size} ${font}>${parts.join("")}</svg>`, width, height: whole }
 }
 
 export function download(blob, ending) {
@@ -114,35 +128,25 @@ export function download(blob, ending) {
 
 // A view in so many pixels for each of the page
 export async function png(name, scale = 1) {
-  const { text, holder, width, height, top, whole } = framed(name), plot = new Image()
-  const canvas = make("canvas", { width: Math.round(width * scale), height: Math.round(whole * scale) })
-  const pen = canvas.getContext("2d")
+  drawCanvases(scale)
+  const { text, width, height } = framed(name), plot = new Image()
+  drawCanvases(null)
   plot.src = `data:image/svg+xml,${encodeURIComponent(text)}`
   await plot.decode()
-  pen.scale(scale, scale)
-  pen.drawImage(plot, 0, 0, width, whole)
-  pen.translate(0, top)
-  sharpen(scale)
-  if (me.run) drawStory(me.run, me.drawn)
-  drawOver(pen, holder, width, height)
-  sharpen(null)
-  if (me.run) drawStory(me.run, me.drawn)
+  const canvas = make("canvas", { width: Math.round(width * scale), height: Math.round(height * scale) })
+  canvas.getContext("2d").drawImage(plot, 0, 0, canvas.width, canvas.height)
   return new Promise((done) => canvas.toBlob(done, "image/png"))
 }
 
-export const svg = (name) => framed(name, (holder, width, height) => canvasesOver(holder)
-  .map((canvas) => `<image width="${width}" height="${height}" opacity="${getComputedStyle(canvas).opacity}" `
-    + `href="${canvas.toDataURL()}"/>`).join("")).text
-
-// The canvases over a view
-const canvasesOver = (holder) => [...holder.querySelectorAll(":scope > canvas")].filter((over) => over.width)
-
-function drawOver(pen, holder, width, height) {
-  for (const over of canvasesOver(holder)) {
-    pen.globalAlpha = Number(getComputedStyle(over).opacity)
-    pen.drawImage(over, 0, 0, width, height)
-  }
+// So many pixels for each of the page, null: as on this screen
+function drawCanvases(scale) {
+  if (!me.run) return
+  sharpen(scale)
+  for (const draw of [drawFringes, drawBands, drawStory]) draw(me.run, me.drawn)
+  sharpen(null)
 }
+
+export const svg = (name) => framed(name).text
 
 const UNITS = "U_x, delta, residual in nm; F_bar = F/(w E), L_bar = L/(w E), A_bar = A/w"
 const number = (value) => `${Number(value.toPrecision(7))}` // of single precision
