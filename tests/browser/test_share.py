@@ -136,6 +136,8 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
     picture = np.asarray(Image.open(io.BytesIO(saved(sheet, "#save-png"))).convert("RGB")).astype(int)
     bands = picture[int(0.78 * len(picture)) : int(0.95 * len(picture))]
     assert (abs(bands - [0, 122, 90]).max(axis=2) < 20).any()  # --shear, of the lower band
+    punch = picture[int(0.25 * len(picture)) : int(0.4 * len(picture)), picture.shape[1] // 2 :]
+    assert np.ptp(punch, axis=2).max() > 60  # colours of the fringes, behind the plot
 
 
 @pytest.mark.thorough

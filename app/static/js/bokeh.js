@@ -103,7 +103,8 @@ function unburden(view) {
   if (plot) Object.defineProperty(own(plot, SIZE) ?? plot, SIZE, { get: () => 13 }) // px
   if (plot) plot[PAINT] = function (pen) {
     pen.beginPath()
-    pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)
+    if (pen instanceof CanvasRenderingContext2D) // the pen of an SVG would draw a white rectangle
+      pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)
     paint.call(this, pen)
   }
 }

@@ -137,12 +137,14 @@ export function goto(k) {
   else by("announcement").textContent = "" // what was announced at another increment is not true of this one
 }
 
+const spoken = (force) => newtons(force).replace("mN/m", "millinewtons per metre")
+  .replace("N/m", "newtons per metre")
+
 // A sentence for those who hear the page: at rest only, as a sentence for every frame is a flood
 function summarise(what) {
   const { run } = me, k = now()
   if (k < 0) return
-  const { U_x, F, L, A } = run.values(k), spoken = (force) => newtons(force).replace("mN/m", "millinewtons per metre")
-    .replace("N/m", "newtons per metre")
+  const { U_x, F, L, A } = run.values(k)
   by("announcement").textContent = `${what} at a displacement of ${fixed(U_x, 1)} nanometres: `
     + `friction ${spoken(F)}, load ${spoken(L)}, `
     + (run.head.flat ? "all in contact." : `contact ${fixed(A, 0)} nanometres wide.`)

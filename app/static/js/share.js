@@ -80,22 +80,17 @@ async function withAxis(name, call) {
   }
 }
 
-// The canvases of a view as images of an SVG: those behind it, those over it, and the bands under it
-function canvasesOf(holder) {
-  const drawn = (part) => [...part.querySelectorAll(":scope > canvas")].filter((one) => one.width && one.clientHeight)
-  const image = (y) => (canvas) => `<image y="${y}" width="${canvas.clientWidth}" height="${canvas.clientHeight}" `
-    + `opacity="${getComputedStyle(canvas).opacity}" href="${canvas.toDataURL()}"/>`
-  const behind = drawn(holder).filter((one) => one.matches(".fringes")), under = drawn(holder.parentElement)
-  const over = drawn(holder).filter((one) => !behind.includes(one))
-  const deep = under.reduce((sum, { clientHeight }) => sum + clientHeight, 0)
-  return { behind: behind.map(image(0)).join(""), deep,
-    over: [...over.map(image(0)), ...under.map(image(holder.clientHeight))].join("") }
-}
+const canvasesIn = (part) =>
+  [...part.querySelectorAll(":scope > canvas")].filter((one) => one.width && one.clientHeight)
+const imageOf = (canvas, y = 0) => `<image y="${y}" width="${canvas.clientWidth}" height="${canvas.clientHeight}" `
+  + `opacity="${getComputedStyle(canvas).opacity}" href="${canvas.toDataURL()}"/>`
 
 // {text, width, height} of a view as an SVG with its title, key and caption, px
 function framed(name) {
   const holder = holderOf(figures[name]), { width } = holder.getBoundingClientRect()
-  const { behind, over, deep } = canvasesOf(holder), height = holder.clientHeight + deep
+  const drawn = canvasesIn(holder), [behind, over] = [true, false].map((which) =>
+    drawn.filter((canvas) => canvas.matches(".fringes") === which).map((canvas) => imageOf(canvas)).join(""))
+  const [bands] = canvasesIn(holder.parentElement), height = holder.clientHeight + (bands?.clientHeight ?? 0)
   const pen = make("canvas").getContext("2d")
   const parts = [`<rect width="100%" height="100%" fill="${colour("--page")}"/>`]
   let x = MARGIN, y = MARGIN + LINE / 2
@@ -111,7 +106,8 @@ function framed(name) {
   const lines = [scaleOf(name), described(me.run, me.drawn)].filter(Boolean).flatMap((text) =>
     wrapped(pen, text, width - 2 * MARGIN))
   const whole = top + height + LINE * lines.length + MARGIN
-  parts.push(`<g transform="translate(0 ${top})">${behind}${svgOf(figures[name])}${over}</g>`)
+  parts.push(`<g transform="translate(0 ${top})">${behind}${svgOf(figures[name])}${over}`
+    + `${bands ? imageOf(bands, holder.clientHeight) : ""}</g>`)
   lines.forEach((line, i) => parts.push(textAt(MARGIN, top + height + LINE * (i + 0.5), line)))
   const size = `width="${width}" height="${whole}" viewBox="0 0 ${width} ${whole}"`
   const font = `font-family="${FONT}" font-size="14" fill="${colour("--text")}"`
