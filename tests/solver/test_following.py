@@ -103,12 +103,14 @@ def test_a_skeleton_costs_a_small_part_of_the_evaluations_of_its_run(run, skelet
         )
 
 
+@pytest.mark.once(5)
 @pytest.mark.parametrize("name", MOVES)
 def test_a_followed_run_equals_the_exact_run(skeleton, name):
     scene = SMALL.changed(**{name: MOVES[name]})
     check(follow(skeleton, scene), scene)
 
 
+@pytest.mark.once(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_surface_and_hold_is_followed(kind):
     skeleton = skeleton_of(KINDS[kind])

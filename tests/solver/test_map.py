@@ -211,7 +211,7 @@ def test_an_impossible_map_point_has_a_reason(monkeypatch):
 
 def test_flats_have_their_closed_form():
     """The fold is the maximum of U(u) = u + pull(u) h/G, Eq. 2 summed over the lattice; there is one below E_c."""
-    grid = Map(FLAT, Axis("E", 20.0, 2000.0, 5, log=True), Axis("phi_ratio", 0.05, 2.0, 3, log=True))
+    grid = Map(FLAT, Axis("E", 20.0, 2000.0, 3, log=True), Axis("phi_ratio", 0.05, 2.0, 3, log=True))
     a, sites = FLAT.spacing, np.arange(-8, 9)
     u = np.linspace(0.0, 0.5 * a, 200_001)
     off = (sites[:, None] * a - u) / FLAT.delta_t
