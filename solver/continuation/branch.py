@@ -121,6 +121,8 @@ class _Arc:
         """The State at the target, or the End before it."""
         options, points, unit = self.options, self._two_points(), self.unit
         step = options.short * unit
+        if end := self._fold_ahead(points):  # the first step might pass it
+            return end
         for _ in range(options.points):
             last = np.abs(points[0].v - points[1].v).max()
             if last == 0.0 or step < options.shortest * unit:  # a node at the edge, or no interaction yet

@@ -44,7 +44,7 @@ def test_end_of_the_branch_does_not_depend_on_the_increment(du_x):
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("phi_ratio", [0.0761, 0.0767, 0.0773])
+@pytest.mark.parametrize("phi_ratio", [0.0757, 0.0761, 0.0773])
 def test_slips_at_the_onset_of_stick_slip_do_not_depend_on_the_increment(phi_ratio):
     """Folds last for a short part of a period there; an increment of 0.1 nm once stepped over them."""
     scene = Scene(E=971.78, delta_bar=0.26516, phi_ratio=phi_ratio, u_x_max=9.0)
