@@ -83,7 +83,7 @@ class Sheet:
         """Called with the values of the page's own controls."""
 
     def nearer(self, scene, origin):
-        """Return a pickled Skeleton nearer to a scene than the Scene `origin` (or None), if the page has one."""
+        """Return a Skeleton nearer to a scene than the Scene `origin` (or None), if the page has one."""
 
     def take(self, call, result):
         """Called with the result of a call of `sweep`."""

@@ -4,7 +4,6 @@ A worker continues the run on screen to the new parameters (this is called *foll
 has the curves and a map of the whole run, and two frames: the first in shear, and the one on screen.
 """
 
-import pickle
 import re
 from dataclasses import dataclass
 from math import ceil, e
@@ -14,6 +13,7 @@ import numpy as np
 from app.service import packing
 from app.service.packing import FREE, ORDER, arrays, middle
 from solver import NotFollowed, follow
+from solver.following.skeleton import Skeleton
 from solver.run.frame import contact_area, forces
 
 CURVES = ("U_x", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_L", "slip_A")  # of a picture, per load
@@ -28,42 +28,42 @@ AGREE_U, AGREE_F = 1e-4, 1e-3  # tolerances of a predicted run: slips in nm; F o
 
 @dataclass(frozen=True)
 class Followed:
-    """The `picture`, and the pickled Skeleton from which the next prediction starts."""
+    """The `picture`, and the Skeleton from which the next prediction starts."""
 
     picture: dict
-    skeleton: bytes
+    skeleton: Skeleton
 
 
 def followed(skeleton, scene, at):
-    """Predict a scene from a pickled Skeleton of a similar scene; return its Followed, or a str: why it failed.
+    """Predict a scene from the Skeleton of a similar scene; return its Followed, or a str: why it failed.
 
     at: U_x of the frame on screen, nm.
     """
     try:
-        there = follow(pickle.loads(skeleton), scene)
-        return Followed(picture(there, at), pickle.dumps(there))
+        there = follow(skeleton, scene)
+        return Followed(picture(there, at), there)
     except NotFollowed as why:
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # metrics count reasons without their numbers
 
 
 def compared(skeleton, blocks):
-    """Errors of a pickled Skeleton: the largest of its slips, nm; the largest of F_bar over the largest |F_bar|.
+    """Errors of a Skeleton: the largest of its slips, nm; the largest of F_bar over the largest |F_bar|.
 
     blocks: the packed blocks of the exact run.
     """
-    there, parts = pickle.loads(skeleton), [packing.columns(block)[1] for block in blocks]
+    parts = [packing.columns(block)[1] for block in blocks]
     stage, U_x, F_bar, slip, at = (
         np.concatenate([part[name] for part in parts]) for name in ("stage", "U_x", "F_bar", "slip", "slip_at")
     )
     sheared = stage == ORDER.index("shear")
     U_x, F_bar, slips = U_x[sheared].astype(float), F_bar[sheared], at[sheared & (slip > 0)].astype(float)
-    loads = [slip.load for slip in there.slips if slip.load <= U_x[-1]]
+    loads = [slip.load for slip in skeleton.slips if slip.load <= U_x[-1]]
     if len(loads) != len(slips):
         return float("inf"), float("inf")
     clear = np.ones(len(U_x), bool)
     for load in slips:  # a small error of the load moves a point to the other side of a slip
         clear &= np.abs(U_x - load) > AGREE_U
-    off = np.abs(there.curve(U_x)[0] - F_bar)[clear].max(initial=0.0)
+    off = np.abs(skeleton.curve(U_x)[0] - F_bar)[clear].max(initial=0.0)
     return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
 
 

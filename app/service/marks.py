@@ -1,6 +1,5 @@
 """Marks beside sliders: values where the behaviour changes. They are found by following the run on screen."""
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +25,7 @@ ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 
 def calls(scene, skeleton):
-    """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its pickled Skeleton or None."""
+    """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its Skeleton or None."""
     found = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
     if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
         found |= {name: (of_flat, scene, name) for name in ENDS}
@@ -42,12 +41,11 @@ def key(scene, name):
 
 
 def of_skeleton(skeleton, name):
-    """Return the marks ((value, label), ...) of slider `name`, from a pickled Skeleton."""
-    there = pickle.loads(skeleton)
+    """Return the marks ((value, label), ...) of slider `name`, from a Skeleton."""
     if name == "delta_bar":
-        found = (_no_load(there), "no load"), (there.jumps_in, "jumps in")
-        return tuple((value, said) for value, said in found if value is not None and -1.0 <= value <= 1.0)
-    border = _border(there, name)
+        marks = (_no_load(skeleton), "no load"), (skeleton.jumps_in, "jumps in")
+        return tuple((value, label) for value, label in marks if value is not None and -1.0 <= value <= 1.0)
+    border = _border(skeleton, name)
     return () if border is None else ((border, LABELS[name]),)
 
 

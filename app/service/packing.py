@@ -13,6 +13,7 @@ from math import e, hypot
 import numpy as np
 
 from solver.files import plain
+from solver.following.skeleton import Skeleton
 from solver.run.frame import STAGES, moving
 from solver.run.load_steps import abscissa, lifts, load_steps_of, position
 from solver.scene import PARAMETERS
@@ -39,7 +40,7 @@ class Frames:
     widest: float = 0.0  # part of w over which anything acts, at most
     safe_damping: float = 0.0  # the largest
     sensitive: bool = False  # whether a slip is, as of `solver.Frame`
-    skeleton: bytes | None = None  # of a run that is done: what a hand on a slider goes on from, pickled
+    skeleton: Skeleton | None = None  # of a run that is done: a drag continues from it
 
     def __add__(self, more):
         """These frames and those that follow."""

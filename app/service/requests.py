@@ -1,16 +1,13 @@
 """Calls to the workers for the pages. Visitors share equal calls, and the server caches the results."""
 
 import logging
-import pickle
 from concurrent.futures import CancelledError
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from threading import RLock
 from typing import Any
 
-from cachetools import LRUCache
-
+from app.service.cache import Cache
 from app.service.pool import LATER
 from app.service.tasks import Part
 from solver.continuation.state import OutOfTime
@@ -38,7 +35,7 @@ class SharedRequests:
     """Cache of results by call. When several visitors need the same call, one worker makes it once."""
 
     def __init__(self, capacity=CAPACITY):
-        self._results = LRUCache(capacity, lambda made: len(pickle.dumps(made)))  # (call, result) by call
+        self._results = Cache(capacity)  # (call, result) by call
         self._requests, self._lock = {}, RLock()
 
     def clear(self):
@@ -99,8 +96,7 @@ class SharedRequests:
             if request.made and not isinstance(result, Exception):
                 result = sum([*request.made[1:], result], request.made[0])
             if not isinstance(result, (Lost, CancelledError, OutOfTime)):  # these may differ next time
-                with suppress(ValueError):  # the result is larger than the cache
-                    self._results[call] = call, result
+                self._results.put(call, (call, result))
             del self._requests[call]
         for notify in request.listeners:
             notify(call, result)

@@ -1,30 +1,15 @@
 """Finished runs, shared by all visitors: a class that takes the same steps computes each run only once."""
 
 from concurrent.futures import CancelledError
-from contextlib import suppress
-
-from cachetools import LRUCache
 
 from app.service import metrics, tasks
+from app.service.cache import Cache
 from app.service.packing import Frames
 from app.service.pool import LATER, NOBODY
 from app.service.requests import shared_requests
 from solver.isolated import Lost
 
 CAPACITY = 100e6  # bytes, about 70 runs
-OVERHEAD = 2000  # bytes of a run without its frames: its Scene and its record
-
-
-class RunCache(LRUCache):
-    """Cache of whole runs by Scene, or by a key of one visitor; keeps the latest used, up to `maxsize` bytes."""
-
-    def __init__(self, capacity=CAPACITY):
-        super().__init__(capacity, lambda run: OVERHEAD + sum(map(len, run.blocks)) + len(run.skeleton or b""))
-
-    def put(self, key, run):
-        """Keep a run, unless it is larger than the cache."""
-        with suppress(ValueError):
-            self[key] = run
 
 
 def fill(run_cache, pool, scenes, later):
@@ -52,5 +37,5 @@ def fill(run_cache, pool, scenes, later):
     compute_next()
 
 
-run_cache = RunCache()
+run_cache = Cache(CAPACITY)  # Frames by Scene, or by a key of one visitor
 metrics.gauge("run_cache_bytes", "bytes of the finished runs in the cache", lambda: run_cache.currsize)

@@ -1,28 +1,15 @@
 """Cache of the Skeletons from which maps are predicted, pickled in single precision, for all visitors."""
 
 import pickle
-from contextlib import suppress
 from io import BytesIO
 
 import numpy as np
-from cachetools import LRUCache
 
 from app.service import metrics
+from app.service.cache import Cache
 
 CAPACITY = 200e6  # bytes: 13 maps of different scenes; a class of 30 then needs less than 1.2 GB
 FEW = 64  # largest size of an array that keeps double precision
-
-
-class Skeletons(LRUCache):
-    """Pickled Skeletons by Scene, the latest used. Without one nearby, a point of a map needs a full run."""
-
-    def __init__(self, capacity=CAPACITY):
-        super().__init__(capacity, len)
-
-    def put(self, scene, skeleton):
-        """Keep a pickled Skeleton, unless it is larger than the cache."""
-        with suppress(ValueError):
-            self[scene] = skeleton
 
 
 class _Pickler(pickle.Pickler):
@@ -46,5 +33,5 @@ def pickled(skeleton):
     return file.getvalue()
 
 
-skeletons = Skeletons()
+skeletons = Cache(CAPACITY)  # by Scene; without one nearby, a point of a map needs a full run
 metrics.gauge("skeletons_bytes", "bytes of the states of maps in the cache", lambda: skeletons.currsize)

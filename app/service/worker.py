@@ -143,10 +143,10 @@ def _smallest(checkpoint):
 
 
 def _skeleton(scene, checkpoint):
-    """Return the pickled Skeleton of a finished run, or None."""
+    """Return the Skeleton of a finished run, or None."""
     if checkpoint.done and not checkpoint.failure:
         with suppress(NotFollowed):
-            return pickle.dumps(skeleton_from(scene, checkpoint))
+            return skeleton_from(scene, checkpoint)
     return None
 
 

@@ -16,7 +16,7 @@ class Comparison(Requests):
     """The comparisons of one visitor. Every method runs under the lock of the document."""
 
     def compare(self, skeleton, scene, blocks):
-        """Compare the pickled Skeleton of a picture with the packed exact run of the same scene."""
+        """Compare the Skeleton of a picture with the packed exact run of the same scene."""
         self.ask((compared, skeleton, tuple(blocks)), lambda off: self._report(off, scene), rank=LATER)
 
     def _report(self, off, scene):

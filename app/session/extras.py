@@ -103,7 +103,7 @@ class Marks(Requests):
         self.calls, self.keys, self.values = {}, {}, {}
 
     def seek(self, scene, skeleton):
-        """Search the unknown marks of a scene; skeleton: the pickled Skeleton of its run, or None."""
+        """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
         self.values = {name: found for name, found in self.values.items() if found and keys[name] == self.keys[name]}

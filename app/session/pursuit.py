@@ -50,7 +50,7 @@ class Pursuit:
         self.requested = None  # the newest RunRequest, while `task` is in flight
         self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
         self.held = False  # whether a slider is held
-        self.skeleton = self.shown = None  # pickled start of predictions; the Scene of the picture on screen, or None
+        self.skeleton = self.shown = None  # start of predictions; the Scene of the picture on screen, or None
         self.cautions = []  # warnings about the last finished run
         self.comparison = Comparison(session)
 
@@ -174,7 +174,7 @@ class Pursuit:
     # following
 
     def _nearest(self, scene):
-        """Return the pickled Skeleton nearest to a scene, from the open page or the last run; or None."""
+        """Return the Skeleton nearest to a scene, from the open page or the last run; or None."""
         origin = (self.shown or self.run.scene) if self.skeleton else None
         return self.session.pages.nearer(scene, origin) or self.skeleton
 

@@ -1,16 +1,14 @@
 """Predictions during a drag: they match the exact run, skip intermediate positions and end in the exact run."""
 
-import pickle
-
 import numpy as np
 import pytest
 from visitor import NoPool, Page, say, slices, unpacked
 
 from app.service import following, metrics, packing, worker
+from app.service.cache import Cache
 from app.service.packing import Frames
 from app.service.pool import EXACT, LATER, SCREEN
 from app.service.requests import shared_requests
-from app.service.run_cache import RunCache
 from app.session import pursuit
 from app.session.comparison import OFF
 from solver import Scene
@@ -89,7 +87,7 @@ def test_contact_map_of_a_prediction_holds_quantised_tractions(runs):
     _, _, cells = parts(made.picture)
     place = made.picture["map"]
     loads = place["step"] * np.arange(place["columns"])
-    frames = pickle.loads(made.skeleton).frames(loads)
+    frames = made.skeleton.frames(loads)
     rows = slice(place["first"] - frames[0].first, place["first"] - frames[0].first + place["rows"])
     T = np.array([frame.T[1][rows] for frame in frames]).T
     shades = cells * np.where(cells > 0, place["high"], place["low"]) / following.SHADES
@@ -101,7 +99,7 @@ def test_contact_map_of_a_prediction_holds_quantised_tractions(runs):
 def test_skeleton_of_a_sliced_run_equals_that_of_a_whole_run(runs):
     pieces = list(slices(SCENE, 0.02))
     assert len(pieces) > 1
-    sliced, whole = (pickle.loads(run) for run in (pieces[-1].skeleton, runs[SCENE].skeleton))
+    sliced, whole = (pieces[-1].skeleton, runs[SCENE].skeleton)
     np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-6, atol=1e-10)
 
 
@@ -133,7 +131,7 @@ class Answered(NoPool):
 def page(runs):
     """A visitor who looks at the finished run of SCENE."""
     shared_requests.clear()  # as if no other test had compared these runs
-    run_cache = RunCache()
+    run_cache = Cache(1e8)
     run_cache.put(SCENE, runs[SCENE])
     visit = Page(Answered(), SCENE, run_cache=run_cache)
     visit.order("hello")

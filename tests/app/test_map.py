@@ -8,7 +8,8 @@ from visitor import order
 
 from app.pages.regimes.page import COLUMNS, ROWS, labels, limits, outlines
 from app.service import tasks
-from app.service.skeletons import Skeletons, pickled
+from app.service.cache import Cache
+from app.service.skeletons import pickled
 from solver import Scene, follow
 from solver.analysis.maps import REGIMES, Axis, Map, Point
 from solver.analysis.maps.grid import Cell
@@ -71,16 +72,16 @@ def test_a_click_on_the_map_starts_from_the_nearest_stored_skeleton(session, mon
     places = {"far": (8, 12), "near": (28, 20), "dropped": (27, 21)}
     scenes = {name: page.grid.tile(0, Cell((place,)), {}).scene_at(place) for name, place in places.items()}
     page.known = {places[name]: (Point(), scene) for name, scene in scenes.items()} | {(29, 20): (Point(), None)}
-    kept = {scenes[name]: name.encode() for name in ("far", "near")}
+    kept = {scenes[name]: pickle.dumps(name) for name in ("far", "near")}
     monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
     there = page.grid.tile(0, Cell(((27, 20),)), {}).scene_at((27, 20))
-    assert page.nearer(there, scene) == page.nearer(there, None) == b"near"
+    assert page.nearer(there, scene) == page.nearer(there, None) == "near"
     assert page.nearer(there, there) is None  # what is on screen is nearer
     assert page.nearer(there.changed(nodes=512), None) is None
 
 
 def test_total_size_of_stored_skeletons_is_bounded(session, monkeypatch):
-    kept = Skeletons(capacity=10_000)
+    kept = Cache(capacity=10_000)
     monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
     for E in ("70", "80", "90"):
         session.change({"E": E})

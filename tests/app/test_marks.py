@@ -1,7 +1,5 @@
 """Marks beside the sliders, against exact results and against separate runs."""
 
-import pickle
-
 import pytest
 
 from app.service import marks
@@ -13,18 +11,13 @@ from solver.presets import preset
 OFF = 1.1  # a factor: within it slips begin or end, as the mark is extrapolated over up to CLOSE of its value
 
 
-def pickled(scene):
-    return pickle.dumps(skeleton_of(scene))
-
-
 @pytest.fixture(scope="module")
 def default():
-    return pickled(Scene())
+    return skeleton_of(Scene())
 
 
 def moved(skeleton, **changes):
-    here = pickle.loads(skeleton)
-    return follow(here, here.scene.changed(**changes))
+    return follow(skeleton, skeleton.scene.changed(**changes))
 
 
 def found(skeleton, name):
@@ -60,7 +53,7 @@ def test_a_punch_slips_on_one_side_of_its_mark_only(default, name, said, above):
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_marks_do_not_depend_on_the_slider_position_of_the_search(default):
-    near = found(pickled(Scene(E=2500.0)), "E")
+    near = found(skeleton_of(Scene(E=2500.0)), "E")
     assert near["slides smoothly"] == pytest.approx(found(default, "E")["slides smoothly"], rel=0.05)
 
 
@@ -69,7 +62,7 @@ def test_marks_do_not_depend_on_the_slider_position_of_the_search(default):
 def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
     """From any slider position."""
     scene = Scene(E=30.0, du_x=0.5, u_x_max=40.0)
-    at = found(pickled(scene.changed(delta_bar=start)), "delta_bar")
+    at = found(skeleton_of(scene.changed(delta_bar=start)), "delta_bar")
     frames = list(load_path(scene.changed(delta_bar=at["no load"], u_x_max=0.0)))
     approach = [frame for frame in frames if frame.stage == "approach"]
     largest = max(abs(frame.L_bar) for frame in approach)
@@ -80,13 +73,13 @@ def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
 
 @pytest.mark.slow
 def test_marks_remain_left_of_the_jump_into_contact(default):
-    apart = found(pickle.dumps(moved(default, delta_bar=-0.5)), "delta_bar")
+    apart = found(moved(default, delta_bar=-0.5), "delta_bar")
     assert apart == pytest.approx(found(default, "delta_bar"), abs=1e-3)
 
 
 def test_slips_that_end_between_two_steps_leave_no_mark():
     """Its slips end between two search steps: no further slip has a size to extrapolate."""
-    assert found(pickled(Scene(delta_bar=-0.41)), "E") == {}
+    assert found(skeleton_of(Scene(delta_bar=-0.41)), "E") == {}
 
 
 def test_sliders_have_no_mark_if_the_limit_is_not_reached(default, monkeypatch):
@@ -110,5 +103,5 @@ def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default)
     page.seek(Scene(), default)
     assert sorted(asked) == sorted(marks.SLIDERS)
     asked.clear()
-    page.seek(Scene(delta_bar=0.1), pickle.dumps(moved(default, delta_bar=0.1)))
+    page.seek(Scene(delta_bar=0.1), moved(default, delta_bar=0.1))
     assert sorted(asked) == ["E", "phi_ratio"]

@@ -21,7 +21,7 @@ from tornado.websocket import WebSocketClosedError
 from visitor import NoPool, say
 
 from app.pages import Pages
-from app.service.run_cache import RunCache
+from app.service.cache import Cache
 from app.session import message_filter, orders
 from app.session.session import Session
 
@@ -360,7 +360,7 @@ def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog
 def test_a_run_continues_only_from_a_known_increment():
     """A frame far beyond the run would keep a worker busy for ever."""
 
-    visit = Session(Document(), Pages, {}, NoPool(), RunCache())
+    visit = Session(Document(), Pages, {}, NoPool(), Cache(1e8))
     visit.hello()
     for after in ([1, 10**8], [7, 0], [1, 0]):
         say(visit, {"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "after": after})

@@ -1,6 +1,7 @@
 """The pool of worker processes and the cache of finished runs, which all visitors share."""
 
 import os
+import pickle
 import signal
 import time
 
@@ -9,12 +10,13 @@ from helpers import until
 from visitor import NoPool
 
 from app.service import worker
+from app.service.cache import Cache, size_of
 from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, FairQueue, Pool, Task
 from app.service.requests import shared_requests
-from app.service.run_cache import OVERHEAD, RunCache, fill
+from app.service.run_cache import CAPACITY, fill
 from app.service.tasks import whole_run
-from solver import Scene, isolated
+from solver import Scene, isolated, skeleton_of
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
@@ -126,15 +128,22 @@ def test_owners_take_turns_in_the_queue():
     assert queue.rank is None and queue.position(tasks["a", 1]) is None
 
 
-def test_shelf_keeps_the_most_recently_used_runs_within_its_capacity():
-    run_cache = RunCache(capacity=2 * OVERHEAD + 250)
+def test_cache_keeps_the_most_recently_used_runs_within_its_capacity():
+    one = size_of(Frames((bytes(60), bytes(40)), 1, 1, 0.0))
+    run_cache = Cache(capacity=2.5 * one)
     for E in (20.0, 30.0, 40.0):
         run_cache.put(Scene(E=E), Frames((bytes(60), bytes(40)), 1, 1, 0.0))
         run_cache.get(Scene(E=20.0))
-    assert len(run_cache) == 2 and run_cache.currsize == 2 * OVERHEAD + 200
+    assert len(run_cache) == 2 and run_cache.currsize == 2 * one
     assert run_cache.get(Scene(E=20.0)) and run_cache.get(Scene(E=40.0)) and run_cache.get(Scene(E=30.0)) is None
     run_cache.put(Scene(E=50.0), Frames((bytes(int(run_cache.maxsize)),), 1, 1, 0.0))
     assert run_cache.get(Scene(E=50.0)) is None
+
+
+def test_size_of_a_run_in_the_cache_is_about_that_of_its_pickle():
+    """To 30 %: of a Skeleton most are small arrays, whose records weigh as well."""
+    run = Frames((bytes(10_000),), 1, 1, 0.0, skeleton=skeleton_of(Scene(nodes=256, width=625.0, u_x_max=12.0)))
+    assert size_of(run) == pytest.approx(len(pickle.dumps(run)), rel=0.3)
 
 
 @pytest.mark.thorough
@@ -196,7 +205,7 @@ def call_now(function, *arguments):
 
 def test_server_precomputes_runs_one_by_one_at_background_rank():
     shared_requests.clear()
-    pool, run_cache, scenes = NoPool(), RunCache(), [Scene(), Scene(E=80.0), Scene(E=90.0)]
+    pool, run_cache, scenes = NoPool(), Cache(CAPACITY), [Scene(), Scene(E=80.0), Scene(E=90.0)]
     run_cache.put(scenes[1], Frames())
     fill(run_cache, pool, scenes, call_now)
     for scene in (scenes[0], scenes[2]):
@@ -211,7 +220,7 @@ def test_server_precomputes_runs_one_by_one_at_background_rank():
 def test_precomputing_runs_ends_with_the_pool():
     shared_requests.clear()
     pool = NoPool()
-    fill(RunCache(), pool, [Scene(), Scene(E=80.0)], call_now)
+    fill(Cache(CAPACITY), pool, [Scene(), Scene(E=80.0)], call_now)
     pool.tasks[0].cancel()
     pool.tasks[0].set_running_or_notify_cancel()
     assert len(pool.tasks) == 1

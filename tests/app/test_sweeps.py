@@ -1,12 +1,11 @@
 """Requests of pages to workers: shared between visitors, cancelled when unused, repeated after a lost worker."""
 
-import pickle
-
 import numpy as np
 import pytest
 from visitor import SHORT, NoPool, order
 
 from app.service import tasks, worker
+from app.service.cache import size_of
 from app.service.requests import Requests, SharedRequests
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
 from solver.isolated import Lost
@@ -88,7 +87,7 @@ def test_partial_results_are_accumulated_on_the_server(pool, monkeypatch):
 
 
 def test_least_recently_used_results_are_dropped(pool):
-    shared = SharedRequests(capacity=2 * len(pickle.dumps(((abs, -1), 1))))
+    shared = SharedRequests(capacity=2 * size_of(((abs, -1), 1)))
     sweep = Requests(Visitor(pool), lambda call, result: None, shared)
     for k in range(3):
         sweep.add([(abs, -k)])

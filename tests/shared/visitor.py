@@ -10,8 +10,9 @@ from bokeh.document.events import MessageSentEvent
 
 from app.pages import Pages
 from app.service import packing, worker
+from app.service.cache import Cache
 from app.service.pool import Task
-from app.service.run_cache import RunCache
+from app.service.run_cache import CAPACITY
 from app.session import orders
 from app.session.session import Session
 from solver import Scene
@@ -25,7 +26,7 @@ class Page:
 
     def __init__(self, pool, scene=SHORT, arguments=None, run_cache=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Session(self, Pages, arguments, pool, run_cache or RunCache())
+        self.session = Session(self, Pages, arguments, pool, run_cache or Cache(CAPACITY))
         self.session.scene = scene
         self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
 

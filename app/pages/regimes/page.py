@@ -4,6 +4,7 @@ The map has tiles (solver/analysis/maps), from coarse to fine; a worker computes
 tile as soon as the points around it are known. All visitors share the results (requests.py).
 """
 
+import pickle
 import sys
 from dataclasses import replace
 from math import dist, inf
@@ -116,7 +117,8 @@ class Page(Sheet):
         known = [(dist(place, here), key) for place, (_, key) in self.known.items() if key in skeletons]
         off, nearest = min(known, key=lambda one: one[0], default=(inf, None))
         held = origin is not None and self._holds(origin)
-        return skeletons[nearest] if off < (dist(self._place_of(origin), here) if held else inf) else None
+        nearer = off < (dist(self._place_of(origin), here) if held else inf)
+        return pickle.loads(skeletons[nearest]) if nearer else None
 
     def _around(self, scene):
         """Return the Map of a scene, for any values of the parameters on its axes; raises SceneError."""
