@@ -10,7 +10,9 @@ from .anderson import dot
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
 MOST = 240  # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
-LAX = 10.0  # of the accuracy asked for, up to which an iterated solve serves: a digit is worth less than factors
+# of the accuracy asked for, up to which an iterated solve serves: a digit is worth less than factors. 5 and 20 change
+# no run of tests/bench/constants.py
+LAX = 10.0
 # of a vector's length, its part orthogonal to others up to which it depends on them: round-off leaves it six digits
 DEPENDENT = 1e-10
 FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16,384 nodes would take 126 MB

@@ -9,7 +9,9 @@ from .rest import Mode
 from .state import TINY, End
 
 SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
-LEAST = 1e-3  # of the interval, the least part that a step leaves at either side, so that both sides move
+# of the interval, the least part that a step leaves at either side, so that both sides move; half and twice change no
+# run of tests/bench/constants.py
+LEAST = 1e-3
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
 
 

@@ -47,8 +47,10 @@ class SlipOptions:
     # then the mode has decayed by exp(-16 pi). Without that factor, a strongly damped fall under a soft drive had no
     # time to come to rest
     patience: float = 8.0
-    least_creep: int = 40_000  # steps, the same in the overdamped limit, where surfaces come to rest more slowly
     least: int = 4000  # steps of a restless motion, at least, half of what the slowest slip of the slider box takes
+    # steps, the same in the overdamped limit, where surfaces come to rest more slowly; half and twice change no run of
+    # tests/bench/constants.py
+    least_creep: int = 40_000
     # part of the rise since the end of the branch by which each check raises the load of a restless motion; with ten
     # times as much the load rose 0.3 nm too far, because oscillations grow slowly at their onset
     raised: float = 1e-2

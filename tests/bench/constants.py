@@ -16,7 +16,7 @@ import numpy as np
 from scenes import cells, options, ran, scene_of, slider_box, write
 
 from solver import Scene, continuation
-from solver.continuation import anderson, branch, state
+from solver.continuation import anderson, branch, inverse, onset, state
 from solver.mechanics import equilibrium
 from solver.run import loadpath
 
@@ -24,6 +24,7 @@ SMALL = {"nodes": 512, "width": 1250.0, "radius": 5.0, "u_x_max": 20.0}
 PLAIN = {  # constants outside of records, and the modules that have imported them
     "REGULARISATION": [anderson], "FORGET": [anderson], "MOVED": [state, branch],
     "FREE": [loadpath], "BULGE": [loadpath], "LOOSE": [equilibrium],
+    "ALIKE": [equilibrium], "LAX": [inverse], "DEPENDENT": [inverse], "LEAST": [onset],
 }  # fmt: skip
 
 
