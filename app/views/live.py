@@ -6,6 +6,7 @@ Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the 
 import numpy as np
 from bokeh.core.properties import field
 from bokeh.models import BoxAnnotation, ColumnDataSource, HoverTool, LinearColorMapper, NoOverlap, Range1d, Span
+from bokeh.models.glyphs import Image, Line, MultiLine, Patch, Scatter, Text, VBar
 from bokeh.plotting import figure
 
 from app.schema import CURVES, NODES
@@ -17,6 +18,12 @@ FRAME = {
     **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 40},
 }
 ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
+COORDINATES = {  # of glyphs, if other than x and y
+    MultiLine: ("xs", "ys"),
+    Text: ("x", "y", "text"),
+    VBar: ("x", "width", "top", "bottom"),
+    Image: ("image", "x", "y", "dw", "dh"),
+}
 SLIP = {"marker": "diamond", "size": 8, "fill_alpha": 0, "line_width": 1.5}  # hollow, so that peaks stay visible
 AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
 POSITION = "x on the substrate, from the middle (nm)"  # current position of a node
@@ -41,12 +48,12 @@ def punch(x, name="punch"):
     tooltips = [("x", "@at{0.0} nm"), ("gap", "@gap{0.000} nm"), ("Tₙ", "@T_n{0.000} GPa"), ("Tₜ", "@T_t{0.000} GPa")]
     plot = blank(name, x, Range1d(-1.2, 7), POSITION, "height (nm)")
     add(plot, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
-    draw(plot, "patch", "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
-    draw(plot, "line", "surface", "--body", "x", "gap")
-    draw(plot, "scatter", "sites", "--text", "x", "gap", marker="square", size=2)
+    draw(plot, Patch, "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
+    draw(plot, Line, "surface", "--body", "x", "gap")
+    draw(plot, Scatter, "sites", "--text", "x", "gap", marker="square", size=2)
     for state, node in reversed(NODES.items()):  # the first is on top
         look = {"marker": node.marker, "size": node.size, "hover": {"tooltips": [(state, node.meaning), *tooltips]}}
-        draw(plot, "scatter", state, node.colour, "x", "gap", more=["at", "T_n", "T_t"], **look)
+        draw(plot, Scatter, state, node.colour, "x", "gap", "at", "T_n", "T_t", **look)
     _pins(plot)
     return plot
 
@@ -80,14 +87,12 @@ def contact_map(x):
     empty = {"image": [np.zeros((2, 2), np.float32)], "x": [0], "y": [-1], "dw": [1], "dh": [2]}
     colours = LinearColorMapper(palette=["#888888"], low=0, high=1, nan_color="#00000000")
     tooltips = [("Uₓ", "$x{0.0} nm"), ("x", "$y{0} nm"), ("Tₙ", "@image{0.000} GPa")]
-    draw(
-        plot, "image", "map", "", *empty, hover={"tooltips": tooltips}, data=empty, color_mapper=colours, level="glyph"
-    )
+    draw(plot, Image, "map", "", *empty, hover={"tooltips": tooltips}, data=empty, color_mapper=colours, level="glyph")
     stripes = {"hatch_pattern": "right_diagonal_line", "hatch_color": "#808080", "hatch_weight": 2, "hatch_scale": 8}
-    draw(plot, "vbar", "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
-    draw(plot, "line", "branch", "--text", "U_x", "x", line_dash="dashed")  # contact edges, off screen
+    draw(plot, VBar, "unrested", "--free", "x", "width", "top", "bottom", fill_alpha=0.15, line_alpha=0, **stripes)
+    draw(plot, Line, "branch", "--text", "U_x", "x", line_dash="dashed")  # contact edges, off screen
     _pins(plot)
-    draw(plot, "scatter", "slips_map", "--slip", "U_x", "x", **SLIP)
+    draw(plot, Scatter, "slips_map", "--slip", "U_x", "x", **SLIP)
     _cursor(plot)
     return plot
 
@@ -97,12 +102,12 @@ def _along(plot, unit, *names):
     _pins(plot)
     for name in names:
         ghost = {"line_width": 3, "line_dash": CURVES[name].dash}
-        draw(plot, "line", f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
+        draw(plot, Line, f"ghost_{name}", CURVES["ghost"].colour, "U_x", "value", **ghost)
     _curves(plot, "U_x", "value", "Uₓ", unit, *names)
-    draw(plot, "scatter", f"slips_{names[0]}", "--slip", "U_x", "value", **SLIP)
+    draw(plot, Scatter, f"slips_{names[0]}", "--slip", "U_x", "value", **SLIP)
     _cursor(plot)
     heads = {"angle": "angle", "marker": "triangle", "size": 11}  # of arrows along the curve
-    draw(plot, "scatter", "ways", "--text", "U_x", "value", more=["angle"], **heads)
+    draw(plot, Scatter, "ways", "--text", "U_x", "value", "angle", **heads)
 
 
 def _curves(plot, x, y, along, unit, *names):
@@ -111,13 +116,13 @@ def _curves(plot, x, y, along, unit, *names):
         curve = CURVES[name]
         tooltips = [(along, f"@{x}{{0.0}} nm"), (curve.symbol, f"@{y}{{0.000}} {unit}")]
         hover = {"tooltips": tooltips, "mode": "vline", "attachment": side}
-        draw(plot, "line", name, curve.colour, x, y, hover=hover, line_width=2, line_dash=curve.dash)
+        draw(plot, Line, name, curve.colour, x, y, hover=hover, line_width=2, line_dash=curve.dash)
 
 
 def _pins(plot):
     """Lines of pinned runs, each with its own colour, dash and width."""
     looks = {"line_color": field("colour"), "line_dash": field("dash"), "line_width": field("width")}
-    draw(plot, "multi_line", "pins", "", "xs", "ys", more=["colour", "dash", "width"], **looks)
+    draw(plot, MultiLine, "pins", "", "xs", "ys", "colour", "dash", "width", **looks)
 
 
 def _zero(plot):
@@ -129,11 +134,12 @@ def _cursor(plot):
     add(plot, "cursor", Span(location=0, dimension="height", line_width=1.5, level="overlay"), "--cursor")
 
 
-def draw(plot, kind, label, colour, *columns, more=(), data=None, hover=None, **look):
-    """Add the glyph of a figure's method `kind` over columns, empty at first; hover: options of its tooltip."""
-    source = ColumnDataSource(data or {column: [] for column in (*columns, *more)})
-    part = getattr(plot, kind)(*columns, source=source, **look)
-    part.update(**_named(plot, label, colour), **ONE_LOOK)
+def draw(plot, kind, label, colour, *columns, data=None, hover=None, level="glyph", **look):
+    """Add a glyph over columns, empty at first, that begin with its coordinates; hover: options of its tooltip."""
+    coordinates = dict(zip(COORDINATES.get(kind, ("x", "y")), map(field, columns), strict=False))
+    source = ColumnDataSource(data=data or {column: [] for column in columns})
+    named = _named(plot, label, colour)
+    part = plot.add_glyph(source, kind(**coordinates, **look), level=level, **named, **ONE_LOOK)
     if hover:
         plot.add_tools(HoverTool(renderers=[part], **hover))
 

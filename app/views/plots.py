@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from bokeh.models import BoxAnnotation, LinearColorMapper, Range1d, Span
+from bokeh.models.glyphs import Image, Line, Scatter, Text
 
 from app.views.live import add, blank, draw
 
@@ -23,9 +24,9 @@ class Quantity(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A part of a figure that draws quantities; `kind`: a method of a Bokeh figure, or a model (line, band)."""
+    """A part of a figure; `kind`: a glyph that draws quantities, or another model (line, band)."""
 
-    kind: str | type
+    kind: type
     label: str
     quantities: tuple = ()
     tooltips: list | None = None
@@ -46,22 +47,22 @@ class View:
 
 def curve(label, *quantities, tooltips=None, mode="mouse", **look):
     """A curve of the first two quantities; its tooltip `tooltips` may name the others."""
-    return Part("line", label, quantities, tooltips, mode, look)
+    return Part(Line, label, quantities, tooltips, mode, look)
 
 
 def dots(label, *quantities, tooltips=None, **look):
     """Markers; the arguments are those of `curve`."""
-    return Part("scatter", label, quantities, tooltips, look=look)
+    return Part(Scatter, label, quantities, tooltips, look=look)
 
 
 def texts(label, *quantities, **look):
     """Texts of the third quantity at positions of the first two."""
-    return Part("text", label, quantities, look=look)
+    return Part(Text, label, quantities, look=look)
 
 
 def picture(label, x, y, tooltips=None, bounds=(0, 0, 1, 1), palette=("#888888",)):
     """An image over x and y, within (left, bottom, right, top)."""
-    return Part("image", label, (x, y), tooltips, look={"bounds": bounds, "palette": list(palette)})
+    return Part(Image, label, (x, y), tooltips, look={"bounds": bounds, "palette": list(palette)})
 
 
 def level(label):
@@ -80,14 +81,13 @@ def rendered(name, parts, colours, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
     made = blank(name, Range1d(*x), Range1d(*y), across.title, up.title, **axes)
     for part in parts:
         colour, hover = colours.get(part.label, ""), part.tooltips and {"tooltips": part.tooltips, "mode": part.mode}
-        if isinstance(part.kind, type):
+        columns = [quantity.column for quantity in part.quantities]
+        if not columns:
             add(made, part.label, part.kind(**part.look), colour)
-        elif part.kind == "image":
+        elif part.kind is Image:
             _draw_image(made, part, hover)
         else:
-            columns = [quantity.column for quantity in part.quantities]
-            count = 3 if part.kind == "text" else 2
-            draw(made, part.kind, part.label, colour, *columns[:count], more=columns[count:], hover=hover, **part.look)
+            draw(made, part.kind, part.label, colour, *columns, hover=hover, **part.look)
     return made
 
 
@@ -96,7 +96,7 @@ def _draw_image(made, part, hover):
     data = {"image": [np.zeros((2, 2), np.float32)], "x": [left], "y": [bottom]}
     data |= {"dw": [right - left], "dh": [top - bottom]}
     mapper = LinearColorMapper(palette=part.look["palette"], low=0, high=1, nan_color="#00000000")
-    draw(made, "image", part.label, "", *data, data=data, hover=hover, color_mapper=mapper)
+    draw(made, Image, part.label, "", *data, data=data, hover=hover, color_mapper=mapper, level="image")
 
 
 def view_of(figure):

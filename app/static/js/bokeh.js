@@ -136,14 +136,11 @@ export function tint(part, value) {
 // Lines and marks so many times as thick as they were composed
 const composed = new WeakMap() // model: its own line_width and size
 export function thicken(item, times) {
-  const glyph = item.glyph ?? item
-  for (const model of [glyph, item.nonselection_glyph, item.muted_glyph]) {
-    if (!model || typeof model !== "object") continue
-    if (!composed.has(model)) composed.set(model, { line_width: model.line_width, size: model.size })
-    for (const [key, given] of Object.entries(composed.get(model))) {
-      const value = given?.value ?? given
-      if (typeof value === "number") set(model, { [key]: value * times })
-    }
+  const model = item.glyph ?? item
+  if (!composed.has(model)) composed.set(model, { line_width: model.line_width, size: model.size })
+  for (const [key, given] of Object.entries(composed.get(model))) {
+    const value = given?.value ?? given
+    if (typeof value === "number") set(model, { [key]: value * times })
   }
 }
 
