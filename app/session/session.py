@@ -71,8 +71,8 @@ class Session:
 
         Bokeh 3.9 documents the event, but not that the document's callbacks send it.
         """
-        event = MessageSentEvent(self.doc, "message", {"kind": kind} | content)
-        self.doc.callbacks.trigger_on_change(event)
+        if not self.closed:
+            self.doc.callbacks.trigger_on_change(MessageSentEvent(self.doc, "message", {"kind": kind} | content))
 
     # orders from the browser
 

@@ -138,3 +138,10 @@ def test_figures_of_each_page_can_be_shown_in_a_notebook(name):
 
 def test_every_page_has_a_figure_function():
     assert all(callable(page.figure) for page in listed().values())
+
+
+def test_a_visitor_who_leaves_with_an_open_page_is_sent_nothing(session):
+    order(session, "page", page="law")
+    sent = messages(session)
+    session.close()
+    assert sent == []
