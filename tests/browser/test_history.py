@@ -1,7 +1,7 @@
 """Undo, redo, browser history, and addresses that restore scene, increment and page."""
 
 import pytest
-from served import PATIENCE, PLAYING, finished, values_are
+from served import FAULTS, PATIENCE, PLAYING, finished, laid_out, values_are
 
 pytestmark = [pytest.mark.thorough]
 
@@ -97,14 +97,21 @@ def test_invalid_increments_in_the_address_are_harmless(visit):
     page.wait_for_function("punch.drawn > punch.run.sheared + 1")  # it plays
 
 
-def test_an_embedded_page_shows_paused_views_and_their_parameters_only(visit):
+def test_an_embedded_page_shows_paused_views_with_sliders_and_fits_small_frames(visit):
     page = visit("?embed=1&delta_bar=0.1&k=150")
     finished(page)
     page.wait_for_function("punch.drawn === 150 && !punch.playing")
-    for part in ("header", ".controls"):
-        assert not page.locator(part).first.is_visible()
+    assert not page.locator("header").is_visible() and page.locator(".controls input[type=range]:visible").count() == 3
     assert page.locator(".player button:visible").count() == 1 and page.locator("#scrub").is_visible()
     assert page.locator("figure:visible").count() == 4
     assert "δ/δ₀ = 0.1" in page.inner_text("#caption")
     assert "embed" not in page.get_attribute("#whole-app", "href")
     assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+    for width, height in ((960, 600), (800, 600), (600, 400), (400, 300)):
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        assert not page.evaluate(FAULTS) and page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+        assert page.locator(".control input[type=range]:visible").count() and page.locator("#whole-app").is_visible()
+    page.fill("#delta_bar-entry", "0.12")
+    page.keyboard.press("Enter")
+    values_are(page, delta_bar=0.12)

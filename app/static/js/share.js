@@ -21,7 +21,7 @@ const FONT = "system-ui, 'Segoe UI', Roboto, sans-serif"
 let connected = false
 
 // HTML that shows a link in a page of somebody else's
-const frameOf = (link) => `<iframe src="${escaped(link)}&embed=1" width="800" height="600"></iframe>`
+const frameOf = (link) => `<iframe src="${escaped(link)}&embed=1" width="960" height="600"></iframe>`
 
 // Views that are on screen: [name, title]
 const views = () => Object.keys(figures).flatMap((name) => {

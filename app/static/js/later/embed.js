@@ -4,9 +4,9 @@ import { by, tell } from "../dom.js"
 import { me, view } from "../store.js"
 import { described } from "../words.js"
 
-view(["run", "drawn"], () => {
-  if (me.drawn < 0) return
-  tell(by("caption"), described(me.run, me.drawn))
+view(["picture", "status"], () => {
+  if (!me.picture) return
+  tell(by("caption"), described(me.picture.run, me.picture.k))
   const url = new URL(location.href)
   url.searchParams.delete("embed")
   if (by("whole-app").href !== url.href) by("whole-app").href = url.href
