@@ -85,13 +85,13 @@ class Page(NamedHost, Plain, DocHandler):
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
         if is_full():
             self.set_header("Retry-After", str(AGAIN))
-            said = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
-            return self.refuse(503, "The class is full", said, AGAIN)
+            text = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
+            return self.refuse(503, "The class is full", text, AGAIN)
         arguments = self.known_arguments()
         token = self.token_for(arguments)
         if len(token) > TOKEN:
-            said = f"It has {len(self.request.uri)} characters, allowed: about {TOKEN // 2}. {self.without}"
-            return self.refuse(414, "The address is too long", said)
+            text = f"It has {len(self.request.uri)} characters, allowed: about {TOKEN // 2}. {self.without}"
+            return self.refuse(414, "The address is too long", text)
         nonce = secrets.token_urlsafe(16)
         try:
             page = shared(self.application_context.url).page_for(arguments, token=token, nonce=nonce)
@@ -136,8 +136,8 @@ class Page(NamedHost, Plain, DocHandler):
 
     def refuse_host(self, host):
         host = html.escape(host)
-        said = f"The server does not answer under the name {host}. Use another name of it, or start it with"
-        self.refuse(403, "Not under this name", f"{said} <code>--allow-websocket-origin={host}</code>.")
+        text = f"The server does not answer under the name {host}. Use another name of it, or start it with"
+        self.refuse(403, "Not under this name", f"{text} <code>--allow-websocket-origin={host}</code>.")
 
 
 class Files(Plain):
@@ -185,10 +185,10 @@ class Liveness(Plain):
     """200 while workers answer, otherwise 503."""
 
     def get(self):
-        alive, said = pool.alive()
+        alive, why = pool.alive()
         self.set_status(200 if alive else 503)
         self.set_header("Cache-Control", "no-store")
-        self.finish({"alive": alive, "why": said, "workers": pool.status})
+        self.finish({"alive": alive, "why": why, "workers": pool.status})
 
     head = get
 

@@ -158,10 +158,6 @@ class Pages:
         if self.page is not None:
             self.page.order(values)
 
-    def nearer(self, scene, origin):
-        """See Sheet."""
-        return self.page and self.page.nearer(scene, origin)
-
     def _publish(self, page, news):
         """Send the news of a page, unless it is closed."""
         page.published = page.published | news

@@ -1,16 +1,22 @@
-"""A visitor's measurement of accuracy. It runs in its own process, so the workers stay free."""
+"""A visitor's measurement of accuracy. It runs in its own process, so the workers stay free.
+
+`work` runs in that process; it imports what the server does not need.
+"""
 
 import logging
 import threading
+import time
 from functools import partial
 
-from app.service.measuring import work
+from app.service import worker
+from solver import Scene, SceneError, load_path
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 lock = threading.Lock()  # one measurement at a time: two at once would slow each other down
 LOOK = 0.1  # s between two checks whether a waiting measurement is still needed
 LONGEST = 600.0  # s, time limit of a measurement
+PAUSE = 0.2  # s between two reports that have only progress
 WHY = {
     "crash": "its process ended unexpectedly. Measure again",
     "hang": f"it took longer than {LONGEST:g} s. Choose a less expensive scene",
@@ -103,3 +109,62 @@ class Bench:
         self.report = report
         if self.on_change:
             self.on_change()
+
+
+def work(scene):
+    """Measure `scene` and yield reports {'state', 'progress', 'points', ...}; the last is final."""
+    from solver.continuation.state import NotConverged
+
+    worker.start()
+    try:
+        _warm_up()
+        yield from reports(scene)
+    except (NotConverged, SceneError) as error:
+        yield {"state": "failed", "why": f"The reference did not converge: {error}"}
+
+
+def _warm_up():
+    """Run every method once on a small scene: the time to load its kernels must not count."""
+    from solver.validation.methods import SERIES
+
+    small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
+    for method in SERIES.values():
+        for _ in load_path(small, method):
+            pass
+
+
+def reports(scene):
+    """Yield the measurements of a Scene as plain data."""
+    from solver.validation.accuracy import SWEEPS, measure
+    from solver.validation.accuracy_report import choice, command, failures, sentence
+
+    sent, count, report = 0.0, 0, None
+    for progress, report in measure(scene, quick=True):
+        done, now = len(report.points) if report else 0, time.monotonic()
+        if done > count or now - sent > PAUSE:
+            sent, count = now, done
+            yield {"state": "measuring", "progress": progress, "points": points(report)}
+    others = [choice(report, sweep) for sweep in SWEEPS if sweep != "tolerance" and report.of(sweep, "fast")]
+    others += [f"Not finished: {line}." for line in failures(report)]
+    others.append(f"All numbers in tables: {command(report)}")
+    words = {"sentence": sentence(report), "others": others}
+    yield {"state": "done", "progress": 1.0, "points": points(report), **words}
+
+
+def points(report):
+    """Return the sweep of the tolerance as plain data, without unfinished runs."""
+    from solver.validation.accuracy import LEAST
+
+    swept = report.of("tolerance") if report else []
+    return [
+        {
+            "series": p.series,
+            "tolerance": p.value,
+            "seconds": max(p.seconds, LEAST["seconds"]),
+            "evaluations": max(p.evaluations, LEAST["evaluations"]),
+            "error": max(p.branch_error, LEAST["error"]),
+            "astray": p.branches[0] < p.branches[1],
+        }
+        for p in swept
+        if not p.failure and p.branch_error is not None
+    ]

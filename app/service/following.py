@@ -68,7 +68,7 @@ def compared(skeleton, blocks):
 
 
 def picture(skeleton, at):
-    """Return a picture: {frames, columns, shown, map: its place, block: header of two frames, body}.
+    """Return a picture: {frames, columns, shown, map: its extent, block: header of two frames, body}.
 
     body: float32 CURVES (columns, frames), what `packing.arrays` has of the two frames, int8 map (rows, columns).
     """
@@ -80,16 +80,16 @@ def picture(skeleton, at):
     shown = int(np.abs(loads - at).argmin())
     frames = skeleton.frames(loads[[0, shown]])
     if scene.surface == "flat":
-        frames, cells, place = [middle(scene, frame) for frame in frames], np.zeros((0, 0), np.int8), {}
+        frames, cells, extent = [middle(scene, frame) for frame in frames], np.zeros((0, 0), np.int8), {}
     else:
         even = np.flatnonzero(steps % every == 0)
-        cells, place = _map(skeleton, v[even], T[even], every)
+        cells, extent = _map(skeleton, v[even], T[even], every)
     block, columns, fields = arrays(scene, [(frame, 0.0) for frame in frames], True)
     return {
         "frames": loads.size,
         "columns": CURVES,
         "shown": shown,
-        "map": {"rows": cells.shape[0], "columns": cells.shape[1], **place},
+        "map": {"rows": cells.shape[0], "columns": cells.shape[1], **extent},
         "block": block,
         "body": b"".join(part.tobytes() for part in (_curves(skeleton, loads, T), columns, fields, cells)),
     }
@@ -118,7 +118,7 @@ def _curves(skeleton, loads, T):
 
 
 def _map(skeleton, v, T, every):
-    """Return the map of T_z, int8 (rows, columns), and its place; without nodes that nothing acts on.
+    """Return the map of T_z, int8 (rows, columns), and its extent; without nodes that nothing acts on.
 
     v (k, size), T (k, 2, m): at every `every`-th increment. Columns are left out while there are more than CELLS.
     """
@@ -132,5 +132,5 @@ def _map(skeleton, v, T, every):
     T, acts = T[::thin, part], acts[::thin, part]
     high, low = max(T.max(), 1e-12), max(-T.min(), 1e-12)
     cells = np.where(acts, np.rint(SHADES * np.where(T > 0.0, T / high, T / low)), NOTHING).astype(np.int8)
-    place = {"first": int(first + part.start), "step": thin * every * scene.du_x * scene.delta_t}
-    return cells.T, place | {"high": float(high), "low": float(low)}
+    extent = {"first": int(first + part.start), "step": thin * every * scene.du_x * scene.delta_t}
+    return cells.T, extent | {"high": float(high), "low": float(low)}

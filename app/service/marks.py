@@ -26,10 +26,10 @@ ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 def calls(scene, skeleton):
     """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its Skeleton or None."""
-    found = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
+    made = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
     if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
-        found |= {name: (of_flat, scene, name) for name in ENDS}
-    return found
+        made |= {name: (of_flat, scene, name) for name in ENDS}
+    return made
 
 
 def key(scene, name):
@@ -59,18 +59,18 @@ def of_flat(scene, name):
 
 def _no_load(skeleton):
     """delta_bar at which the contact carries no load before shear; None if following ends before it."""
-    here, known = _at_rest(skeleton.contact or skeleton), []
+    here, loads = _at_rest(skeleton.contact or skeleton), []
     for _ in range(MOST):
         if here.contact:  # the surfaces are apart there
             return None
-        known.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
-        at, L = known[-1]
-        if abs(L) <= NO_LOAD * max(abs(load) for _, load in known):
+        loads.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
+        at, L = loads[-1]
+        if abs(L) <= NO_LOAD * max(abs(load) for _, load in loads):
             return at
         following = at - STRIDE * np.sign(L)
-        drawn, pressed = ([x for x, load in known if load * sign > 0.0] for sign in (-1.0, 1.0))
+        drawn, pressed = ([x for x, load in loads if load * sign > 0.0] for sign in (-1.0, 1.0))
         if drawn and pressed:
-            (x0, y0), low, high = known[-2], max(drawn), min(pressed)
+            (x0, y0), low, high = loads[-2], max(drawn), min(pressed)
             following = at - L * (at - x0) / (L - y0) if y0 != L else low
             following = following if low < following < high else 0.5 * (low + high)
         try:

@@ -5,7 +5,7 @@ from time import monotonic
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, disable_created_metrics, generate_latest
 
-KNOWN = {  # counters since the start
+COUNTERS = {  # counters since the start
     "pages": "pages sent",
     "visits": "visits",
     "rejected_visits": "visits rejected because the server was full",
@@ -23,14 +23,14 @@ KNOWN = {  # counters since the start
 }
 disable_created_metrics()
 _registry, _begun = CollectorRegistry(), monotonic()
-_counters = {name: Counter(f"contact_{name}", said, registry=_registry) for name, said in KNOWN.items()}
+_counters = {name: Counter(f"contact_{name}", meaning, registry=_registry) for name, meaning in COUNTERS.items()}
 not_followed = Counter(
     "contact_not_followed", "times a run could not be followed, by reason", ["reason"], registry=_registry
 )
 
 
 def count(name, more=1):
-    """Increase a counter of KNOWN; any thread may call this."""
+    """Increase a counter of COUNTERS; any thread may call this."""
     _counters[name].inc(more)
 
 
@@ -39,9 +39,9 @@ def counted(name):
     return _registry.get_sample_value(f"contact_{name}_total")
 
 
-def gauge(name, said, value):
+def gauge(name, meaning, value):
     """Register a gauge that calls `value()` for every request."""
-    Gauge(f"contact_{name}", said, registry=_registry).set_function(value)
+    Gauge(f"contact_{name}", meaning, registry=_registry).set_function(value)
 
 
 def text():
@@ -65,10 +65,10 @@ class LoopLag:
     BUCKETS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # s
 
     def __init__(self, registry=None):
-        said = "lag of the server's event loop"
+        meaning = "lag of the server's event loop"
         self.last, self.lags = (
             None,
-            Histogram("contact_loop_lag_seconds", said, registry=registry, buckets=self.BUCKETS),
+            Histogram("contact_loop_lag_seconds", meaning, registry=registry, buckets=self.BUCKETS),
         )
 
     def record(self):

@@ -128,24 +128,20 @@ class Requests:
 
         Calls already requested continue. how: rank and seconds of `Pool.submit`.
         """
-        known = self._ask(call, take, **how)
-        if known is not None:
-            self._answered(call, known)
+        cached = self._ask(call, take, **how)
+        if cached is not None:
+            self._answered(call, cached)
 
     def ask(self, call, take, **how):
         """Request one call instead of all earlier ones; take(result) receives its result, or None if it failed."""
         self.cancel()
-        known = self._ask(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
-        if known is not None:
-            self._on_result(call, known)
+        cached = self._ask(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
+        if cached is not None:
+            self._on_result(call, cached)
 
-    def cancel(self):
-        """Cancel all calls."""
-        self.drop(list(self.waiting))
-
-    def drop(self, calls):
-        """Cancel some calls."""
-        for call in self.waiting.keys() & set(calls):
+    def cancel(self, calls=None):
+        """Cancel some calls, or all."""
+        for call in self.waiting.keys() & set(self.waiting if calls is None else calls):
             del self.waiting[call]
             self.shared.leave(self.session.pool, call, self._on_result)
 

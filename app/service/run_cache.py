@@ -21,9 +21,9 @@ def fill(run_cache, pool, scenes, later):
 
     def compute_next():
         scene = next((scene for scene in scenes if scene not in run_cache), None)
-        known = scene and shared_requests.ask(pool, (tasks.whole_run, scene), notify, owner=NOBODY, rank=LATER)
-        if known:
-            notify((tasks.whole_run, scene), known)
+        run = scene and shared_requests.ask(pool, (tasks.whole_run, scene), notify, owner=NOBODY, rank=LATER)
+        if run:
+            notify((tasks.whole_run, scene), run)
 
     def notify(call, run):
         later(store, call, run)

@@ -94,14 +94,14 @@ def onset_of(scene, state=None):
         search = search_on(scene, state or Search(), SLICE, worker.SLOW)
     except NotConverged as error:
         return str(error)
-    found = search.outcome
-    if found is None:
+    onset = search.outcome
+    if onset is None:
         return Part(search)
-    step = max(1, found.U.size // DRAWN)
-    keep = np.append(np.arange(0, found.U.size - 1, step), found.U.size - 1)
-    curves = {name: getattr(found, name)[keep].astype(np.float32) for name in ("F", "A")}
-    numbers = {name: getattr(found, name) for name in ("U_s", "F_s", "A_s", "A_0")}
-    return numbers | curves | {"L_0": float(found.L[0])}
+    step = max(1, onset.U.size // DRAWN)
+    keep = np.append(np.arange(0, onset.U.size - 1, step), onset.U.size - 1)
+    curves = {name: getattr(onset, name)[keep].astype(np.float32) for name in ("F", "A")}
+    numbers = {name: getattr(onset, name) for name in ("U_s", "F_s", "A_s", "A_0")}
+    return numbers | curves | {"L_0": float(onset.L[0])}
 
 
 def what_matters(scene):
@@ -112,12 +112,12 @@ def what_matters(scene):
     lattice spacing together. nodes: change of F_s by the strength of each node from `first` on, over F_s.
     """
     try:
-        found = sensitivities(skeleton_of(scene), branches=False)
+        made = sensitivities(skeleton_of(scene), branches=False)
     except (NotConverged, NotFollowed) as error:
         return f"{error}".rstrip(".")
-    if not found.slips:
+    if not made.slips:
         return "nothing slips up to the end of the run"
-    slip = found.slips[0]
+    slip = made.slips[0]
     values = {name: getattr(scene, name) for name in slip.by}
     bars = {}
     for name, by in slip.by.items():
@@ -181,10 +181,10 @@ def _frame(scene, block, row):
     head, columns, fields = packing.unpack(block)
     u_x, gap, *T = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap", "T_x", "T_z"))
     profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
-    known = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
-    place = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
+    numbers = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
+    increment = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
     u = np.array([u_x, gap - profile])
-    return Frame(scene, **place, **known, first=head["first"], u=u, T=np.array(T), evaluations=0)
+    return Frame(scene, **increment, **numbers, first=head["first"], u=u, T=np.array(T), evaluations=0)
 
 
 def measured(text):

@@ -153,14 +153,14 @@ def _skeleton(scene, checkpoint):
 def _repeated(scene, repeated, begun, budget, history, limit):
     """Return the Checkpoint where the run continues others; or a Slice without frames: unfinished, or failed."""
     try:
-        found = carried((*history, (scene, 0)), repeated or Repeated(), begun + budget, limit)
+        reached = carried((*history, (scene, 0)), repeated or Repeated(), begun + budget, limit)
     except (NotConverged, SceneError, NotInShear) as error:  # the state does not continue into this scene
         if isinstance(error, OutOfTime) and limit < SLOW:
             return Slice(state=pickle.dumps((repeated, None)), heavy=True)
         return Slice(ahead=0, done=True, failure=str(error))
-    return (
-        Slice(state=pickle.dumps((found, None)), heavy=_slow(begun, budget)) if isinstance(found, Repeated) else found
-    )
+    if isinstance(reached, Repeated):
+        return Slice(state=pickle.dumps((reached, None)), heavy=_slow(begun, budget))
+    return reached
 
 
 def _advanced(scene, checkpoint, begun, budget, limit):
@@ -213,8 +213,8 @@ def _works(scene, frames, last):
     if scene.path != "loop" or not frames:
         return [0.0] * len(frames), None
     before, done = last or (None, 0.0)
-    known = [before] if before else []
-    works = done + work_of(scene, known + frames).top[len(known) :]
+    previous = [before] if before else []
+    works = done + work_of(scene, previous + frames).top[len(previous) :]
     return works, (frames[-1], works[-1])
 
 
@@ -223,8 +223,8 @@ def _ahead(scene, checkpoint):
     if checkpoint.done:
         return 0
     load_steps = checkpoint.load_steps or load_steps_of(scene)
-    place = next(k for k, step in enumerate(load_steps) if step.stage == checkpoint.stage)
-    return sum(step.increments + 1 for step in load_steps[place:]) - checkpoint.increment
+    now = next(k for k, step in enumerate(load_steps) if step.stage == checkpoint.stage)
+    return sum(step.increments + 1 for step in load_steps[now:]) - checkpoint.increment
 
 
 def _width(scene, frame):

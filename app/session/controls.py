@@ -91,9 +91,9 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def drawer():
     """Return {group: names} of the parameters without a slider, in the order of Scene."""
     groups = {}
-    for name, known in PARAMETERS.items():
+    for name, parameter in PARAMETERS.items():
         if name not in NAMES:
-            groups.setdefault(known.group, []).append(name)
+            groups.setdefault(parameter.group, []).append(name)
     return groups
 
 
@@ -136,15 +136,15 @@ def read(name, text, notes=None, scene=None):
 def message_of(error, text=None):
     """Return a SceneError as a message in the page's terms: 'Press depth “-3”: allowed: ...'."""
     value = shown(error.value) if isinstance(error.value, float) else error.value
-    said = f"“{str(text or value)[:40]}”: {in_words(f'{error.allowed}; {error.remedy}')}"
-    return f"{LABELS.get(error.name, error.name)} {said}"
+    message = f"“{str(text or value)[:40]}”: {in_words(f'{error.allowed}; {error.remedy}')}"
+    return f"{LABELS.get(error.name, error.name)} {message}"
 
 
 def in_words(text):
     """Replace parameter names by the labels of sliders, and format numbers: −1 to 10⁶."""
     for name, label in LABELS.items():
         text = re.sub(rf"\b{name}\b", label, text)
-    text = re.sub(r"\b1e\+?(-?)0*(\d+)", lambda found: "10" + "".join(found.groups()).translate(RAISED), text)
+    text = re.sub(r"\b1e\+?(-?)0*(\d+)", lambda power: "10" + "".join(power.groups()).translate(RAISED), text)
     return re.sub(r"(?<![\w.])-(?=\d)", "−", text).replace(" .. ", " to ")
 
 
@@ -153,15 +153,15 @@ def changed_scene(scene, entries, notes=None):
 
     notes: a list; messages on how a text was read are added to it.
     """
-    values, errors, said = {}, {}, []
+    values, errors, remarks = {}, {}, []
     for name in PARAMETERS:
         if name in entries:
             try:
-                values[name] = read(name, entries[name], said, scene)
+                values[name] = read(name, entries[name], remarks, scene)
             except SceneError as error:
                 errors[name] = f"{message_of(error, entries[name])}.{STAYS}"
     if notes is not None:
-        notes += map(in_words, said)
+        notes += map(in_words, remarks)
     try:
         if values.get("surface") == "measured" and scene.measured is None:
             raise SceneError("surface", "measured", "it needs a profile", "choose a file under profile")
@@ -198,29 +198,26 @@ def _refuse_large(scene, values):
 def scene_from_address(arguments):
     """Return (scene, preset, notes) of the page's address {name: [bytes]}, with a note per invalid value."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
-    known, notes = (
-        presets(),
-        [_unknown(name) for name in arguments if name not in FOR_SERVER and name not in FOR_BROWSER],
-    )
+    notes = [_unknown(name) for name in arguments if name not in FOR_SERVER and name not in FOR_BROWSER]
     name = entries.get("preset", DEFAULT)
-    if name not in known:
+    if name not in presets():
         notes.append(f"There is no preset “{name[:40]}”: Menu, Preset lists all. The default is shown.")
         name = DEFAULT
-    base = known[name].scene
+    base = presets()[name].scene
     if "profile" in entries:
         try:
-            base = base.changed(measured=profiles.known.profile_of(entries["profile"]))
+            base = base.changed(measured=profiles.uploaded.profile_of(entries["profile"]))
         except ProfileError as error:
             notes.append(f"profile: {error}.")
-    said = []
-    scene, errors = changed_scene(base, entries, said)
+    remarks = []
+    scene, errors = changed_scene(base, entries, remarks)
     if errors:
         scene, errors = base, {}
-        said.clear()
+        remarks.clear()
         for entry, text in entries.items():  # check each alone
-            scene, found = changed_scene(scene, {entry: text}, said)
-            errors |= found
-    notes += said + [
+            scene, more = changed_scene(scene, {entry: text}, remarks)
+            errors |= more
+    notes += remarks + [
         f"{entry} in the address: {message.removesuffix(STAYS)} The default {shown(getattr(base, entry))} is used."
         for entry, message in errors.items()
     ]
@@ -249,5 +246,5 @@ def address_of(scene, preset):
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     if scene.surface == "measured":
-        values["profile"] = profiles.known.name_of(scene.measured)
+        values["profile"] = profiles.uploaded.name_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values

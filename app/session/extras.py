@@ -25,11 +25,11 @@ class Film(Requests):
         session, run, k = self.session, self.session.pursuit.run, values["frame"]
         if run is None or run.number != values["run"]:
             return
-        places = [run.place(frame, session.run_cache) for frame in (k - 1, k)]
-        if None in places:
+        frames = [run.packed_frame(frame, session.run_cache) for frame in (k - 1, k)]
+        if None in frames:
             why = "the server has dropped the increment before this slip; compute the run again"
             return session.send("film failed", why=why)
-        call = (tasks.slow_motion, run.scene, *places)
+        call = (tasks.slow_motion, run.scene, *frames)
         self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=LONGEST_FILM)
 
     def _made(self, made, k):
@@ -77,11 +77,11 @@ class Pinned(Requests):
         if 0 < pin <= MOST_PINNED:
             call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in entries.items()})[0]
             self.pins.setdefault(call, []).append(pin)
-            known = self.session.run_cache.get(call[1])
-            if known is None:
+            run = self.session.run_cache.get(call[1])
+            if run is None:
                 self.add([call])
             else:
-                self._made(call, known)
+                self._made(call, run)
 
     def _made(self, call, run):
         pins = self.pins.pop(call, ())
@@ -106,11 +106,11 @@ class Marks(Requests):
         """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
-        self.values = {name: found for name, found in self.values.items() if found and keys[name] == self.keys[name]}
+        self.values = {name: marks for name, marks in self.values.items() if marks and keys[name] == self.keys[name]}
         calls, self.keys = marks.calls(scene, skeleton), keys
         self.calls = {call: name for name, call in calls.items() if name not in self.values}
         self.add(list(self.calls))
 
-    def _made(self, call, found):
-        self.values[self.calls[call]] = () if isinstance(found, Exception) else found
+    def _made(self, call, values):
+        self.values[self.calls[call]] = () if isinstance(values, Exception) else values
         self.session.publish()

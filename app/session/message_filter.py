@@ -108,13 +108,13 @@ class MessageFilter(NamedHost, WSHandler):
             message = await self.receiver.consume(_bounded(fragment))
             if message is not None:
                 self.parts = 0
-                found = _orders(message)
+                given = _orders(message)
         except Exception as error:
             return self._reject(error)
         begun = thread_time()  # time of the loop alone: other processes may be busy
         if message is not None and self._session is not None:
             with suppress(WebSocketClosedError):  # it has left
-                await self._answer(message, found)
+                await self._answer(message, given)
         await asyncio.sleep(self._wait(thread_time() - begun))  # 0 s, too, lets other visitors run
 
     async def send_message(self, message):
@@ -129,11 +129,11 @@ class MessageFilter(NamedHost, WSHandler):
         self.since = now
         return min(LONGEST_WAIT, max(0.0, self.spent - AT_ONCE) / share)
 
-    async def _answer(self, message, found):
+    async def _answer(self, message, given):
         session = self._session
         visitor = next((each for each in visitors if each.doc is session.document), None)
         if message.msgtype != "PULL-DOC-REQ":
-            for order in found if visitor else ():
+            for order in given if visitor else ():
                 await session.with_document_locked(visitor.obey, order)
         elif isinstance(session.document.get_model_by_id("wire"), Wire):
             await session.with_document_locked(self._give_document, message.header["msgid"])
@@ -163,10 +163,10 @@ def _orders(message):
         raise ValueError("a message that no page sends")
     events = message.content.get("events", ()) if message.msgtype == "PATCH-DOC" else ()
     files = [buffer.to_bytes().decode("utf-8", "replace") for buffer in message.buffers]
-    found = [decoded(event["new"], files) for event in events if event.items() >= CHANGE.items()]
-    if not all(isinstance(order, dict) for order in found):
+    given = [decoded(event["new"], files) for event in events if event.items() >= CHANGE.items()]
+    if not all(isinstance(order, dict) for order in given):
         raise ValueError("an order without fields")
-    return found
+    return given
 
 
 def decoded(value, files=()):

@@ -59,13 +59,13 @@ def _is_flag(value):
 
 
 def _are_entries(values):
-    known = isinstance(values, dict) and values.keys() <= PARAMETERS.keys()
-    return known and all(_is_text(value, SMALL) or _is_number(value) for value in values.values())
+    named = isinstance(values, dict) and values.keys() <= PARAMETERS.keys()
+    return named and all(_is_text(value, SMALL) or _is_number(value) for value in values.values())
 
 
 def _is_address(values):
-    known = isinstance(values, dict) and values.keys() <= {"preset", "profile", *PARAMETERS}
-    return known and all(_is_text(value, SMALL) for value in values.values())
+    named = isinstance(values, dict) and values.keys() <= {"preset", "profile", *PARAMETERS}
+    return named and all(_is_text(value, SMALL) for value in values.values())
 
 
 # The type of a field, and the test of its values
@@ -80,10 +80,10 @@ FileEntry, Format = Annotated[str, FILES.__contains__], Annotated[str, FORMATS._
 class Order(ABC):
     """A request of a browser. Subclasses declare fields; `obey` runs it."""
 
-    known: ClassVar = {}  # {name: subclass}
+    kinds: ClassVar = {}  # {name: subclass}
 
     def __init_subclass__(cls):
-        Order.known[cls.__name__.lower()] = dataclass(frozen=True)(cls)
+        Order.kinds[cls.__name__.lower()] = dataclass(frozen=True)(cls)
 
     @abstractmethod
     def obey(self, session):
@@ -242,7 +242,7 @@ class Ask(Order):
 
 def read(given):
     """Return the Order that a browser has given as {name: value}; raises Refused."""
-    kind = Order.known.get(str(given.get("do")))
+    kind = Order.kinds.get(str(given.get("do")))
     values = {name: value for name, value in given.items() if name not in ("do", "n") and value is not None}
     types = {field.name: field.type for field in fields(kind)} if kind else {}
     try:

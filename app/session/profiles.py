@@ -29,4 +29,4 @@ class Profiles:
         return profile
 
 
-known = Profiles()
+uploaded = Profiles()

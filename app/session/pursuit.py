@@ -141,7 +141,8 @@ class Pursuit:
 
     def _submit(self, call, take, **how):
         self.task, self.since = self.session.pool.submit(*call, owner=id(self.session), **how), time.monotonic()
-        self.session.when_done(self.task, lambda task: self._done(task, take))
+        schedule = self.session.doc.add_next_tick_callback  # under the lock of the document
+        self.task.add_done_callback(lambda task: self.session.closed or schedule(lambda: self._done(task, take)))
 
     def _done(self, task, take):
         """Pass the result of the call in flight, or its error, to `take`."""
@@ -176,7 +177,8 @@ class Pursuit:
     def _nearest(self, scene):
         """Return the Skeleton nearest to a scene, from the open page or the last run; or None."""
         origin = (self.shown or self.run.scene) if self.skeleton else None
-        return self.session.pages.nearer(scene, origin) or self.skeleton
+        page = self.session.pages.page
+        return (page and page.nearer(scene, origin)) or self.skeleton
 
     def _show_picture(self, made, request):
         """Send the picture and start the next request; without a picture, start the exact run."""
@@ -208,14 +210,14 @@ class Pursuit:
         if after:
             run.after, run.history, run.frames = after, self.runs[after[0]].up_to(after[1]), after[1] + 1
         self.run = self.runs[number] = run
-        known = None if after else self.session.run_cache.get(scene)
-        metrics.count("run_cache_misses" if known is None else "run_cache_hits")
-        if known is None:
+        cached = None if after else self.session.run_cache.get(scene)
+        metrics.count("run_cache_misses" if cached is None else "run_cache_hits")
+        if cached is None:
             self._slice(BUDGET if refines else FIRST)
         else:
-            run.take_over(known)
-            self._send(known.blocks)
-            self._ended(known)
+            run.take_over(cached)
+            self._send(cached.blocks)
+            self._ended(cached)
         self.session.publish()
 
     def _slice(self, budget):

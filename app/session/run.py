@@ -84,10 +84,10 @@ class Run:
         why = str(lost) or "the server is being stopped"
         return ERROR if kind == "error" else f"{why}; choose an experiment to try again"
 
-    def take_over(self, known):
+    def take_over(self, cached):
         """Finish the run with its cached Frames."""
-        self.state, self.cache_key, self.packed = "finished", self.scene, replace(known, blocks=(), skeleton=None)
-        self.total = self.frames = known.frames
+        self.state, self.cache_key, self.packed = "finished", self.scene, replace(cached, blocks=(), skeleton=None)
+        self.total = self.frames = cached.frames
 
     def store(self, run_cache):
         """Put the run into the cache: for all visitors if it is complete and starts from nothing, else for this one."""
@@ -101,19 +101,19 @@ class Run:
 
     def up_to(self, frame):
         """Return ((Scene, frames), ...) up to and including a frame: see `solver.carried_path`."""
-        found, left = [], frame + 1
+        legs, left = [], frame + 1
         for scene, count in self.history:
             if left <= count:
-                return (*found, (scene, left))
-            found.append((scene, count))
+                return (*legs, (scene, left))
+            legs.append((scene, count))
             left -= count
-        return (*found, (self.scene, left))
+        return (*legs, (self.scene, left))
 
-    def place(self, k, run_cache):
+    def packed_frame(self, k, run_cache):
         """Return (packed block, row) of frame k in the browser's count, or None if the cache has dropped it."""
         k -= sum(frames for _, frames in self.history)  # frames of earlier runs are not stored
-        known = run_cache.get(self.cache_key)
-        for block in self.packed.blocks or (known.blocks if known else ()):
+        cached = run_cache.get(self.cache_key)
+        for block in self.packed.blocks or (cached.blocks if cached else ()):
             frames = packing.header(block)["frames"]
             if 0 <= k < frames:
                 return block, k

@@ -62,10 +62,6 @@ class Session:
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
 
-    def when_done(self, task, take):
-        """Call `take(task)` under the lock of the document once a call of the pool is done, unless the visitor left."""
-        task.add_done_callback(lambda _: self.closed or self.doc.add_next_tick_callback(lambda: take(task)))
-
     def send(self, kind, **content):
         """Send a message to the browser, whose values are those of JSON, or bytes.
 

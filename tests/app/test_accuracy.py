@@ -9,7 +9,7 @@ from helpers import until
 from served import PATIENCE, finished
 from visitor import Page, order
 
-from app.service import measuring
+from app.service import bench
 from app.service.bench import Bench
 from solver import Scene
 from solver.cautions import cautions
@@ -126,7 +126,7 @@ def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
 
 
 def test_an_empty_accuracy_report_has_no_points():
-    assert measuring.points(None) == []
+    assert bench.points(None) == []
 
 
 def page_state(session):

@@ -118,7 +118,7 @@ def test_a_continued_run_is_stored_for_its_visitor_only(page):
     assert run.history and run.packed.blocks == () and page.session.scene not in run_cache
     assert sum(packing.header(block)["frames"] for block in run_cache.get(run.cache_key).blocks) == run.frames - 121
     run_cache.put(page.session.scene, Frames((b"of the whole run of that scene",), 1, 1, 0.0))
-    block, row = run.place(run.frames - 1, run_cache)
+    block, row = run.packed_frame(run.frames - 1, run_cache)
     assert block is run_cache.get(run.cache_key).blocks[-1] and row == packing.header(block)["frames"] - 1
 
 

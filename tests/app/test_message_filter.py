@@ -320,7 +320,7 @@ def test_orders_with_undeclared_fields_or_wrong_types_are_rejected(text):
         orders.read(json.loads(text))
 
 
-@pytest.mark.parametrize("kind", orders.Order.known.values(), ids=orders.Order.known)
+@pytest.mark.parametrize("kind", orders.Order.kinds.values(), ids=orders.Order.kinds)
 def test_every_order_has_a_docstring(kind):
     assert kind.__doc__ and kind.obey is not orders.Order.obey
     assert all(hasattr(field.type, "__metadata__") for field in fields(kind))

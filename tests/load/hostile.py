@@ -45,10 +45,10 @@ FITTING = {  # by the type of a field: values of which some pass
 
 def order(dice, odd=0.3):
     """An order that exists, with its fields; each value is an odd one with probability `odd`."""
-    name = dice.choice([*orders.Order.known, "close"] if odd else [*orders.Order.known])
-    kind = orders.Order.known.get(name)
+    name = dice.choice([*orders.Order.kinds, "close"] if odd else [*orders.Order.kinds])
+    kind = orders.Order.kinds.get(name)
     hints = get_type_hints(kind, include_extras=True) if kind else {"page": orders.Text}
-    hints.pop("known", None)
+    hints.pop("kinds", None)
     fields = {field: dice.choice(ODD if dice.random() < odd else FITTING[hint]) for field, hint in hints.items()}
     made = {"do": name, "n": dice.choice([*ODD, 7]) if dice.random() < odd else dice.randrange(10**6)}
     if dice.random() < odd / 3:

@@ -118,5 +118,5 @@ def send_file(session, entry, text):
 
 def order(session, what, /, n=1, **values):
     """Give an order with these fields, or with these values of a scene."""
-    of_scene = any(field.name == "values" for field in fields(orders.Order.known[what]))
+    of_scene = any(field.name == "values" for field in fields(orders.Order.kinds[what]))
     say(session, {"do": what, "n": n} | ({"values": values} if of_scene else values))

@@ -10,7 +10,7 @@ from bokeh.models import FixedTicker
 
 from app.pages import Sheet
 from app.pages.notebook import laid_out, page_of
-from app.service import measuring
+from app.service import bench
 from app.views.plots import Quantity, curve, dots, rendered, texts
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
@@ -52,7 +52,7 @@ def _figure(name, work):
 def figure(scene):
     """Measure error over run time and force evaluations of a Scene, for a notebook."""
     page = page_of(sys.modules[__name__], scene)
-    for news in measuring.reports(scene):
+    for news in bench.reports(scene):
         page.session.bench.report |= news
     page.start()
     return laid_out(page)

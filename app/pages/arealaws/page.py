@@ -189,7 +189,7 @@ class Page(Sheet):
             own = [one for one in self.series.values() if one.mark >= len(PAPER)]
             if scene not in PAPER and len(own) == len(MARKS) - len(PAPER):
                 oldest = next(one for one in own if one is not self.shown)
-                self.sweep.drop(_calls(oldest.scene))  # the results stay in the cache
+                self.sweep.cancel(_calls(oldest.scene))  # the results stay in the cache
                 own.remove(oldest)
                 del self.series[oldest.scene]
             free = set(range(len(PAPER), len(MARKS))) - {one.mark for one in own}

@@ -203,7 +203,7 @@ export function drawMap(run, shown) {
 }
 
 const ends = [0, 0] // GPa, at which the colours of the map end
-export function shadeMap(run) {
+function shadeMap(run) {
   if (!(run?.sheared >= 0)) return
   const needed = [-run.T_low, run.T_high].map((T) => nice(Math.max(T, LEAST)))
   needed.forEach((GPa, i) => { ends[i] = settled(ends[i], GPa) })

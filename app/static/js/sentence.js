@@ -174,7 +174,7 @@ const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared)
 
 // Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F and L (N/m), A (nm)}; of a run
 // that is followed only the frame before is known; null where there is no slip
-export function eventOf(run, at) {
+function eventOf(run, at) {
   if (at < 0) return null
   const { F, L, A, U_x, slip_at: load, F_slip, L_slip, slip_A } = run.curves
   if (!load?.[at]) return { at, U: U_x[at], F: F[at - 1], L: L[at - 1], A: A[at - 1] }

@@ -217,9 +217,8 @@ export function open() {
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
   const { address, after } = me.status
   const sentences = []
-  if (address.profile?.startsWith("known-"))
-    sentences.push("The measured profile is too large for a link, which holds only while this server runs; "
-      + "the JSON has it.")
+  if (address.profile)
+    sentences.push("The link shows the measured profile only while this server keeps it; the JSON has it.")
   if (after)
     sentences.push("This run goes on from another. The link starts its scene from the beginning; "
       + "Python and the data have the whole path.")

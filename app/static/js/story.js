@@ -175,7 +175,7 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   pen.globalAlpha = 1
 }
 
-export function slipText(run, at, brief = false) {
+function slipText(run, at, brief = false) {
   const { acting, gone, all, sites, shiftText } = run.slipTo(at)
   const before = run.curves.A_bar[at - 1], now = run.curves.A_bar[at], change = now / before - 1
   const area = before === 0 ? (now > 0 ? ", contact again" : "") : now === 0 ? ", A falls to 0"
