@@ -127,20 +127,10 @@ def test_slow_motion_keeps_the_top_fixed_and_ends_at_the_increment_after_the_sli
     page.evaluate(
         """() => {
             window.seen = []
-            window.beside = [] // px: how high the ink is that stands right of the line drawn at the slip
-            const aside = (canvas) => {
-                const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
-                const inked = (x) => [...Array(height).keys()].filter((y) => data[4 * (y * width + x) + 3])
-                const columns = Array.from({ length: width }, (_, x) => inked(x))
-                const line = columns.findIndex((of) => of.length === Math.max(...columns.map((each) => each.length)))
-                const rows = columns.slice(line + 8).flat()
-                return rows.length ? Math.max(...rows) - Math.min(...rows) : 0
-            }
             new MutationObserver(() => {
                 const text = document.getElementById("film").textContent
                 if (!text.startsWith("slow")) return
                 seen.push([text, document.getElementById("readout").textContent])
-                beside.push(aside(document.querySelector("[data-view=forces] canvas.story")))
             }).observe(document.getElementById("film"), { childList: true })
         }"""
     )
@@ -151,7 +141,6 @@ def test_slow_motion_keeps_the_top_fixed_and_ends_at_the_increment_after_the_sli
     page.locator("#film").wait_for(state="hidden")  # it has come to its end
     said = page.evaluate("seen")
     assert {text for text, _ in said} == {"slow motion"}
-    assert max(page.evaluate("beside")) < 20  # words alone: the motion takes no way along Uₓ
     assert all("Uₓ = 10.8 nm" in readout for _, readout in said)  # not 10.9, of the increment
     page.wait_for_function("(k) => punch.drawn === k", arg=k)
     page.wait_for_function("!document.getElementById('slip').hidden")
@@ -177,12 +166,17 @@ def test_key_m_shows_the_previous_slip_in_slow_motion_until_another_key(look):
 def test_slow_motion_can_be_scrubbed_and_resumed(look):
     page = look("?preset=fig6")
     at_first_slip(page)
+    ends = f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.y_range)"
+    before = page.evaluate(ends)
     page.keyboard.press("m")
     scrub = page.locator("#film-scrub")
     scrub.wait_for()
     assert page.locator("#scrub").is_hidden()
     page.locator("#play", has_text="Pause").wait_for()
     put = "(scrub, k) => { scrub.value = k; scrub.dispatchEvent(new Event('input')) }"
+    low, high = page.evaluate("(({ F }) => [Math.min(...F), Math.max(...F)])(punch.film.run.curves)")
+    start, end = page.evaluate(ends)
+    assert start < low and before[1] < high < end  # F of the motion, drawn beside the slip
     forces = []
     for k in (1, 5):
         scrub.evaluate(put, k)
@@ -194,7 +188,7 @@ def test_slow_motion_can_be_scrubbed_and_resumed(look):
     page.locator("#play", has_text="Pause").wait_for()
     page.locator("#film").wait_for(state="hidden")
     page.locator("#play", has_text="Play").wait_for()
-    assert page.locator("#scrub").is_visible()
+    assert page.locator("#scrub").is_visible() and page.evaluate(ends) == before
 
 
 @pytest.mark.thorough

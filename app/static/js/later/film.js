@@ -13,10 +13,11 @@ import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
+const FIELD = 0.5, EDGE = 8 // of the width of the plot, for F of the motion; px beside its curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
-// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, range: of
-// tractions before}; the state on screen is `me.film`
+// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, ranges:
+// axes before}; the state on screen is `me.film`
 let film = null
 
 // Begin, or end; where there is no slip to go through, say so
@@ -59,11 +60,18 @@ function receive(chunk) {
   scrub.max = film.frames.length - 1 - film.k
   swapScrubs(true)
   me.film = { run: film.frames, k: film.k, paused: false }
-  const range = figures.traction.y_range, { T_least, T_most } = film.frames // of the motion as well, which is rougher
-  film.range = { start: range.start, end: range.end }
-  set(range, { start: Math.min(range.start, 1.1 * T_least), end: Math.max(range.end, 1.1 * T_most) })
+  const { T_least, T_most } = film.frames, { factor, names } = forceUnit([film.run])
+  const F = film.frames.curves[names.F].map((value) => value * factor)
+  film.ranges = [widened("traction", T_least, T_most), widened("forces", Math.min(...F), Math.max(...F))]
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
+}
+
+// Let an axis hold the motion as well, which is rougher; returns [range, its ends before]
+function widened(name, least, most) {
+  const range = figures[name].y_range, { start, end } = range
+  set(range, { start: Math.min(start, 1.1 * least), end: Math.max(end, 1.1 * most) })
+  return [range, { start, end }]
 }
 
 function step(time) {
@@ -91,7 +99,7 @@ function swapScrubs(filmed) {
   else scrub.remove()
 }
 
-// F of the motion, up and down at the one place of the top: how far it has swung, and where it is now
+// F of the motion from state to state, in a field of its own beside the place of the slip, over the same axis of forces
 function drawTrace() {
   if (!film?.frames) return
   const { frames, k } = film, box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
@@ -99,22 +107,29 @@ function drawTrace() {
   tell("slow motion")
   by("slip").hidden = true
   if (!pen) return
-  const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F], ink = inks()
-  const x = box.X(frames.along[k - 1]), align = x > box.left + 0.5 * box.width ? "right" : "left"
-  const inside = (y) => Math.max(box.top, Math.min(y, box.top + box.height))
-  const heights = F.slice(k - 1, me.film.k + 1).map((value) => inside(box.Y(value * factor)))
-  line(pen, [Math.min(...heights), Math.max(...heights)].map((y) => [x, y]), ink.slip, 3)
+  const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F].slice(k - 1), ink = inks()
+  const width = FIELD * box.width, right = box.X(frames.along[k - 1]) < box.left + 0.5 * box.width
+  const left = right ? box.left + box.width - width : box.left
+  const places = F.map((value, i) => [left + EDGE + (i / (F.length - 1)) * (width - 2 * EDGE), box.Y(value * factor)])
+  pen.fillStyle = ink.page
+  pen.fillRect(left, box.top, width, box.height)
+  pen.strokeStyle = ink.slip
+  pen.lineWidth = 1
+  pen.strokeRect(left, box.top, width, box.height)
+  const shown = me.film.k - k + 1
+  line(pen, places, ink.grid, 2)
+  line(pen, places.slice(0, shown + 1), ink.slip, 2)
   pen.fillStyle = ink.slip
   pen.beginPath()
-  pen.arc(x, heights.at(-1), DOT, 0, 2 * Math.PI)
+  pen.arc(...places[shown], DOT, 0, 2 * Math.PI)
   pen.fill()
-  const beside = x + (align === "left" ? 2 : -2) * DOT
-  write({ pen, ink, box }, "F in slow motion", beside, box.Y(0) - size(), { of: ink.slip, align })
+  const field = { left, top: box.top, width, height: box.height }
+  write({ pen, ink, box: field }, "F until it rests", left + width / 2, box.top + box.height - size(), { of: ink.slip })
 }
 
 function leave() {
   film.canvas?.remove()
-  if (film.range) set(figures.traction.y_range, film.range)
+  for (const [range, before] of film.ranges ?? []) set(range, before)
   film = null
   swapScrubs(false)
   tell("")
