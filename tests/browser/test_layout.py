@@ -72,12 +72,17 @@ def test_slider_marks_cover_no_number_and_the_description_is_not_cut(look):
     assert whole <= shown
 
 
-def test_phone_hides_pages_in_a_menu_and_shows_sliders_and_punch_first(visit):
-    page = visit("?view=hero")
-    page.set_viewport_size({"width": 390, "height": 844})
+def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
+    page = visit("?view=hero", viewport={"width": 390, "height": 844}, has_touch=True)
     finished(page)
     punch, player = (page.locator(what).bounding_box() for what in ("#punch-view", ".player"))
     assert punch["y"] + 140 < player["y"]
+    finger, x, y = page.context.new_cdp_session(page), 200, punch["y"] + 150
+    for kind, down in (("touchStart", 0), ("touchMove", 10), ("touchMove", 40), ("touchEnd", None)):
+        points = [] if down is None else [{"x": x, "y": y + down}]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    page.wait_for_function("punch.status.values.delta_bar > 0")
+    assert page.evaluate("scrollY") == 0 and page.locator("#row label:visible").count() > 5
     law = page.get_by_role("button", name="Interface law")
     assert not law.is_visible()
     page.get_by_role("button", name="Menu").click()
