@@ -20,7 +20,6 @@ from app.hosts import NamedHost
 from app.page import shared
 from app.service import metrics
 from app.session import orders
-from app.session.orders import Wire
 from app.session.session import VISITORS, visitors
 
 log = logging.getLogger("app")
@@ -135,7 +134,7 @@ class MessageFilter(NamedHost, WSHandler):
         if message.msgtype != "PULL-DOC-REQ":
             for order in given if visitor else ():
                 await session.with_document_locked(visitor.obey, order)
-        elif isinstance(session.document.get_model_by_id("wire"), Wire):
+        elif isinstance(session.document.get_model_by_id("wire"), orders.Wire):
             await session.with_document_locked(self._give_document, message.header["msgid"])
         else:  # the document shows the error
             await self.send_message(await self.handler.handle(message, self.connection))

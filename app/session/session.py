@@ -106,13 +106,13 @@ class Session:
         if scene == self.scene:
             self.publish()
         else:
-            after = self._usable(scene, after)
+            after = after and self._usable(scene, after)
             self.scene = scene
             self.pursuit.request(RunRequest(scene, after, held, at, self.acknowledged))
 
     def _usable(self, scene, after):
         """Return the (run, frame) to continue from, or None with a note if the scene must start from the beginning."""
-        run = after and self.pursuit.runs.get(after[0])
+        run = self.pursuit.runs.get(after[0])
         if not run or after[1] >= run.frames:
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
