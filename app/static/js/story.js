@@ -40,7 +40,8 @@ export function drawStory(run, k) {
     drawTop(view)
   })
   drawForces(view)
-  if (!run.head.flat) drawLens(view)
+  if (run.head.flat) by("lens").hidden = true
+  else drawLens(view)
   tellSlip(view)
 }
 
