@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 300  # s; a limit against hanging: the first start compiles the kernels
+PATIENCE = 300  # s; a limit against hanging
 
 pytestmark = [pytest.mark.thorough, pytest.mark.slow]
 
@@ -42,7 +42,8 @@ def test_the_wheel_computes_and_serves_from_an_empty_folder(installed, tmp_path)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    environment = os.environ | {"PYTHONPATH": str(installed)}
+    # interpreted, as compiling takes a minute: tests/cli/test_cold_start.py compiles
+    environment = os.environ | {"PYTHONPATH": str(installed), "NUMBA_DISABLE_JIT": "1"}
     own = {"cwd": tmp_path, "env": environment}
     small = ["--set", "nodes=16", "width=40", "u_x_max=1", "--json", "run.json"]
     subprocess.run([sys.executable, "-m", "solver", "run", *small], check=True, timeout=PATIENCE, **own)

@@ -1,6 +1,6 @@
 """The law of Xu & Needleman (q = 1, r = 0): it has a potential for phi_t = phi_n, and overclosure weakens its shear."""
 
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,7 +64,10 @@ def test_the_kernels_agree_with_extended_precision(law):
 
 
 # E (GPa), delta_bar and phi_ratio: soft and stiff, pulled and deep, slippery and strong
-CORNERS = [(40.0, 0.1, 1.0), *product((20.0, 200.0, 1000.0), (-0.1, 0.3), (0.2, 1.0, 2.0))]
+CORNERS = [
+    *((40.0, 0.1, 1.0), (20.0, -0.1, 0.2), (20.0, 0.3, 2.0), (200.0, -0.1, 1.0)),
+    *((200.0, 0.3, 0.2), (1000.0, -0.1, 2.0), (1000.0, 0.3, 1.0)),
+]
 
 
 @pytest.mark.once
@@ -126,9 +129,9 @@ def random_scene(rng):
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_no_wave_flutters_in_random_scenes():
-    """50 scenes, some underdamped: no end is a flutter, and no state needs any damping."""
+    """20 scenes, some underdamped: no end is a flutter, and no state needs any damping."""
     rng = np.random.default_rng(5)
-    for _ in range(50):
+    for _ in range(20):
         for frame in load_path(random_scene(rng)):
             assert frame.safe_damping == 0.0
             assert all(event.kind != "flutter" for event in frame.slips), frame.scene

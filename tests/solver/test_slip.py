@@ -244,27 +244,25 @@ def test_a_soft_layer_jumps_into_contact_within_a_budget():
 
 STABLE = [
     {},
-    {"tolerance": 1e-10, "delta_bar": -0.15},
-    {"tolerance": 1e-5, "du_x": 0.33},
-    {"E": 10.0, "phi_ratio": 2.0},
     {"surface": "rough"},
-    {"surface": "wave", "delta_bar": 0.6},
-    {"height": 5.0},
     {"nu": 0.499, "delta_bar": 0.2},
     {"damping": inf},
     {"damping": 0.3, "delta_bar": 0.2},
-    pytest.param({"damping": 0.2, "delta_bar": 1.0}, marks=pytest.mark.thorough),
-    {"hold": "load", "delta_bar": 0.2},
     {"hold": "load", "delta_bar": -0.05, "u_x_max": 2.0},
     {"surface": "flat", "delta_bar": -0.2, "nu": 0.499, "u_x_max": 0.0},  # pulled sideways, its waves drift for ever
-    pytest.param(
-        {"surface": "flat", "delta_bar": -0.2, "nu": 0.499, "E": 17.5, "nodes": 256, "width": 625.0, "u_x_max": 0.0},
-        marks=pytest.mark.thorough,
-    ),
+    {"tolerance": 1e-10, "delta_bar": -0.15},
+    {"tolerance": 1e-5, "du_x": 0.33},
+    {"E": 10.0, "phi_ratio": 2.0},
+    {"surface": "wave", "delta_bar": 0.6},
+    {"height": 5.0},
+    {"damping": 0.2, "delta_bar": 1.0},
+    {"hold": "load", "delta_bar": 0.2},
+    {"surface": "flat", "delta_bar": -0.2, "nu": 0.499, "E": 17.5, "nodes": 256, "width": 625.0, "u_x_max": 0.0},
     {"surface": "flat", "delta_bar": 0.3, "phi_ratio": 0.5},
 ]
 
 
+@pytest.mark.once(7)
 @pytest.mark.slow
 @pytest.mark.parametrize("values", STABLE, ids=str)
 def test_every_frame_is_a_stable_equilibrium(values):
@@ -358,7 +356,8 @@ def test_a_motion_that_oscillates_forever_is_repeated_with_another_time_step():
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_endlessly_drifting_waves_are_reported_soon_with_a_remedy():
-    scene = Scene(surface="flat", delta_bar=-0.2, nu=0.499, E=17.5, nodes=256, width=625.0, u_x_max=0.2)
+    """In a small cell, whose layer must be softer for its few waves to drift."""
+    scene = Scene(surface="flat", delta_bar=-0.2, nu=0.499, E=4.0, nodes=32, width=78.125, u_x_max=0.2)
     with pytest.raises(NotConverged, match=r"does not come to rest.*larger E"):
         list(load_path(scene))
     *_, last = load_path(scene.changed(E=70.0))
