@@ -10,8 +10,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads tha
 
 import numpy as np
 import pytest
-from served import TROUBLE, Server, finished
-from tabs import DESKTOP, Tabs
+from served import TROUBLE, Server
+from tabs import SharedTab, Tabs
 from xdist.scheduler import LoadFileScheduling
 
 from solver import Scene, load_path
@@ -157,40 +157,25 @@ def tab(browser):
     page.close()
 
 
-@pytest.fixture(scope="module")
-def kept(server, browser):
-    tabs = Tabs(server, browser)
-    yield tabs, {}
-    tabs.close()
+@pytest.fixture(scope="session")
+def shared_tab(server, browser):
+    tab = SharedTab(server, browser)
+    yield tab
+    tab.close()
 
 
 @pytest.fixture
-def look(kept):
-    """Open the app in a tab, at rest after its run, that the file's other looks at the same address get as well.
+def look(shared_tab, request):
+    """look(address) -> the app in the tab that all tests of the process share, as if it had been opened there.
 
-    For tests that leave scene and page as they found them: loading the page takes longer than most of these.
+    A test may change whatever the controls of the page can change back. One that needs a page of its own, as it is
+    about loading, history or what only an address can ask for, takes `visit`.
     """
-    tabs, known = kept
-
-    def at_rest(query=""):
-        if query not in known:
-            known[query] = tabs.open(query)
-            finished(known[query])
-        page = known[query]
-        page.set_viewport_size(DESKTOP)
-        page.mouse.move(1, 1)
-        page.evaluate("document.querySelectorAll('dialog[open]').forEach((sheet) => sheet.close())")
-        if "page=" not in query:
-            page.evaluate("document.querySelector('.sheet:not([hidden]) .close')?.click()")
-            page.wait_for_function("!document.querySelector('.sheet:not([hidden])')")
-        page.evaluate("document.activeElement.blur()")
-        if page.evaluate("punch.playing"):
-            page.keyboard.press("Space")
-        page.wait_for_function("() => !punch.playing && !punch.fresh")
-        return page
-
-    yield at_rest
-    tabs.check()
+    failed = request.session.testsfailed
+    yield shared_tab.show
+    if request.session.testsfailed > failed:
+        shared_tab.close()  # whatever state it is in
+    shared_tab.check()
 
 
 @pytest.fixture(scope="session")

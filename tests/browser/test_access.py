@@ -1,13 +1,8 @@
-"""Accessibility: keyboard, screen readers, touch targets, contrast, and axe."""
-
-import re
+"""Accessibility: keyboard, screen readers, touch targets, contrast, and axe; of pages in test_pages.py."""
 
 import numpy as np
 import pytest
-from axe_playwright_python.sync_playwright import Axe
-from served import PATIENCE, PLAYING, finished, laid_out
-
-from app.pages import listed
+from served import PATIENCE, PLAYING, finished, found_by_axe, laid_out
 
 pytestmark = [pytest.mark.thorough]
 # in a sentence a word is as low as its line, and the slider does what a mark does (WCAG 2.5.8)
@@ -18,14 +13,8 @@ SMALL = f"""() => [...document.querySelectorAll('{TOUCHED}')]
     .filter(([, box]) => Math.min(box.width, box.height) < 24).map(([name]) => name)"""
 
 
-def found_by_axe(page):
-    """Violations that axe reports: {rule: elements}."""
-    rules = [*Axe().run(page, options={"iframes": False}).response["violations"]]
-    return {rule["id"]: [node["html"][:160] for node in rule["nodes"]] for rule in rules}
-
-
-def test_axe_reports_no_violation_on_the_page_and_in_the_drawer(visit):
-    page = visit("?theme=light&E=7000")  # with a note
+def test_axe_reports_no_violation_on_the_page_and_in_the_drawer(look):
+    page = look("?theme=light&E=7000")  # with a note
     finished(page)
     assert not found_by_axe(page)
     page.get_by_role("button", name="Parameters").click()
@@ -37,8 +26,8 @@ def test_axe_reports_no_violation_on_the_page_and_in_the_drawer(visit):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_reports_no_violation_in_any_dialog_or_view(visit, theme):
-    page = visit(f"?theme={theme}")
+def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
+    page = look(f"?theme={theme}")
     finished(page)
     for button, sheet in (
         ("#take", "#share"),
@@ -100,8 +89,8 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
 
 
 @pytest.mark.thorough
-def test_escape_closes_the_menu_and_space_ticks_its_checkbox(visit):
-    page = visit("?view=hero")
+def test_escape_closes_the_menu_and_space_ticks_its_checkbox(look):
+    page = look("?view=hero")
     finished(page)
     page.click("#menu")
     page.focus("#carry")
@@ -113,8 +102,8 @@ def test_escape_closes_the_menu_and_space_ticks_its_checkbox(visit):
 
 
 @pytest.mark.thorough
-def test_a_select_keeps_the_focus_and_space_still_starts_playback(visit):
-    page = visit()
+def test_a_select_keeps_the_focus_and_space_still_starts_playback(look):
+    page = look()
     finished(page)
     page.focus("#speed")
     page.keyboard.press("ArrowDown")
@@ -144,47 +133,6 @@ def test_every_plot_can_be_read_as_a_table(look):
     F = page.evaluate("punch.run.values(punch.run.length - 1).F_bar * punch.run.head.force")
     assert last[0] == "shear" and float(last[1]) == pytest.approx(40.0)
     assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
-
-
-QUICK = "&nodes=256&width=625&du_x=0.5&du_z=0.5"  # an inexpensive scene for Area laws
-WHOLE = {  # page: condition that it has drawn everything
-    "law": "document.getElementById('law-stick').textContent",
-    "stickslip": "document.getElementById('stickslip-text').textContent"
-    " && document.querySelector('#stickslip progress').hidden",
-    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length > 4",
-    "solid": "document.getElementById('solid-name').textContent",
-    "regimes": "document.querySelector('#regimes progress').hidden",
-}
-WITHOUT = {  # page: why its plots have no numbers at once
-    "matters": "it has no figures",
-    "fit": "its figures need a measurement",
-    "accuracy": "a measurement takes minutes",
-    "load": "it has one point per run",
-}
-
-
-def test_every_page_is_listed_as_with_or_without_tables():
-    assert sorted([*WHOLE, *WITHOUT]) == sorted(listed())
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", WHOLE)
-def test_every_plot_of_a_page_can_be_read_as_a_table(visit, name):
-    page = visit(f"?page={name}" + (QUICK if name == "arealaws" else ""))
-    finished(page)
-    page.wait_for_function(f"() => {WHOLE[name]}", timeout=PATIENCE)
-    figures = page.locator(f"#{name} .figures figure")
-    assert figures.count() == page.locator(f"#{name} .as-table").count() > 0
-    for i in range(figures.count()):
-        button = figures.nth(i).get_by_role("button", name="as a table")
-        button.click()
-        rows = page.locator("#table tbody tr")
-        rows.nth(4).wait_for()
-        cells = rows.first.locator("td").all_inner_texts()
-        assert cells[0] and all(re.fullmatch(r"[−\d.e+–-]+", cell) for cell in cells[1:]), cells
-        assert page.locator("#table th").count() == len(cells) and page.locator("#table-title").inner_text()
-        page.keyboard.press("Escape")
-        page.locator("#table").wait_for(state="hidden")
 
 
 STOP = """() => {
@@ -278,8 +226,8 @@ def test_the_whole_page_works_with_the_keyboard_alone(visit):
 
 
 @pytest.mark.thorough
-def test_preset_menu_marks_a_changed_scene_and_restores_the_preset(visit):
-    page = visit("?preset=fig7-case2")
+def test_preset_menu_marks_a_changed_scene_and_restores_the_preset(look):
+    page = look("?preset=fig7-case2")
     finished(page)
     assert page.locator("#preset optgroup").count() > 3
     page.fill("#E-entry", "100")

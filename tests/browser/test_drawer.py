@@ -9,8 +9,8 @@ QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
 
 @pytest.mark.once
 @pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844)])
-def test_views_make_room_for_the_parameter_drawer(visit, size):
-    page = visit()
+def test_views_make_room_for_the_parameter_drawer(look, size):
+    page = look()
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
     before = "menu" if size[0] < 600 else "more"  # on a phone the button is in the menu, which folds itself
@@ -32,8 +32,8 @@ def test_views_make_room_for_the_parameter_drawer(visit, size):
     page.wait_for_function(f"document.activeElement.id === '{before}'")
 
 
-def test_drawer_shows_applicable_parameters_searches_and_restores_them(visit):
-    page = visit(f"?surface=rough&{QUICK}")
+def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
+    page = look(f"?surface=rough&{QUICK}")
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     shown = lambda name: page.locator(f"#{name}-entry").is_visible()  # noqa: E731
@@ -55,8 +55,8 @@ def test_drawer_shows_applicable_parameters_searches_and_restores_them(visit):
 
 
 @pytest.mark.thorough
-def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(visit):
-    page = visit()
+def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(look):
+    page = look()
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     page.select_option("#surface-entry", "measured")
@@ -68,8 +68,8 @@ def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(vis
 
 
 @pytest.mark.thorough
-def test_entries_accept_units_decimal_commas_and_minus_signs(visit):
-    page = visit(f"?{QUICK}")
+def test_entries_accept_units_decimal_commas_and_minus_signs(look):
+    page = look(f"?{QUICK}")
     finished(page)
     for run, (name, text, value) in enumerate(
         (("E", "80 GPa", 80), ("delta_bar", "−0,25", -0.25), ("phi_ratio", "0.5", 0.5)), start=2

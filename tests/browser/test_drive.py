@@ -17,9 +17,9 @@ def frames():
     return [frame for frame in load_path(preset("soft-drive").scene) if frame.stage != "approach"]
 
 
-def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit, frames):
+def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames):
     """Top and stage of every increment are those of the solver, in the picture and in the CSV."""
-    page = visit("?preset=soft-drive&view=lab")
+    page = look("?preset=soft-drive&view=lab")
     finished(page)
     tops = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.top(k)).slice(punch.run.sheared)")
     assert tops == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
@@ -41,16 +41,16 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(visit, frame
 
 
 @pytest.mark.thorough
-def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(visit):
-    page = visit("?u_x_max=2&view=lab")
+def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(look):
+    page = look("?u_x_max=2&view=lab")
     finished(page)
     assert not page.evaluate("punch.run.driven")
     assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
 
 
 @pytest.mark.thorough
-def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(visit):
-    page = visit("?drive_t=4&u_x_max=3&view=lab")
+def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
+    page = look("?drive_t=4&u_x_max=3&view=lab")
     finished(page)
     assert "drive_t=4" in page.url
     entered = page.evaluate("punch.status.values")
@@ -66,8 +66,9 @@ def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(visit):
 
 
 @pytest.mark.thorough
-def test_tour_question_on_a_soft_drive_matches_the_solver(visit):
-    page = visit("?tour=7&view=hero")
+def test_tour_question_on_a_soft_drive_matches_the_solver(look):
+    page = look("?view=hero")
+    page.evaluate("import(new URL('./app/static/js/tour.js', document.baseURI)).then((tour) => tour.openTour(7))")
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="after a longer pull, at the same force").click()
@@ -83,9 +84,9 @@ def drawn(page, part):
     return page.evaluate(f"(({{ U_x, value }}) => [[...U_x], [...value]])({MODEL.format(part)}.data_source.data)")
 
 
-def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(visit, frames):
+def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(look, frames):
     """Over the top, a slip is the straight line along which the drive relaxes: dF = -w k_t dU_x."""
-    page = visit("?preset=soft-drive&view=lab")
+    page = look("?preset=soft-drive&view=lab")
     finished(page)
     scene = preset("soft-drive").scene
     page.get_by_role("button", name="Pin").click()
@@ -119,6 +120,7 @@ def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(visit, f
     assert drawn(page, "forces.F")[0][-1] == pytest.approx(scene.u_x_max, abs=1e-4) and "over" not in page.url
 
 
+@pytest.mark.thorough
 def test_switch_to_the_top_is_not_offered_with_a_rigid_drive(visit):
     page = visit("?u_x_max=2&view=lab&over=top")
     finished(page)

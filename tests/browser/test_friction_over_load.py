@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE
 
 from solver import Scene, load_path
 
@@ -33,10 +33,16 @@ def enter(page, name, text):
     page.keyboard.press("Enter")
 
 
+def cleared(look, address):
+    """The app at an address, without the points of the runs before."""
+    page = look("?u_x_max=0")  # no slip, no point
+    page.evaluate("import(new URL('./app/static/js/slips.js', document.baseURI)).then(({ clear }) => clear())")
+    return look(address)
+
+
 @pytest.fixture
-def opened(visit):
-    page = visit(f"?page=load&{ADDRESS}")
-    finished(page)
+def opened(look):
+    page = cleared(look, f"?page=load&{ADDRESS}")
     has_points(page, 1)
     return page
 
@@ -87,10 +93,9 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     assert len(page.evaluate(COLUMN.format("E", "L"))) == 1  # compared with the run before
 
 
-def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(visit):
+def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(look):
     points = "0,-1; 0,0.2; 4,0.2; 4,-1"
-    page = visit(f"?page=load&{ADDRESS}&path=points&points={points}")
-    finished(page)
+    page = cleared(look, f"?page=load&{ADDRESS}&path=points&points={points}")
     has_points(page, 1)
     frames = load_path(Scene(**COARSE | {"path": "points", "points": points}))
     frame = next(frame for frame in frames if frame.stage != "approach" and frame.slips)
@@ -121,9 +126,9 @@ def test_points_are_exported_as_table_and_csv(opened):
 
 
 @pytest.mark.thorough
-def test_a_single_point_without_load_lies_on_axes_of_the_size_of_forces(visit):
+def test_a_single_point_without_load_lies_on_axes_of_the_size_of_forces(look):
     """Flats at zero gap bear no load. An axis of 0.2 N/m or less would suggest that its numbers mean something."""
-    page = visit("?preset=fig4a-red&page=load")
+    page = cleared(look, "?preset=fig4a-red&page=load")
     has_points(page, 1)
     figure = "[...Bokeh.documents[0]._all_models.values()].findLast((model) => model.name === 'load_slips')"
     L = page.evaluate(f"(({{ start, end }}) => [start, end])({figure}.x_range)")

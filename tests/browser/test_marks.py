@@ -12,9 +12,9 @@ def marks(page):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["?view=hero", "?view=hero&preset=fig4a-blue"])
-def test_slider_mark_labels_cover_their_tick_and_a_flat_has_no_fringe_legend(visit, query):
-    page = visit(query, viewport={"width": 1440, "height": 900})
-    finished(page)
+def test_slider_mark_labels_cover_their_tick_and_a_flat_has_no_fringe_legend(look, query):
+    page = look(query)
+    page.set_viewport_size({"width": 1440, "height": 900})
     marks(page)
     places = """() => [...document.querySelectorAll('.mark span')].map((words) => {
         const of = words.parentElement.getBoundingClientRect(), { left, right } = words.getBoundingClientRect()
@@ -25,8 +25,8 @@ def test_slider_mark_labels_cover_their_tick_and_a_flat_has_no_fringe_legend(vis
 
 
 @pytest.mark.thorough
-def test_slider_marks_show_zero_load_and_smooth_sliding_of_the_current_scene(visit):
-    page = visit("?du_x=0.5")
+def test_slider_marks_show_zero_load_and_smooth_sliding_of_the_current_scene(look):
+    page = look("?du_x=0.5")
     finished(page)
     first = marks(page)
     assert first["delta_bar"]["no load"] == pytest.approx(0.18, abs=0.02)
@@ -45,8 +45,8 @@ def test_slider_marks_show_zero_load_and_smooth_sliding_of_the_current_scene(vis
 
 
 @pytest.mark.thorough
-def test_clicking_a_mark_moves_the_slider_there(visit):
-    page = visit("?du_x=0.5")
+def test_clicking_a_mark_moves_the_slider_there(look):
+    page = look("?du_x=0.5")
     finished(page)
     marks(page)
     page.locator("[data-name=delta_bar] .mark", has_text="no load").click()

@@ -1,33 +1,55 @@
 """The pages in Chromium: drawing, opening, closing, playback, and files."""
 
+import re
+
 import pytest
-from served import PATIENCE, PLAYING, finished
+from served import PATIENCE, PLAYING, faults_at, finished, found_by_axe, laid_out
 
 from app.pages import listed
+from solver import Scene, load_path
 
-pytestmark = [pytest.mark.thorough]
+thorough = pytest.mark.thorough
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 COUNT = f"{MODEL}?.data_source.data.{{}}.length"
-DRAWN = {  # title of a page: condition that its result is drawn
-    "Interface law": f"({COUNT.format('law_shear_map.stick', 's')} > 50)",
-    "Stick-slip": f"({COUNT.format('stickslip_mean.runs', 'ratio')} === 9"
-    f" && {COUNT.format('stickslip_forces.fig4a-blue', 'F')} > 400)",
-    "Area laws": "(document.querySelectorAll('#arealaws-rows tr').length > 0"
-    " && document.querySelectorAll('#arealaws-series tr').length > 2)",
-    "Inside the solid": f"({MODEL.format('solid_field.field')}?.data_source.data.image[0].length === 400 * 100)",
-    "Friction over load": "(parseInt(document.getElementById('load-count').textContent) > 0)",
-    "What matters": "(document.querySelectorAll('#matters-bars button').length > 5)",
-    "Map of regimes": "document.getElementById('regimes-text').textContent.includes(' points')",
-    "Fit": f"({COUNT.format('fit_curve.run', 'U_x')} > 50)",
-    "Accuracy": "document.getElementById('accuracy-state').textContent.includes('takes')",
+DRAWN = {  # page: condition that its result is drawn
+    "law": f"({COUNT.format('law_shear_map.stick', 's')} > 50 && document.getElementById('law-stick').textContent)",
+    "stickslip": f"({COUNT.format('stickslip_mean.runs', 'ratio')} === 9"
+    f" && {COUNT.format('stickslip_forces.fig4a-blue', 'F')} > 400)"
+    " && document.getElementById('stickslip-text').textContent && document.querySelector('#stickslip progress').hidden",
+    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length === 10"
+    " && document.querySelectorAll('#arealaws-series tr').length > 2",
+    "solid": f"({MODEL.format('solid_field.field')}?.data_source.data.image[0].length === 400 * 100)"
+    " && document.getElementById('solid-name').textContent",
+    "load": "(parseInt(document.getElementById('load-count').textContent) > 0)",
+    "matters": "(document.querySelectorAll('#matters-bars button').length > 5)",
+    "regimes": "document.getElementById('regimes-text').textContent.includes(' points')"
+    " && document.querySelector('#regimes progress').hidden",
+    "fit": f"({COUNT.format('fit_curve.run', 'U_x')} > 50)",
+    "accuracy": "document.getElementById('accuracy-state').textContent.includes('takes')",
+}
+SMALL = {"nodes": 256, "width": 625.0, "du_x": 0.5, "du_z": 0.5}  # inexpensive, for maps and area laws
+QUICK = "&".join(f"{name}={value:g}" for name, value in SMALL.items())
+TINY = "nodes=64&width=160&radius=0.6&du_x=0.5&du_z=0.5"  # for a map of hundreds of runs
+SIZES = (390, 844), (844, 390), (768, 1024), (1280, 720), (1920, 1080), (720, 450)
+WITHOUT = {  # page: why its plots have no numbers at once
+    "matters": "it has no figures",
+    "fit": "its figures need a measurement",
+    "accuracy": "a measurement takes minutes",
+    "load": "it has one point per run",
 }
 
 
-def test_every_page_is_covered_by_the_drawing_test():
-    assert {*DRAWN} == {page.TITLE for page in listed().values()}
+@pytest.fixture(scope="module", params=listed())
+def opened(request, shared_tab):
+    """(name, tab): each page once, drawn, for all tests that look at it."""
+    name = request.param
+    page = shared_tab.show(f"?view=hero&page={name}&{TINY if name == 'regimes' else QUICK}")
+    page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
+    yield name, page
+    shared_tab.check()
 
 
-def painted_pixels(page, name):
+def painted_pixels(page):
     """Return the number of colours in the first figure of the open page: a blank one has a few."""
     return page.evaluate(
         """() => {
@@ -45,36 +67,88 @@ def painted_pixels(page, name):
     )
 
 
-@pytest.mark.parametrize("number", range(len(DRAWN)), ids=list(DRAWN))
-def test_a_page_is_drawn_on_desktop_or_phone(look, number):
-    """By turns light on a desktop and dark on a phone."""
-    title = list(DRAWN)[number]
-    size, theme = (((1280, 720), "light"), ((390, 844), "dark"))[number % 2]
-    quick = "&nodes=256&width=625&du_x=0.5&du_z=0.5" if title == "Area laws" else ""  # inexpensive
-    page = look(f"?theme={theme}{quick}")
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    finished(page)
-    if page.locator("#menu").is_visible():
-        page.locator("#menu").click()
-    page.get_by_role("button", name=title, exact=True).click()
-    page.wait_for_function(f"() => {DRAWN[title]}", timeout=PATIENCE)
+def test_every_page_draws_its_result(opened):
+    name, page = opened
+    assert page.locator(".sheet:visible").count() == 1
     page.wait_for_function(
         "() => [...document.querySelectorAll('.sheet:not([hidden]) .view')].every((v) => v.clientHeight > 60)"
     )
-    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
-    assert title == "What matters" or painted_pixels(page, title) > 8  # that page has bars in HTML, no figure
+    assert name == "matters" or painted_pixels(page) > 8  # that page has bars in HTML, no figure
 
 
-@pytest.mark.thorough
-def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(visit):
-    page = visit()
+@thorough
+def test_every_page_fits_every_screen_size_without_clipped_captions(opened):
+    _, page = opened
+    assert not faults_at(page, SIZES)
+    for size in (SIZES[0], SIZES[3]):
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        laid_out(page)
+        cut = page.evaluate(
+            """() => [...document.querySelectorAll('figcaption, header, nav')]
+                .filter((e) => e.clientWidth && getComputedStyle(e).overflow !== 'visible')
+                .filter((e) => e.scrollWidth > e.clientWidth || e.scrollHeight > e.clientHeight + 1)
+                .map((e) => e.textContent)"""
+        )
+        assert not cut
+
+
+@thorough
+def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_phone(opened):
+    _, page = opened
+    page.set_viewport_size({"width": 1280, "height": 720})
+    laid_out(page)
+    assert not found_by_axe(page)
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.locator("#theme").evaluate("(button) => button.click()")
+    laid_out(page)
+    found = found_by_axe(page)
+    page.locator("#theme").evaluate("(button) => button.click()")
+    assert not found
+
+
+@thorough
+def test_every_plot_of_a_page_can_be_read_as_a_table(opened):
+    name, page = opened
+    figures = page.locator(f"#{name} .figures figure")
+    assert figures.count() == page.locator(f"#{name} .as-table").count()
+    if name in WITHOUT:
+        return
+    assert figures.count() > 0
+    page.set_viewport_size({"width": 1280, "height": 900})
+    page.locator("#tools").evaluate("(button) => button.click()")
+    for i in range(figures.count()):
+        button = figures.nth(i).get_by_role("button", name="as a table")
+        button.click()
+        rows = page.locator("#table tbody tr")
+        rows.nth(4).wait_for()
+        cells = rows.first.locator("td").all_inner_texts()
+        assert cells[0] and all(re.fullmatch(r"[−\d.e+–-]+", cell) for cell in cells[1:]), cells
+        assert page.locator("#table th").count() == len(cells) and page.locator("#table-title").inner_text()
+        page.keyboard.press("Escape")
+        page.locator("#table").wait_for(state="hidden")
+    page.locator("#tools").evaluate("(button) => button.click()")
+
+
+@thorough
+def test_tables_of_area_laws_lie_beside_each_other_on_a_desktop(look):
+    page = look("?view=hero&page=arealaws")
+    page.wait_for_function(f"() => {DRAWN['arealaws']}", timeout=PATIENCE)
+    page.set_viewport_size({"width": 1440, "height": 900})
+    laid_out(page)
+    left, right = (page.locator(".tables table").nth(k).bounding_box() for k in (0, 1))
+    assert left["x"] + left["width"] <= right["x"]
+
+
+@thorough
+def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(look):
+    page = look()
     finished(page)
     # what still belongs to the document: Bokeh itself looks but every half minute
     count = "new Set(Bokeh.documents[0].roots().flatMap((root) => [...root.references()])).size"
     before = page.evaluate(count)
-    for title in ("Interface law", "Stick-slip"):
-        page.get_by_role("button", name=title).click()
-        page.wait_for_function(f"() => {DRAWN[title]}", timeout=PATIENCE)
+    for name in ("law", "stickslip"):
+        page.get_by_role("button", name=listed()[name].TITLE).click()
+        page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
         assert page.locator(".sheet:visible").count() == 1
     page.get_by_role("button", name="Experiment").click()
     page.wait_for_function(f"() => {count} === {before}", timeout=PATIENCE)
@@ -82,19 +156,20 @@ def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(visit):
     assert "page=" not in page.url
 
 
-@pytest.mark.thorough
+@thorough
 def test_page_named_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
     finished(page)
-    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
     page.wait_for_function("() => document.getElementById('law-stick').textContent")
     numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
     assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
 
 
+@thorough
 def test_nodes_lie_on_the_curve_of_the_interface_law(look):
     page = look("?page=law")
-    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
     distance = page.evaluate(
         f"""() => {{
             const law = {MODEL.format("law_shear_law.law")}.data_source.data
@@ -109,6 +184,7 @@ def test_nodes_lie_on_the_curve_of_the_interface_law(look):
     assert distance < 5e-3  # displacement and traction came as int16
 
 
+@thorough
 def test_fit_page_axes_show_the_current_run_before_a_measurement_is_loaded(look):
     page = look("?page=fit")
     figure = MODEL.format("fit_curve").replace("=== 'fit_curve'", "=== 'fit_curve' && model.y_range")
@@ -117,7 +193,8 @@ def test_fit_page_axes_show_the_current_run_before_a_measurement_is_loaded(look)
     assert ends[0] == pytest.approx(40) and ends[1] < page.evaluate("Math.min(...punch.run.shear('L'))")
 
 
-def test_page_what_matters_marks_the_punch_only_while_it_is_open(look):
+@thorough
+def test_page_what_matters_marks_the_punch_while_it_is_open_and_a_bar_raises_its_parameter(look):
     page = look()
     colours = """(() => {
         const story = document.getElementById("story"), pen = story.getContext("2d")
@@ -132,8 +209,13 @@ def test_page_what_matters_marks_the_punch_only_while_it_is_open(look):
     page.wait_for_function(f"() => !punch.fresh && {colours} !== {alone}")
     page.evaluate("document.querySelector('nav button[data-page=\"\"]').click()")
     page.wait_for_function(f"() => !punch.fresh && {colours} === {alone}")
+    page.evaluate("document.querySelector('nav button[data-page=matters]').click()")
+    page.locator("#matters-bars button", has_text="tiffness").click()
+    page.wait_for_function("punch.status.values.E === 73.5")
+    finished(page, run=2)
 
 
+@thorough
 def test_close_button_and_back_close_a_page_and_undo_no_change(visit):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
@@ -158,6 +240,7 @@ def test_close_button_and_back_close_a_page_and_undo_no_change(visit):
     assert page.evaluate(opened) == ""
 
 
+@thorough
 def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
     page = look("?page=regimes")
     page.wait_for_function("document.getElementById('regimes-text').textContent")
@@ -168,6 +251,7 @@ def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
     assert page.input_value("#regimes-x") == "delta_bar"
 
 
+@thorough
 def test_a_rejected_file_keeps_the_measurement_in_use(look):
     page = look("?page=fit")
     curve = "U_x (nm),F (N/m)\n" + "".join(f"{k},{2.0 * k}\n" for k in range(1, 20))
@@ -178,11 +262,11 @@ def test_a_rejected_file_keeps_the_measurement_in_use(look):
     assert page.inner_text("#fit-text").endswith("stays.")
 
 
-@pytest.mark.thorough
-def test_clicking_the_stick_slip_map_loads_that_flat_scene(visit):
-    page = visit("?page=stickslip")
+@thorough
+def test_clicking_the_stick_slip_map_loads_that_flat_scene(look):
+    page = look("?page=stickslip")
     finished(page)
-    page.wait_for_function(f"() => {DRAWN['Stick-slip']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['stickslip']}", timeout=PATIENCE)
     box = page.locator("#stickslip figure >> nth=2").locator(".view").bounding_box()
     page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.6 * box["height"])
     page.wait_for_function("() => punch.status.values.surface === 'flat'", timeout=PATIENCE)
@@ -190,19 +274,20 @@ def test_clicking_the_stick_slip_map_loads_that_flat_scene(visit):
     assert "preset=fig4a-blue" in page.url and page.evaluate("punch.status.values.E") > 200
 
 
+@thorough
 def test_stress_picture_follows_playback(visit):
     page = visit("?page=solid", **PLAYING)
     finished(page)
-    page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['solid']}", timeout=PATIENCE)
     data = f"{MODEL.format('solid_field.field')}.data_source.data.image[0]"
     first = page.evaluate(f"[...{data}].reduce((a, b) => a + b)")
     page.wait_for_function(f"() => [...{data}].reduce((a, b) => a + b) !== {first}", timeout=PATIENCE)
     assert "GPa" in page.inner_text("#solid-extent")
 
 
-@pytest.mark.thorough
-def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(visit):
-    page = visit("?delta_bar=0.3&nu=0.3")
+@thorough
+def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
+    page = look("?delta_bar=0.3&nu=0.3")
     finished(page)
     page.select_option("#preset", "fig4a-red")
     finished(page, run=2)
@@ -214,9 +299,9 @@ def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(visit):
     assert page.input_value("#preset") == "fig6" and "preset" not in page.url
 
 
-@pytest.mark.thorough
-def test_clicking_several_pages_quickly_draws_only_the_last_one(visit):
-    page = visit()
+@thorough
+def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
+    page = look()
     finished(page)
     ordered = page.evaluate(
         """() => {
@@ -230,17 +315,17 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(visit):
         }"""
     )
     assert "drawing" in ordered
-    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
     page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')", timeout=PATIENCE)
     assert page.evaluate("ordered.filter((o) => o.do === 'page').map((o) => o.page)") == ["law"]
-    assert painted_pixels(page, "Interface law") > 8
+    assert painted_pixels(page) > 8
 
 
-@pytest.mark.thorough
-def test_stress_colours_match_the_other_views_and_follow_the_theme_while_paused(visit):
-    page = visit("?page=solid&theme=light")
+@thorough
+def test_stress_colours_match_the_other_views_and_follow_the_theme_while_paused(look):
+    page = look("?page=solid&theme=light")
     finished(page)
-    page.wait_for_function(f"() => {DRAWN['Inside the solid']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['solid']}", timeout=PATIENCE)
     page.select_option("#solid-quantity", "normal")
     page.wait_for_function("() => document.getElementById('solid-name').textContent.includes('σzz')", timeout=PATIENCE)
     caption = page.inner_text("#solid figcaption")
@@ -254,10 +339,10 @@ def test_stress_colours_match_the_other_views_and_follow_the_theme_while_paused(
     assert page.evaluate(ends) == page.evaluate(style) != light
 
 
-@pytest.mark.thorough
+@thorough
 def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     page = look("?page=law")
-    page.wait_for_function(f"() => {DRAWN['Interface law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
     for name in ("shear", "normal"):
         mapper = f"{MODEL.format(f'law_{name}_map.map')}.glyph.color_mapper"
         high = float(page.inner_text(f"#law_{name}_map-high").strip("+ GPa"))
@@ -271,3 +356,56 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     image = f"{MODEL.format('law_shear_map.map')}.data_source.data.image[0]"
     right = page.evaluate(f"[...{image}].filter((_, i) => i % 160 === 159)")
     assert min(right) > 0.0  # up to half a spacing ahead of a site the law pulls back
+
+
+@thorough
+def test_clicking_the_map_shows_the_scene_of_that_place(look):
+    """The axes of the map are delta_bar and phi_ratio; what is pointed at is read out, and a click goes there."""
+    page = look(f"?page=regimes&{TINY}")
+    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    before = page.evaluate("(({ delta_bar, phi_ratio }) => [delta_bar, phi_ratio])(punch.status.values)")
+    frame = page.evaluate(
+        """async () => {
+            const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+            const [{ figures }, { frameBox }] = [await of("figures"), await of("bokeh")]
+            return frameBox(figures.regimes_map)
+        }"""
+    )
+    box = page.locator("#regimes .view").bounding_box()
+    x, y = box["x"] + frame["left"] + 0.7 * frame["width"], box["y"] + frame["top"] + 0.3 * frame["height"]
+    page.mouse.move(x, y)
+    page.wait_for_function("!document.getElementById('regimes-at').textContent.startsWith('Point')")
+    page.mouse.click(x, y)
+    changed = f"punch.status.values.delta_bar > {before[0]} && punch.status.values.phi_ratio !== {before[1]}"
+    page.wait_for_function(changed, timeout=PATIENCE)
+    finished(page, run=2)
+    assert page.evaluate("punch.run.scene.delta_bar === punch.status.values.delta_bar && !punch.run.followed")
+
+
+@thorough
+def test_an_uploaded_curve_is_fitted_a_fit_can_be_cancelled_and_its_values_applied(look):
+    """The curve is that of a weaker interface, without noise: the fit finds its phi_t to one per cent."""
+    scene = Scene(**SMALL, u_x_max=25.0)
+    frames = load_path(scene.changed(phi_ratio=0.8))
+    rows = [f"{frame.U_x},{frame.F_bar * frame.unit}" for frame in frames if frame.stage == "shear" and frame.U_x > 0]
+    page = look(f"?page=fit&{QUICK}&u_x_max=25")
+    file = {"name": "weaker.csv", "mimeType": "text/csv", "buffer": "\n".join(["U_x (nm),F (N/m)", *rows]).encode()}
+    page.set_input_files("#measurement", file)
+    page.wait_for_function("!document.getElementById('fit-go').disabled", timeout=PATIENCE)
+    for box in page.locator("#fit-free input").all():
+        box.set_checked(box.get_attribute("name") == "phi_ratio")
+    page.evaluate(  # as soon as it is offered
+        """() => {
+            const cancel = document.querySelector("#fit [data-ask=cancel]")
+            new MutationObserver((_, watch) => { if (!cancel.hidden) { watch.disconnect(); cancel.click() } })
+                .observe(cancel, { attributes: true })
+        }"""
+    )
+    page.locator("#fit-go").click()
+    page.locator("#fit-text", has_text="Cancelled.").wait_for(timeout=PATIENCE)
+    page.locator("#fit-go").click()
+    page.locator("#fit-values tbody tr").first.wait_for(timeout=PATIENCE)
+    page.locator("#fit-show").click()
+    page.wait_for_function("punch.status.values.phi_ratio !== 1", timeout=PATIENCE)
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.phi_ratio") == pytest.approx(0.8, rel=0.01)

@@ -15,8 +15,8 @@ def lines(page, view):
 
 
 @pytest.mark.thorough
-def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(visit):
-    page = visit()
+def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
+    page = look()
     finished(page)
     page.locator("body").press("End")
     page.get_by_role("button", name="Pin", exact=True).press("Enter")
@@ -47,8 +47,8 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(visit):
     assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "pin"
 
 
-def test_numbers_table_matches_the_solver_and_opens_increments(visit):
-    page = visit("?preset=fig7-case2")
+def test_numbers_table_matches_the_solver_and_opens_increments(look):
+    page = look("?preset=fig7-case2")
     finished(page)
     page.get_by_role("button", name="Pin", exact=True).click()
     page.locator(".chip").wait_for()

@@ -10,8 +10,8 @@ FONT = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'for
 FONT += ".major_label_text_font_size"
 
 
-def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(visit):
-    page = visit()
+def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look):
+    page = look()
     finished(page)
     thin = page.evaluate(WIDTH)
     page.locator("body").press("p")
@@ -25,8 +25,8 @@ def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(visi
 
 
 @pytest.mark.thorough
-def test_projector_mode_has_no_small_text_and_no_solver_statistics(visit):
-    page = visit("?view=projector&delta_bar=0.2")
+def test_projector_mode_has_no_small_text_and_no_solver_statistics(look):
+    page = look("?view=projector&delta_bar=0.2")
     finished(page)
     page.keyboard.press("End")
     said = page.inner_text(".page")

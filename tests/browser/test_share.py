@@ -141,8 +141,8 @@ def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
 
 
 @pytest.mark.thorough
-def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(visit, tmp_path):
-    page = visit("?u_x_max=4&du_x=0.5")
+def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(look, tmp_path):
+    page = look("?u_x_max=4&du_x=0.5")
     finished(page)
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
     page.get_by_role("button", name="Parameters").click()

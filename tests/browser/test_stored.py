@@ -50,9 +50,9 @@ def test_stored_runs_match_the_solver(tab, name):
     assert {name: apart for name, apart in compared["fields"].items() if apart > FIELDS} == {}
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def held_back(browser):
-    """A page of a server without workers."""
+    """A server without workers, and tabs of its own; the last test to use it ends it."""
     server = Server(APP_SCHEDULER=NOBODY)
     server.wait_for("visitors open|for a class")
     tabs = Tabs(server, browser)
@@ -60,24 +60,6 @@ def held_back(browser):
     tabs.close()
     if server.process.poll() is None:
         server.stop()
-
-
-@pytest.mark.slow
-def test_a_stored_run_plays_without_workers_and_without_the_server(held_back):
-    server, tabs = held_back
-    page = tabs.open("?view=hero", **PLAYING)
-    page.wait_for_function(
-        "window.punch?.run?.stored && punch.drawn > punch.run.sheared && punch.status.state === 'warming'"
-    )
-    assert page.locator("#status").inner_text().startswith("stored")
-    assert page.evaluate("punch.run.length") > 400 and page.evaluate("!punch.stale")
-    page.evaluate(PLAYS)
-    page.locator("[data-preset=fig4a-blue]").click()
-    page.wait_for_function("punch.run.stored && punch.run.head.flat && !punch.fresh")
-    assert not tabs.problems
-    server.process.kill()
-    page.wait_for_function("punch.lost")
-    page.evaluate(PLAYS)
 
 
 @pytest.mark.thorough
@@ -96,6 +78,25 @@ def test_a_stored_run_named_by_a_link_plays_from_its_beginning(held_back, browse
     page.wait_for_function("window.first !== undefined", timeout=PATIENCE)
     assert page.evaluate("first") < 0.5
     page.close()
+
+
+@pytest.mark.thorough
+@pytest.mark.slow
+def test_a_stored_run_plays_without_workers_and_without_the_server(held_back):
+    server, tabs = held_back
+    page = tabs.open("?view=hero", **PLAYING)
+    page.wait_for_function(
+        "window.punch?.run?.stored && punch.drawn > punch.run.sheared && punch.status.state === 'warming'"
+    )
+    assert page.locator("#status").inner_text().startswith("stored")
+    assert page.evaluate("punch.run.length") > 400 and page.evaluate("!punch.stale")
+    page.evaluate(PLAYS)
+    page.locator("[data-preset=fig4a-blue]").click()
+    page.wait_for_function("punch.run.stored && punch.run.head.flat && !punch.fresh")
+    assert not tabs.problems
+    server.process.kill()
+    page.wait_for_function("punch.lost")
+    page.evaluate(PLAYS)
 
 
 class HeldBack:
@@ -121,7 +122,6 @@ class HeldBack:
             self.socket.send(message)
 
 
-@pytest.mark.thorough
 @pytest.mark.slow
 def test_computed_run_replaces_the_stored_one_at_the_same_increment_and_axes(server, browser):
     page = browser.new_page(viewport={"width": 1280, "height": 720}, reduced_motion="reduce")

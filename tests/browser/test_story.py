@@ -52,8 +52,8 @@ def test_slip_caption_of_a_flat_has_no_area_and_no_lens_is_shown(look):
     assert page.locator("#lens").is_hidden()
 
 
-def test_lean_is_exaggerated_as_labelled_and_to_scale_with_tools(visit):
-    page = visit("?view=hero")
+def test_lean_is_exaggerated_as_labelled_and_to_scale_with_tools(look):
+    page = look("?view=hero")
     finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1")
     times, title = page.evaluate(LEAN)
@@ -212,6 +212,7 @@ def test_slow_motion_without_a_slip_explains_why(look):
 SIZES = ((1920, 1080), (1440, 900), (1366, 657), (1280, 720), (1024, 768), (900, 600), (820, 1180), (390, 844))
 # keeps what is written over the punch, and where
 RECORD = """() => {
+    if (window.written) return
     window.written = []
     const pen = CanvasRenderingContext2D.prototype, { fillText, clearRect } = pen
     pen.clearRect = function (...box) {

@@ -4,12 +4,18 @@ import pytest
 from served import PATIENCE, laid_out
 
 
+def opened(page, stop):
+    """The tour at one of its stops, as `?tour=` opens it."""
+    page.evaluate(f"import(new URL('./app/static/js/tour.js', document.baseURI)).then((tour) => tour.openTour({stop}))")
+    return page
+
+
 def asked(page):
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
 
 
-def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(visit):
-    page = visit("?tour=2&view=hero")
+def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(look):
+    page = opened(look("?view=hero"), 2)
     asked(page)
     assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
     page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
@@ -45,8 +51,9 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     page.get_by_role("button", name="Previous").wait_for(timeout=PATIENCE)
     page.evaluate(
         """async () => {  // from now on every run fails
-            const { listen } = await import(new URL("./app/static/js/channel.js", document.baseURI))
-            listen("status", () => { punch.status = { ...punch.status, state: "failed", why: "It fluttered." } })
+            const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+            const [{ take }, { heard }] = [await of("channel"), await of("status")]
+            take("status", (status) => heard({ ...status, state: "failed", why: "It fluttered." }))
         }"""
     )
     page.get_by_role("button", name="Previous").click()
@@ -68,8 +75,8 @@ def test_browser_back_ends_the_tour(visit):
 
 
 @pytest.mark.thorough
-def test_tour_stop_without_load_shows_remaining_friction(visit):
-    page = visit("?tour=8&view=hero")
+def test_tour_stop_without_load_shows_remaining_friction(look):
+    page = opened(look("?view=hero"), 8)
     page.locator("#tour-card .answer", has_text="about as large").wait_for()
     load = "(run) => run.curves.L[run.sheared]"
     assert abs(page.evaluate(f"({load})(punch.run)")) < 0.1  # N/m, of a friction of some 200
@@ -80,8 +87,8 @@ def test_tour_stop_without_load_shows_remaining_friction(visit):
 
 
 @pytest.mark.thorough
-def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(visit):
-    page = visit("?tour=9&view=hero")
+def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
+    page = opened(look("?view=hero"), 9)
     asked(page)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")
@@ -107,9 +114,9 @@ SIZES = ((1440, 900), (1280, 720), (390, 844), (844, 390))
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("query", ["&view=hero", "&view=projector"])
-def test_curve_of_a_tour_question_is_fully_visible_at_every_step(visit, query):
-    page = visit(f"?tour=3{query}")
+@pytest.mark.parametrize("query", ["?view=hero", "?view=projector"])
+def test_curve_of_a_tour_question_is_fully_visible_at_every_step(look, query):
+    page = opened(look(query), 3)
     asked(page)
     for phase in ("ask", "why"):
         for width, height in SIZES:

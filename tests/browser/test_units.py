@@ -18,8 +18,8 @@ def axis(page):
     return page.evaluate(f"{MODELS}.find((model) => model.name === 'forces').left[0].axis_label")
 
 
-def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(visit):
-    page = visit("?E=20&du_x=0.5")
+def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(look):
+    page = look("?E=20&du_x=0.5")
     finished(page)
     soft = max(drawn(page, "forces.F"))
     assert soft == pytest.approx(20 * 2500 * max(page.evaluate("punch.run.curves.F_bar")), rel=1e-6)

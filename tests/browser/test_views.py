@@ -1,9 +1,7 @@
 """The views of the experiment in Chromium: their models and texts."""
 
 import pytest
-from served import MODEL, finished, laid_out, paused_at
-
-from app.pages import listed
+from served import MODEL, finished, paused_at
 
 pytestmark = [pytest.mark.thorough]
 FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
@@ -67,8 +65,8 @@ def test_axis_labels_state_substrate_or_undeformed_coordinates(look):
         assert said in page.evaluate(f"{FIGURE.format(view)}.{axis}[0].axis_label")
 
 
-def test_a_flat_fills_the_view_and_hides_contact_area_and_map(visit):
-    page = visit("?preset=fig4a-blue")
+def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
+    page = look("?preset=fig4a-blue")
     finished(page)
     half = page.evaluate(f"{FIGURE.format('punch')}.x_range.end")
     for frame in (150, 400):
@@ -89,8 +87,8 @@ def test_a_flat_fills_the_view_and_hides_contact_area_and_map(visit):
 
 
 @pytest.mark.thorough
-def test_tooltips_have_the_colours_of_the_theme(visit):
-    page = visit("?theme=dark")
+def test_tooltips_have_the_colours_of_the_theme(look):
+    page = look("?theme=dark")
     finished(page)
     box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
@@ -100,8 +98,8 @@ def test_tooltips_have_the_colours_of_the_theme(visit):
 
 
 @pytest.mark.thorough
-def test_exaggeration_factors_and_zeros_are_plain_numbers(visit):
-    page = visit("?preset=unload")
+def test_exaggeration_factors_and_zeros_are_plain_numbers(look):
+    page = look("?preset=unload")
     page.set_viewport_size({"width": 800, "height": 4000})  # narrow and high: more than a hundredfold
     finished(page)
     page.wait_for_function(f"() => /×[1-9][0-9]0$/.test({MODEL.format('punch')}.left[0].axis_label)")
@@ -112,8 +110,8 @@ def test_exaggeration_factors_and_zeros_are_plain_numbers(visit):
 
 
 @pytest.mark.thorough
-def test_jumps_are_marked_on_the_load_curve_during_unloading(visit):
-    page = visit("?preset=unload")
+def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
+    page = look("?preset=unload")
     finished(page)
     jumps = page.evaluate(f"[...{MODEL.format('forces.slips_F')}.data_source.data.value]")
     assert jumps and max(jumps) < -0.05  # 10^-3, tensile; the friction is zero
@@ -125,8 +123,8 @@ def test_jumps_are_marked_on_the_load_curve_during_unloading(visit):
 
 
 @pytest.mark.thorough
-def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(visit):
-    page = visit("?preset=loop")
+def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(look):
+    page = look("?preset=loop")
     finished(page)
     slips = f"{MODEL.format('map.slips_map')}.data_source.data.U_x.length"
     for stage in ("shear", "back", "forth"):
@@ -137,20 +135,3 @@ def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(visit):
         assert 0 < own < page.evaluate("punch.run.curves.slip.filter((slip) => slip).length")
         page.wait_for_function(f"() => {slips} === {own}")
     assert "against +x" in page.inner_text("figure[aria-label^='Traction']")
-
-
-@pytest.mark.once
-@pytest.mark.parametrize("query", ["", *(f"?page={name}" for name in listed())])
-@pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
-def test_no_caption_is_clipped(look, query, size):
-    page = look(query)
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    laid_out(page)
-    page.wait_for_function("() => !document.querySelector('[data-drawing]')")
-    cut = page.evaluate(
-        """() => [...document.querySelectorAll('figcaption, header, nav')]
-            .filter((e) => e.clientWidth && getComputedStyle(e).overflow !== 'visible')
-            .filter((e) => e.scrollWidth > e.clientWidth || e.scrollHeight > e.clientHeight + 1)
-            .map((e) => e.textContent)"""
-    )
-    assert not cut

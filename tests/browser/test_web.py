@@ -10,8 +10,8 @@ pytestmark = [pytest.mark.thorough]
 
 
 @pytest.mark.thorough
-def test_enter_in_an_entry_changes_the_scene_without_a_reload(visit):
-    page = visit()
+def test_enter_in_an_entry_changes_the_scene_without_a_reload(look):
+    page = look()
     finished(page)
     page.evaluate("window.same = true")
     page.locator("#E-entry").fill("80")

@@ -127,9 +127,11 @@ def patient(page):
 
 
 def finished(page, run=1):
-    page.wait_for_function(FINISHED, timeout=PATIENCE)
-    page.wait_for_function(f"punch.status.run >= {run}", timeout=PATIENCE)
-    page.wait_for_function(FINISHED, timeout=PATIENCE)
+    """When a run is complete and drawn: number `run` of those since the page was opened, or since a test got it."""
+    then = f"punch.status.run >= (window.before ?? 0) + {run}"
+    for condition in (FINISHED, then, FINISHED):
+        # by a timer, as looking with every picture makes the browser draw one after another
+        page.wait_for_function(condition, timeout=PATIENCE, polling=50)
 
 
 def paused_at(page, frame):
@@ -159,3 +161,22 @@ def laid_out(page):
     )
     with suppress(TookTooLong):
         page.wait_for_function(f"() => !({FAULTS})().length", timeout=SETTLE)
+
+
+def faults_at(page, sizes):
+    """{size: faults of the layout}, where there are any."""
+    found = {}
+    for width, height in sizes:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        if faults := page.evaluate(FAULTS):
+            found[f"{width} x {height}"] = faults
+    return found
+
+
+def found_by_axe(page):
+    """Violations that axe reports: {rule: elements}."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    rules = Axe().run(page, options={"iframes": False}).response["violations"]
+    return {rule["id"]: [node["html"][:160] for node in rule["nodes"]] for rule in rules}

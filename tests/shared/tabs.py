@@ -1,8 +1,9 @@
 """Tabs of the app in a browser, with their errors and requests."""
 
 import re
+from urllib.parse import parse_qsl
 
-from served import PATIENCE
+from served import FINISHED, PATIENCE, finished
 
 DESKTOP = {"width": 1280, "height": 900}
 _free = {}  # options -> contexts that no Tabs uses: their caches of scripts make loading a page a third cheaper
@@ -51,3 +52,95 @@ class Tabs:
         assert not self.problems
         own = re.compile(rf"(http|ws)://localhost:{self.server.port}/|data:|blob:")
         assert not [url for url in self.asked if not own.match(url)]
+
+
+# As a page that was just opened with `search`, at rest after its run: what a test may have changed by the controls of
+# the page is changed back, then the scene is restored as that of a link.
+AS_OPENED = """async ([search, wanted]) => {
+    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+    const [address, pages, { play }] = await Promise.all(["address", "pages", "player"].map(of))
+    const all = (what) => [...document.querySelectorAll(what)], by = (id) => document.getElementById(id)
+    const { dataset } = document.documentElement
+    const change = (input, value) => {
+        Object.assign(input, value)
+        input.dispatchEvent(new Event("change", { bubbles: true }))
+    }
+    play(false)
+    all("dialog[open]").forEach((dialog) => dialog.close())
+    const tour = all("#tour-card:not([hidden]) button")
+    tour.find(({ textContent }) => textContent === "End tour")?.click()
+    all(".chip [aria-label^=Remove]").forEach((remove) => remove.click())
+    if (document.querySelector(".page").dataset.page) pages.openPage("")
+    by("menu").setAttribute("aria-expanded", "false")
+    for (const box of all(".page input[type=checkbox], input[name=chosen], input[name=one]"))
+        if (box.checked !== box.defaultChecked && (box.type !== "radio" || box.defaultChecked))
+            change(box, { checked: box.defaultChecked })
+    const usual = by("speed").querySelector("[selected]").value
+    if (by("speed").value !== usual) change(by("speed"), { value: usual })
+    if (dataset.theme !== wanted.theme) by("theme").click()
+    if ((dataset.view === "projector") !== (wanted.view === "projector")) by("projector").click()
+    if (("tools" in dataset) !== (wanted.view === "lab")) by("tools").click()
+    by("lens").dispatchEvent(new MouseEvent("dblclick")) // back to where it is by itself
+    document.activeElement.blur()
+    Object.assign(punch, { following: true, preview: null, place: null, speed: Number(usual), rests: 400 })
+    const scene = address.sceneOf(search), known = { ...scene, view: 1, theme: 1, page: 1, k: 1 }
+    for (const [name] of new URLSearchParams(search))
+        if (!(name in known)) throw new Error(`${name} needs a tab of its own`)
+    const text = (one) => JSON.stringify(Object.entries(one).toSorted())
+    const k = new URLSearchParams(search).get("k")
+    if (text(scene) !== text(punch.status.address) || k !== null || Object.keys(punch.status.errors ?? {}).length)
+        address.restore(scene, k && Number(k))
+}"""
+AS_FRESH = """async () => {
+    const { goto } = await import(new URL("./app/static/js/player.js", document.baseURI))
+    if (punch.following) goto(Infinity)
+    Object.assign(punch, { ghost: null, behind: null, anchor: null, following: true, look: punch.look + 1 })
+    window.before = punch.status.run - 1
+}"""
+
+
+class SharedTab:
+    """One tab for many tests, as loading the page costs more than most of them: `show` brings it to any address."""
+
+    def __init__(self, server, browser):
+        self.tabs, self.page = Tabs(server, browser), None
+
+    def show(self, query=""):
+        """The page at rest after its run, as if it had been opened with this address."""
+        try:
+            if self.page is None:
+                self.page = self.tabs.open()
+                finished(self.page)
+            return self._brought_to(query)
+        except Exception:
+            self.close()  # whatever state it is in
+            raise
+
+    def _brought_to(self, query):
+        page, asked = self.page, dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))
+        page.set_viewport_size(DESKTOP)
+        page.mouse.move(1, 1)
+        page.evaluate(AS_OPENED, [query, {"theme": "light", "view": "lab"} | asked])
+        page.wait_for_function(
+            "!punch.waiting.length && !punch.stale && !document.querySelector('.sheet:not([hidden])')"
+        )
+        page.wait_for_function(FINISHED)
+        page.evaluate(AS_FRESH)
+        page.wait_for_function("() => !punch.fresh && punch.mapped && !punch.playing")
+        if "page" in asked:
+            page.locator(f"nav button[data-page={asked['page']}]").evaluate("(button) => button.click()")
+            page.wait_for_function(f"!{asked['page']}.hidden && !('drawing' in {asked['page']}.dataset)")
+        return page
+
+    def check(self):
+        """Fail if the test since the last check caused an error or an external request."""
+        try:
+            self.tabs.check()
+        finally:
+            self.tabs.problems.clear()
+            self.tabs.asked.clear()
+
+    def close(self):
+        if self.page:
+            self.tabs.close()
+        self.page, self.tabs = None, Tabs(self.tabs.server, self.tabs.browser)
