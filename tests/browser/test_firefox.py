@@ -20,7 +20,6 @@ def firefox(tmp_path):
 
 
 @pytest.mark.thorough
-@pytest.mark.flaky("hung once in the tour, on a machine with a load of 40 whose files changed meanwhile")
 def test_page_runs_in_firefox_from_loading_to_the_tour(server, firefox):
     firefox.open(f"{server.address}?delta_bar=0.1")
     firefox.wait_for(f"({FINISHED})()")
