@@ -15,11 +15,13 @@ ERROR = 2e-4  # of the largest force, between states: a fifth of what followed r
 # limit of even ones. With 16, 2 % of 149 moves were off by more than 1e-3
 HALF, LIMIT = 8.0, 64.0
 FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where it jerks
-FEWEST = 2 * OPTIONS.stencil  # intervals, below which every second state would not do for interpolation
+FEWEST = 2 * OPTIONS.stencil  # states: half of fewer would not do for interpolation, so no error could be estimated
 
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
     """The Branch with as many states as its forces need: more are solved for, or some left out."""
+    while len(branch.states) < FEWEST:
+        branch = divided(solver, branch, np.arange(len(branch.states) - 1), number)
     while len(branch.states) <= FINEST:
         every = [_errors(scene, first, branch, begin) for begin in (1, 2)]
         poor = np.concatenate([out[errors > HALF * ERROR] for out, errors in every])

@@ -370,3 +370,12 @@ def test_polynomials_are_interpolated_exactly_and_waves_to_the_sixth_order():
         t = np.linspace(0.0, 1.0, n + 1)
         branch = Branch.of(t, np.zeros((n + 1, 1)), np.ones((n + 1, 1), bool), periodic=True)
         assert np.abs(branch.weights(at) @ wave(t) - wave(at)).max() < error
+
+
+def test_a_short_branch_gets_the_states_that_its_curve_needs():
+    """The second branch of this run has 11 states, and L was off by 1.3 % just after the slip."""
+    scene = Scene(E=61.614974814149306, delta_bar=-0.3543838661134966, phi_ratio=0.023709350105158483, u_x_max=4.5)
+    shear = [frame for frame in load_path(scene) if frame.stage == "shear"]
+    exact = np.array([(frame.F_bar, frame.L_bar) for frame in shear])
+    curve = np.array(skeleton_of(scene).curve(np.array([frame.U_x for frame in shear])))[:2].T
+    assert (np.abs(curve - exact) < 1e-3 * np.abs(exact).max(axis=0)).all()
