@@ -28,7 +28,7 @@ DRAWN = {  # page: condition that its result is drawn
 }
 SMALL = {"nodes": 256, "width": 625.0, "du_x": 0.5, "du_z": 0.5}  # inexpensive, for maps and area laws
 QUICK = "&".join(f"{name}={value:g}" for name, value in SMALL.items())
-TINY = "nodes=64&width=160&radius=0.6&du_x=0.5&du_z=0.5"  # for a map of hundreds of runs
+TINY = "nodes=64&width=160&radius=0.6&du_x=0.5&du_z=0.5"  # for pages of many runs
 SIZES = (390, 844), (844, 390), (768, 1024), (1280, 720), (1920, 1080), (720, 450)
 WITHOUT = {  # page: why its plots have no numbers at once
     "matters": "it has no figures",
@@ -42,7 +42,7 @@ WITHOUT = {  # page: why its plots have no numbers at once
 def opened(request, shared_tab):
     """(name, tab): each page once, drawn, for all tests that look at it."""
     name = request.param
-    page = shared_tab.show(f"?view=hero&page={name}&{TINY if name == 'regimes' else QUICK}")
+    page = shared_tab.show(f"?view=hero&page={name}&{TINY if name in ('arealaws', 'regimes') else QUICK}")
     page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
     yield name, page
     shared_tab.check()

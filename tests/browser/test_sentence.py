@@ -21,13 +21,13 @@ READ = """async ({ now, before, at, values }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")
     const { changeSentence, nowSentence, phaseSentence } = await import("http://scripts/js/sentence.js")
-    const made = async ({ blocks, scene, carried }) => {
+    const made = async ({ blocks, carried }) => {
         let run = null
         for (const text of blocks) {
             const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
             const chunk = await unpackLater({ body: buffer })
             if (!run) {
-                run = Object.assign(new Run(7, chunk.head), { scene })
+                run = new Run(7, chunk.head)
                 if (carried) run.takeOver(await made(before), carried)
             }
             run.add(chunk)
@@ -51,8 +51,7 @@ class Whole:
 
     @property
     def sent(self):
-        values = {name: getattr(self.scene, name) for name in (*(control.name for control in CONTROLS), "radius")}
-        return {"blocks": self.blocks, "scene": values, "carried": self.carried}
+        return {"blocks": self.blocks, "carried": self.carried}
 
     @property
     def sheared(self):
@@ -264,7 +263,7 @@ PLAYED = """async ({ now, speed }) => {
     for (const text of now.blocks) {
         const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
         const chunk = await unpackLater({ body: buffer })
-        run ??= Object.assign(new Run(7, chunk.head), { scene: now.scene })
+        run ??= new Run(7, chunk.head)
         run.add(chunk)
     }
     const seen = [], DT = 0.02
