@@ -106,11 +106,12 @@ class Marks(Requests):
         """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
-        self.values = {name: marks for name, marks in self.values.items() if marks and keys[name] == self.keys[name]}
+        self.values = {name: of for name, of in self.values.items() if of and keys[name] == self.keys[name]}
         calls, self.keys = marks.calls(scene, skeleton), keys
         self.calls = {call: name for name, call in calls.items() if name not in self.values}
         self.add(list(self.calls))
 
     def _made(self, call, values):
-        self.values[self.calls[call]] = () if isinstance(values, Exception) else values
+        # a new dictionary, as what was published is compared with it
+        self.values = self.values | {self.calls[call]: () if isinstance(values, Exception) else values}
         self.session.publish()

@@ -89,19 +89,20 @@ def test_sliders_have_no_mark_if_the_limit_is_not_reached(default, monkeypatch):
 
 
 def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default):
-    """The marks of the moved slider itself stay."""
+    """The marks of the moved slider itself stay. Each is published by a new dictionary, or it would not be sent."""
 
     class Page:
         pool = None
 
         def publish(self):
-            pass
+            published.append(page.values)
 
     page = Marks(Page())
-    asked = []
+    asked, published = [], []
     page.add = lambda calls: [asked.append(call[2]) or page._made(call, call[0](*call[1:])) for call in calls]
     page.seek(Scene(), default)
     assert sorted(asked) == sorted(marks.SLIDERS)
+    assert [len(values) for values in published] == [1, 2, 3]
     asked.clear()
     page.seek(Scene(delta_bar=0.1), moved(default, delta_bar=0.1))
     assert sorted(asked) == ["E", "phi_ratio"]
