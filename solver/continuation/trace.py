@@ -35,7 +35,7 @@ def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
     return _lagrange(nodes.reshape(-1, nodes.shape[-1]), np.asarray(x, float).reshape(-1)).reshape(nodes.shape)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")  # where two nodes are one, weights are infinite
 def _lagrange(nodes, x):
     """As `lagrange`, (k, n) for (k, n) and (k,): a run asks for so few weights so often that numpy's calls add up."""
     weights = np.ones_like(nodes)

@@ -620,3 +620,7 @@ def test_weights_at_any_sequence_of_nodes_reproduce_a_polynomial(kind):
 def test_the_weight_of_a_single_node_is_a_float():
     """A whole number would make an array of weights that cannot be scaled in place."""
     assert np.array(lagrange(np.array([0.5]), 2.0)).dtype == float
+
+
+def test_weights_at_nodes_that_coincide_are_not_finite_and_raise_nothing():
+    assert not np.isfinite(lagrange([0.0, 0.0, 1.0], 0.5)).all()
