@@ -55,8 +55,8 @@ def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
 
 
 @pytest.mark.thorough
-def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(visit):
-    page = visit()
+def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(look):
+    page = look()
     finished(page)
     page.get_by_role("button", name="Parameters").click()
     page.select_option("#surface-entry", "measured")

@@ -34,8 +34,11 @@ def enter(page, name, text):
 
 
 def cleared(look, address):
-    """The app at an address, without the points of the runs before."""
-    page = look("?u_x_max=0")  # no slip, no point
+    """The app at an address, without the points of the runs before.
+
+    A point names the one parameter that differs from those of the run before: here several do.
+    """
+    page = look(f"?{ADDRESS}&E=50&phi_ratio=0.9")
     page.evaluate("import(new URL('./app/static/js/slips.js', document.baseURI)).then(({ clear }) => clear())")
     return look(address)
 

@@ -66,6 +66,7 @@ AS_OPENED = """async ([search, wanted]) => {
         input.dispatchEvent(new Event("change", { bubbles: true }))
     }
     play(false)
+    by("find").value = ""
     all("dialog[open]").forEach((dialog) => dialog.close())
     const tour = all("#tour-card:not([hidden]) button")
     tour.find(({ textContent }) => textContent === "End tour")?.click()
