@@ -20,7 +20,7 @@ FEWEST = 2 * OPTIONS.stencil  # states: half of fewer would not do for interpola
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
     """The Branch with as many states as its forces need: more are solved for, or some left out."""
-    while len(branch.states) < FEWEST:
+    while branch.slip is not None and len(branch.states) < FEWEST:  # others that are short are nearly straight
         branch = divided(solver, branch, np.arange(len(branch.states) - 1), number)
     while len(branch.states) <= FINEST:
         every = [_errors(scene, first, branch, begin) for begin in (1, 2)]
