@@ -142,7 +142,7 @@ def measured(entry: Entry) -> dict[str, str]:
 
 def output(*command: str) -> str:
     """What a command prints, run in the repository's root."""
-    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout.strip("\n")
 
 
 def processor() -> str:

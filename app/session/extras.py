@@ -106,7 +106,7 @@ class Marks(Requests):
         """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
-        self.values = {name: of for name, of in self.values.items() if of and keys[name] == self.keys[name]}
+        self.values = {name: values for name, values in self.values.items() if values and keys[name] == self.keys[name]}
         calls, self.keys = marks.calls(scene, skeleton), keys
         self.calls = {call: name for name, call in calls.items() if name not in self.values}
         self.add(list(self.calls))
