@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -11,6 +12,7 @@ from queue import SimpleQueue
 from time import perf_counter
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 from numba.core.event import Listener, install_listener
 
 from app.service.packing import Frames, packed
@@ -24,10 +26,11 @@ from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import Run, deadline
 from solver.run.slices import in_time
 
-KERNELS = 39  # that `warm_up` compiles with an empty cache; tests/cli/test_cold_start.py counts them
 NICENESS = 10  # low priority: the event loop goes before the computations
 QUICK, SLOW = 0.3, 10.0  # s of processor time per increment: of a run that must not delay others; of any run
 APPROACH = 3  # a slice may take 3 times its budget to reach the first frames of the shear
+MODULES = [module for name, module in sys.modules.items() if name.startswith("solver.")]
+KERNELS = len({k for m in MODULES for k in vars(m).values() if isinstance(k, Dispatcher)})  # `warm_up` compiles them
 REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
 
 
@@ -54,7 +57,7 @@ def start():
 
 
 class _Compiled(Listener):
-    """Counts compiled kernels and puts the count into a queue."""
+    """Counts the kernels of `solver` as they are compiled, and puts the count into a queue."""
 
     def __init__(self, queue):
         self.queue, self.count = queue, 0
@@ -63,8 +66,9 @@ class _Compiled(Listener):
         """Do nothing: the kernel is not compiled yet."""
 
     def on_end(self, event):
-        self.count += 1
-        self.queue.put(self.count)
+        if event.data["dispatcher"].py_func.__module__.startswith("solver."):  # Numba has others
+            self.count += 1
+            self.queue.put(self.count)
 
 
 def start_up():
