@@ -3,14 +3,11 @@
 A separate process measures (service/bench.py). It continues while the page is closed, until the scene changes.
 """
 
-import sys
 from math import ceil, floor, log10
 
 from bokeh.models import FixedTicker
 
 from app.pages import Sheet
-from app.pages.notebook import laid_out, page_of
-from app.service import bench
 from app.views.plots import Quantity, curve, dots, rendered, texts
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
@@ -47,15 +44,6 @@ def _figure(name, work):
             *_, right, down, align = SERIES[series]
             part.glyph.update(x_offset=right, y_offset=down, text_align=align, text_font_size="12px")
     return figure
-
-
-def figure(scene):
-    """Measure error over run time and force evaluations of a Scene, for a notebook."""
-    page = page_of(sys.modules[__name__], scene)
-    for news in bench.reports(scene):
-        page.session.bench.report |= news
-    page.start()
-    return laid_out(page)
 
 
 class Page(Sheet):

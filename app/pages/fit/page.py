@@ -5,19 +5,15 @@ A worker reads and fits a file (`solver.analysis.measurement`, `fit`). The brows
 """
 
 import re
-import sys
 from math import inf
 from random import randrange
 
 import numpy as np
-from bokeh.models import DataRange1d
 
 from app.pages import Sheet
-from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
 from app.views.plots import Quantity, curve, dots, level, rendered
-from solver import load_path
 from solver.text import counted
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
@@ -59,21 +55,6 @@ def compose():
         rendered("fit_curve", curves, COLOURS),
         rendered("fit_residuals", off, {"zero": "--grid", "line": "--grid", "residuals": "--cut"}, y=(-5.0, 5.0)),
     ]
-
-
-def figure(scene, measured=None):
-    """Return friction and load of a Scene, and of a Measurement if given, for a notebook."""
-    page = page_of(sys.modules[__name__], scene)
-    if measured is not None:
-        page.take_measurement((measured, None))
-    frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
-    U_x = [frame.U_x for frame in frames]
-    page.draw("curve", "run", U_x=U_x, F=[frame.F for frame in frames])
-    page.draw("curve", "run_load", U_x=U_x, F=[frame.L for frame in frames])
-    curves = page.views["curve"].figure
-    if measured is None:
-        curves.update(x_range=DataRange1d(), y_range=DataRange1d())
-    return laid_out(page)
 
 
 class Page(Sheet):

@@ -6,12 +6,9 @@ T_t = phi_t/delta_t S1(s) g(gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_
 NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x).
 """
 
-import sys
-
 import numpy as np
 
 from app.pages import Sheet
-from app.pages.notebook import shown
 from app.schema import RIDERS
 from app.views.plots import Quantity, curve, dots, level, picture, rendered
 from solver import CHOICES
@@ -79,11 +76,6 @@ def _opening(name):
     elements += [curve(law, GAP, left, line_width=2) for law in CHOICES["law"]]
     colours = {"zero": "--grid", "law": "--grid", "np1": "--area", "xu-needleman": "--adhering"}
     return rendered(name, elements, colours, y=(-3.0, 5.0))
-
-
-def figure(scene):
-    """Return the figures for a Scene, for a notebook."""
-    return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):

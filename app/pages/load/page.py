@@ -3,21 +3,17 @@
 The browser collects the points (static/js/slips.js) and draws them (page.js).
 """
 
-import holoviews as hv
 from bokeh.models import Span
 
 from app.pages import Sheet
 from app.schema import CHANGES
 from app.views.plots import Part, Quantity, dots, level, rendered
-from solver import sweep
-from solver.plots import friction_over_load
 
 TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
 TEMPLATE = {"changes": CHANGES}
 LOAD = Quantity("L", "load L", "N/m")
 FRICTION = Quantity("F", "friction Fₛ at the first slip", "N/m")
 CHANGE = Quantity("label", "")
-DEPTHS = (-0.2, 0.0, 0.2, 0.4)  # delta_bar of a notebook's figure
 
 
 def compose():
@@ -34,11 +30,6 @@ def compose():
     ]
     colours = {name: node.colour for name, node in CHANGES.items()}
     return [rendered("load_slips", parts, colours | {"zero": "--grid", "no load": "--text", "mark now": "--cursor"})]
-
-
-def figure(scene):
-    """F_s over L_s of a sweep of the press depth: what a notebook shows."""
-    return hv.render(friction_over_load(sweep(scene, delta_bar=DEPTHS)), backend="bokeh")
 
 
 class Page(Sheet):

@@ -5,7 +5,6 @@ tile as soon as the points around it are known. All visitors share the results (
 """
 
 import pickle
-import sys
 from dataclasses import replace
 from math import dist, inf
 
@@ -15,7 +14,6 @@ from bokeh.palettes import cividis
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
-from app.pages.notebook import shown
 from app.service import tasks
 from app.service.skeletons import skeletons
 from app.views.plots import Quantity, curve, dots, picture, rendered, texts
@@ -67,11 +65,6 @@ def compose():
     text = next(part for part in figure.renderers if part.name == "regimes_map.names").glyph
     text.update(background_fill_color="black", background_fill_alpha=0.6, text_font_size="14px")
     return [figure]
-
-
-def figure(scene):
-    """Return the figures for a Scene, for a notebook."""
-    return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):

@@ -3,7 +3,6 @@
 Forces are divided by w times E = 70 GPa, as in the paper's Fig. 4.
 """
 
-import sys
 from contextlib import suppress
 
 import numpy as np
@@ -12,7 +11,6 @@ from bokeh.palettes import cividis
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
-from app.pages.notebook import shown
 from app.schema import FLATS
 from app.service import tasks
 from app.views.plots import Quantity, band, curve, dots, level, picture, rendered
@@ -84,11 +82,6 @@ def _map():
     for axis, powers in zip((figure.xaxis, figure.yaxis), decades, strict=True):
         axis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
     return figure
-
-
-def figure(scene):
-    """Return the figures for a Scene, for a notebook."""
-    return shown(sys.modules[__name__], scene)
 
 
 class Page(Sheet):
