@@ -1,102 +1,81 @@
-"""The figures of pages. They are made when a page opens; afterwards only their data change."""
+"""What all figures are made of: axes, glyphs over columns of data, lines, bands and images.
 
-from dataclasses import dataclass
+The name of a part is "figure.label"; its tag names its colour in style.css.
+"""
+
 from typing import NamedTuple
 
 import numpy as np
-from bokeh.models import BoxAnnotation, LinearColorMapper, Range1d, Span
-from bokeh.models.glyphs import Image, Line, Scatter, Text
+from bokeh.core.properties import field
+from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper, NoOverlap, Span
+from bokeh.models.glyphs import Image, MultiLine, Text, VBar
+from bokeh.plotting import figure
 
-from app.views.live import add, blank, draw
-
-
-class Quantity(NamedTuple):
-    """The quantity of an axis: its column in the data, its label and its unit."""
-
-    column: str
-    label: str
-    unit: str = ""
-
-    @property
-    def title(self):
-        """Title of the axis."""
-        return f"{self.label} ({self.unit})" if self.unit else self.label
-
-
-class Part(NamedTuple):
-    """A part of a figure; `kind`: a glyph that draws quantities, or another model (line, band)."""
-
-    kind: type
-    label: str
-    quantities: tuple = ()
-    tooltips: list | None = None
-    mode: str = "mouse"
-    look: dict = {}  # noqa: RUF012 (never changed)
+FRAME = {
+    # px beside the frame, the same in every view so that shared axes line up
+    **{"min_border_left": 76, "min_border_right": 14, "min_border_top": 6, "min_border_bottom": 4},
+    "output_backend": "canvas",  # a lecture hall's laptops may lack WebGL
+    **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 40},
+}
+ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
+COORDINATES = {  # of glyphs, if other than x and y
+    MultiLine: ("xs", "ys"),
+    Text: ("x", "y", "text"),
+    VBar: ("x", "width", "top", "bottom"),
+    Image: ("image", "x", "y", "dw", "dh"),
+}
+AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
 
 
-@dataclass
-class View:
-    """One Bokeh figure with its parts {label: renderer, band or line}.
+def blank(name, x_label, y_label, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
+    """Return a figure with axes and a grid, without tools that capture the wheel or touch."""
+    axes |= {"x_axis_label": x_label, "y_axis_label": y_label}
+    plot = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
+    for axis in plot.axis:
+        axis.update(**AXIS, major_label_policy=NoOverlap(min_distance=6))  # px
+    plot.yaxis.ticker.desired_num_ticks = 4
+    return plot
 
-    The name of a part is "figure.label"; its tag names its colour in style.css.
-    """
+
+def draw(plot, kind, label, colour, *columns, data=None, tooltips=None, hover=None, level="glyph", **look):
+    """Add a glyph over columns, empty at first, that begin with its coordinates; hover: options beside `tooltips`."""
+    coordinates = dict(zip(COORDINATES.get(kind, ("x", "y")), map(field, columns), strict=False))
+    source = ColumnDataSource(data=data or {column: [] for column in columns})
+    named = _named(plot, label, colour)
+    part = plot.add_glyph(source, kind(**coordinates, **look), level=level, **named, **ONE_LOOK)
+    if tooltips:
+        plot.add_tools(HoverTool(renderers=[part], tooltips=tooltips, **(hover or {})))
+
+
+def draw_image(plot, label, tooltips=None, bounds=(0, 0, 1, 1), palette=("#888888",), level="image"):
+    """Add an image within (left, bottom, right, top), blank at first."""
+    left, bottom, right, top = bounds
+    data = {"image": [np.zeros((2, 2), np.float32)], "x": [left], "y": [bottom]}
+    data |= {"dw": [right - left], "dh": [top - bottom]}
+    mapper = LinearColorMapper(palette=list(palette), low=0, high=1, nan_color="#00000000")
+    draw(plot, Image, label, "", *data, data=data, tooltips=tooltips, color_mapper=mapper, level=level)
+
+
+def add(plot, label, model, colour):
+    """Add a line or a band to a figure."""
+    model.update(**_named(plot, label, colour))
+    plot.renderers.append(model)
+
+
+def add_zero(plot):
+    """Add a line at zero."""
+    add(plot, "zero", Span(location=0), "--grid")
+
+
+def _named(plot, label, colour):
+    return {"name": f"{plot.name}.{label}", "tags": [colour]}
+
+
+class View(NamedTuple):
+    """One Bokeh figure with its parts {label: renderer, band or line}."""
 
     figure: object
     parts: dict
-
-
-def curve(label, *quantities, tooltips=None, mode="mouse", **look):
-    """A curve of the first two quantities; its tooltip `tooltips` may name the others."""
-    return Part(Line, label, quantities, tooltips, mode, look)
-
-
-def dots(label, *quantities, tooltips=None, **look):
-    """Markers; the arguments are those of `curve`."""
-    return Part(Scatter, label, quantities, tooltips, look=look)
-
-
-def texts(label, *quantities, **look):
-    """Texts of the third quantity at positions of the first two."""
-    return Part(Text, label, quantities, look=look)
-
-
-def picture(label, x, y, tooltips=None, bounds=(0, 0, 1, 1), palette=("#888888",)):
-    """An image over x and y, within (left, bottom, right, top)."""
-    return Part(Image, label, (x, y), tooltips, look={"bounds": bounds, "palette": list(palette)})
-
-
-def level(label):
-    """A line at zero."""
-    return Part(Span, label, look={"location": 0.0, "line_width": 1})
-
-
-def band(label):
-    """A band over a range of the horizontal axis."""
-    return Part(BoxAnnotation, label, look={"left": 1.0, "right": 2.0, "fill_alpha": 0.18, "line_alpha": 0})
-
-
-def rendered(name, parts, colours, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
-    """Return a Bokeh figure of parts; colours: {label: variable of style.css}; axes: x_axis_type, y_axis_type."""
-    across, up = next(part.quantities[:2] for part in parts if part.quantities)
-    made = blank(name, Range1d(*x), Range1d(*y), across.title, up.title, **axes)
-    for part in parts:
-        colour, hover = colours.get(part.label, ""), part.tooltips and {"tooltips": part.tooltips, "mode": part.mode}
-        columns = [quantity.column for quantity in part.quantities]
-        if not columns:
-            add(made, part.label, part.kind(**part.look), colour)
-        elif part.kind is Image:
-            _draw_image(made, part, hover)
-        else:
-            draw(made, part.kind, part.label, colour, *columns, hover=hover, **part.look)
-    return made
-
-
-def _draw_image(made, part, hover):
-    left, bottom, right, top = part.look["bounds"]
-    data = {"image": [np.zeros((2, 2), np.float32)], "x": [left], "y": [bottom]}
-    data |= {"dw": [right - left], "dh": [top - bottom]}
-    mapper = LinearColorMapper(palette=part.look["palette"], low=0, high=1, nan_color="#00000000")
-    draw(made, Image, part.label, "", *data, data=data, hover=hover, color_mapper=mapper, level="image")
 
 
 def view_of(figure):

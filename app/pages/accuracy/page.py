@@ -6,9 +6,10 @@ A separate process measures (service/bench.py). It continues while the page is c
 from math import ceil, floor, log10
 
 from bokeh.models import FixedTicker
+from bokeh.models.glyphs import Line, Scatter, Text
 
 from app.pages import Sheet
-from app.views.plots import Quantity, curve, dots, rendered, texts
+from app.views.plots import blank, draw
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
 SERIES = {  # method: marker, colour; offset (px, right and down) and alignment of the tolerance beside its point
@@ -17,33 +18,26 @@ SERIES = {  # method: marker, colour; offset (px, right and down) and alignment 
     "gfmd mass-weighted": ("triangle", "--shear", 7, 16, "left"),
     "FIRE": ("diamond", "--slip", -9, -6, "right"),
 }
-WORK = {"seconds": ("time of one core", "s"), "evaluations": ("force evaluations", "")}
-LABEL, TOLERANCE = Quantity("label", ""), Quantity("text", "tolerance", "nm")
-ERROR = Quantity("error", "relative error")
+WORK = {"seconds": "time of one core (s)", "evaluations": "force evaluations"}
 
 
 def compose():
     """Return both figures, on logarithmic axes."""
-    return [_figure(name, Quantity(name, label, unit)) for name, (label, unit) in WORK.items()]
+    return [_figure(name, label) for name, label in WORK.items()]
 
 
-def _figure(name, work):
-    elements, colours = [], {"astray": "--text"}
-    for series, (marker, colour, *_) in SERIES.items():
-        elements += [
-            curve(f"way {series}", work, ERROR, line_width=2),
-            dots(f"mark {series}", work, ERROR, LABEL, tooltips=[("", "@label")], marker=marker, size=9),
-            texts(series, work, ERROR, TOLERANCE),
-        ]
-        colours |= dict.fromkeys((f"way {series}", f"mark {series}", series), colour)
-    elements.append(dots("astray", work, ERROR, marker="x", size=16))
-    figure = rendered(f"accuracy_{name}", elements, colours, x_axis_type="log", y_axis_type="log")
-    figure.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
-    for part in figure.renderers:
-        if (series := part.name.split(".")[1]) in SERIES:
-            *_, right, down, align = SERIES[series]
-            part.glyph.update(x_offset=right, y_offset=down, text_align=align, text_font_size="12px")
-    return figure
+def _figure(work, label):
+    axes = {"x_axis_type": "log", "y_axis_type": "log"}
+    plot = blank(f"accuracy_{work}", label, "relative error", **axes)
+    for series, (marker, colour, right, down, align) in SERIES.items():
+        draw(plot, Line, f"way {series}", colour, work, "error", line_width=2)
+        look = {"tooltips": [("", "@label")], "marker": marker, "size": 9}
+        draw(plot, Scatter, f"mark {series}", colour, work, "error", "label", **look)
+        look = {"x_offset": right, "y_offset": down, "text_align": align, "text_font_size": "12px"}
+        draw(plot, Text, series, colour, work, "error", "text", **look)
+    draw(plot, Scatter, "astray", "--text", work, "error", marker="x", size=16)
+    plot.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
+    return plot
 
 
 class Page(Sheet):

@@ -7,11 +7,12 @@ visitors share the results (requests.py).
 from dataclasses import dataclass, field
 
 import numpy as np
+from bokeh.models.glyphs import Line, Scatter
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
 from app.service import tasks
-from app.views.plots import Quantity, curve, dots, rendered
+from app.views.plots import blank, draw
 from solver import Scene, SceneError
 from solver.analysis.area_laws import quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
@@ -27,9 +28,7 @@ MARKS = (  # of the series: marker, its character, colour, dash; their number is
     ("diamond", "◆", "--slip", "dotdash"),
     ("star", "★", "--shear", "dashdot"),
 )
-FORCE = Quantity("F", "F̄", "10⁻³")
-AREA = Quantity("A", "Ā", "10⁻³")
-DEPTH = Quantity("delta_bar", "δ̄")
+FORCE, AREA = "F̄ (10⁻³)", "Ā (10⁻³)"
 THOUSAND = 1000.0
 NONE = "–"  # an empty cell of a table
 
@@ -37,22 +36,17 @@ NONE = "–"  # an empty cell of a table
 def compose():
     """Return the figures of the page."""
     tooltips = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
-    runs = rendered(
-        "arealaws_runs",
-        [
-            curve("runs", FORCE, AREA, DEPTH, tooltips=tooltips, line_width=2),
-            curve("fits", FORCE, AREA, line_width=2, line_dash="dashed"),
-            dots("onsets", FORCE, AREA, marker="circle", size=8),
-        ],
-        {"runs": "--repulsive", "fits": "--adhering", "onsets": "--text"},
-    )
-    lines, points, beyond, colours = [], [], [], {}
-    for k, (marker, _, colour, dash) in enumerate(MARKS):
-        lines.append(curve(f"line{k}", FORCE, AREA, line_width=2, line_dash=dash))
-        points.append(dots(f"points{k}", FORCE, AREA, DEPTH, tooltips=tooltips, marker=marker, size=9))
-        beyond.append(dots(f"beyond{k}", FORCE, AREA, marker="x", size=9))
-        colours |= dict.fromkeys((f"line{k}", f"points{k}", f"beyond{k}"), colour)
-    threshold = rendered("arealaws_threshold", [*lines, *points, *beyond], colours)
+    runs = blank("arealaws_runs", FORCE, AREA)
+    draw(runs, Line, "runs", "--repulsive", "F", "A", "delta_bar", tooltips=tooltips, line_width=2)
+    draw(runs, Line, "fits", "--adhering", "F", "A", line_width=2, line_dash="dashed")
+    draw(runs, Scatter, "onsets", "--text", "F", "A", marker="circle", size=8)
+    threshold = blank("arealaws_threshold", FORCE, AREA)
+    for k, (_, _, colour, dash) in enumerate(MARKS):
+        draw(threshold, Line, f"line{k}", colour, "F", "A", line_width=2, line_dash=dash)
+    for k, (marker, _, colour, _) in enumerate(MARKS):
+        look = {"tooltips": tooltips, "marker": marker, "size": 9}
+        draw(threshold, Scatter, f"points{k}", colour, "F", "A", "delta_bar", **look)
+        draw(threshold, Scatter, f"beyond{k}", colour, "F", "A", marker="x", size=9)
     return [runs, threshold]
 
 

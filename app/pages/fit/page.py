@@ -9,11 +9,12 @@ from math import inf
 from random import randrange
 
 import numpy as np
+from bokeh.models.glyphs import Line, Scatter
 
 from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
-from app.views.plots import Quantity, curve, dots, level, rendered
+from app.views.plots import add_zero, blank, draw
 from solver.text import counted
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
@@ -28,33 +29,29 @@ FREE = {  # parameters that can be free: label, unit, whether it is free at firs
     "offset_F": ("zero of F", "", False),
 }
 TEMPLATE = {"fit_free": FREE}
-COLOURS = {"run": "--shear", "run_load": "--text"}
-COLOURS |= dict.fromkeys(("measured", "load"), "--free") | dict.fromkeys(("fitted", "fitted_load"), "--cut")
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # parts of the figure, per quantity
 LONG = 120.0  # s, time limit of a fit
 SEEDS = 2**32  # number of seeds of example data
 LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin out the data"
 NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # true values that example data do not change
 MARGIN = 0.08  # margin above and below a curve, over its height
-PLACE, FORCE = Quantity("U_x", "displacement Uₓ", "nm"), Quantity("F", "F", "N/m")
-OFF = Quantity("off", "difference", "noise")
+PLACE = "displacement Uₓ (nm)"
 
 
 def compose():
     """Return the figures: measured and computed forces, and their differences after a fit."""
-    curves = [
-        dots("measured", PLACE, FORCE, size=4),
-        dots("load", PLACE, FORCE, size=4),
-        curve("run", PLACE, FORCE, line_width=2),
-        curve("run_load", PLACE, FORCE, line_width=2, line_dash="dashed"),
-        curve("fitted", PLACE, FORCE, line_width=3),
-        curve("fitted_load", PLACE, FORCE, line_width=3),
-    ]
-    off = [level("zero"), curve("line", PLACE, OFF, line_width=1), dots("residuals", PLACE, OFF, size=4)]
-    return [
-        rendered("fit_curve", curves, COLOURS),
-        rendered("fit_residuals", off, {"zero": "--grid", "line": "--grid", "residuals": "--cut"}, y=(-5.0, 5.0)),
-    ]
+    curves = blank("fit_curve", PLACE, "F (N/m)")
+    for name in ("measured", "load"):
+        draw(curves, Scatter, name, "--free", "U_x", "F", size=4)
+    draw(curves, Line, "run", "--shear", "U_x", "F", line_width=2)
+    draw(curves, Line, "run_load", "--text", "U_x", "F", line_width=2, line_dash="dashed")
+    for name in ("fitted", "fitted_load"):
+        draw(curves, Line, name, "--cut", "U_x", "F", line_width=3)
+    off = blank("fit_residuals", PLACE, "difference (noise)", y=(-5.0, 5.0))
+    add_zero(off)
+    draw(off, Line, "line", "--grid", "U_x", "off", line_width=1)
+    draw(off, Scatter, "residuals", "--cut", "U_x", "off", size=4)
+    return [curves, off]
 
 
 class Page(Sheet):

@@ -7,75 +7,61 @@ NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x).
 """
 
 import numpy as np
+from bokeh.models.glyphs import Line, Scatter
 
 from app.pages import Sheet
 from app.schema import RIDERS
-from app.views.plots import Quantity, curve, dots, level, picture, rendered
+from app.views.plots import add_zero, blank, draw, draw_image
 from solver import CHOICES
 from solver.mechanics import cohesive_law
 
-TITLE, ORDER, FIGURES = (
-    "Interface law",
-    1,
-    (
-        "shear_map",
-        "normal_map",
-        "shear_law",
-        "normal_law",
-        "opening",
-    ),
-)
-OFFSET = Quantity("s", "slip distance from the nearest site", "nm")
-GAP = Quantity("gap", "gap", "nm")
+TITLE, ORDER = "Interface law", 1
+FIGURES = "shear_map", "normal_map", "shear_law", "normal_law", "opening"
+OFFSET, GAP = "slip distance from the nearest site (nm)", "gap (nm)"
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # range of gaps, in delta_n
 OVERLAP = -1.6  # delta_n; below -1 the resistance to shear of Xu & Needleman's law changes sign
 
 
-def _riders(x, y):
-    return [dots(label, x, y, marker=node.marker, size=node.size) for label, node in RIDERS.items()]
-
-
-def _colours(**more):
-    return {label: node.colour for label, node in RIDERS.items()} | more
+def _riders(plot, x, y):
+    for label, node in RIDERS.items():
+        draw(plot, Scatter, label, node.colour, x, y, marker=node.marker, size=node.size)
+    return plot
 
 
 def _map(name, symbol):
     """Return the map of a traction over slip distance and gap, with the nodes."""
-    hover = [("s", "$x{0.00} nm"), ("gap", "$y{0.00} nm"), (symbol, "@image{0.000} GPa")]
-    return rendered(name, [picture("map", OFFSET, GAP, hover), *_riders(OFFSET, GAP)], _colours())
+    plot = blank(name, OFFSET, GAP)
+    draw_image(plot, "map", [("s", "$x{0.00} nm"), ("gap", "$y{0.00} nm"), (symbol, "@image{0.000} GPa")])
+    return _riders(plot, "s", "gap")
 
 
-def _law(name, x, value, span):
-    """Return the curve of a factor of the law, that of a single spring, and the nodes."""
-    elements = [
-        level("zero"),
-        curve("spring", x, value, line_width=2, line_dash="dotted"),
-        curve("law", x, value, line_width=2),
-        *_riders(x, value),
-    ]
-    return rendered(name, elements, _colours(zero="--grid", spring="--soft", law="--text"), y=span)
+def _law(plot, x):
+    """Return the curve of a factor of the law over column x, that of a single spring, and the nodes."""
+    add_zero(plot)
+    draw(plot, Line, "spring", "--soft", x, "value", line_width=2, line_dash="dotted")
+    draw(plot, Line, "law", "--text", x, "value", line_width=2)
+    return _riders(plot, x, "value")
 
 
 def compose():
-    shear = Quantity("value", "Tₜ exp(gap/δₙ) δₜ/φₜ")
-    normal = Quantity("value", "Tₙ δₙ/(φₙ Σ)")
     return [
         _map("law_shear_map", "Tₜ"),
         _map("law_normal_map", "Tₙ"),
-        _law("law_shear_law", OFFSET, shear, (-1.1, 1.1)),
-        _law("law_normal_law", GAP, normal, (-0.6, 1.2)),
-        _opening("law_opening"),
+        _law(blank("law_shear_law", OFFSET, "Tₜ exp(gap/δₙ) δₜ/φₜ", y=(-1.1, 1.1)), "s"),
+        _law(blank("law_normal_law", GAP, "Tₙ δₙ/(φₙ Σ)", y=(-0.6, 1.2)), "gap"),
+        _opening(),
     ]
 
 
-def _opening(name):
+def _opening():
     """Return the relative tangential traction over the gap for both laws; a wide line marks the law of the scene."""
-    left = Quantity("value", "Tₜ / Tₜ(0)")
-    elements = [level("zero"), curve("law", GAP, left, line_width=8)]
-    elements += [curve(law, GAP, left, line_width=2) for law in CHOICES["law"]]
-    colours = {"zero": "--grid", "law": "--grid", "np1": "--area", "xu-needleman": "--adhering"}
-    return rendered(name, elements, colours, y=(-3.0, 5.0))
+    plot = blank("law_opening", GAP, "Tₜ / Tₜ(0)", y=(-3.0, 5.0))
+    add_zero(plot)
+    draw(plot, Line, "law", "--grid", "gap", "value", line_width=8)
+    for law, colour in zip(CHOICES["law"], ("--area", "--adhering"), strict=True):
+        draw(plot, Line, law, colour, "gap", "value", line_width=2)
+    return plot
 
 
 class Page(Sheet):

@@ -4,32 +4,26 @@ The browser collects the points (static/js/slips.js) and draws them (page.js).
 """
 
 from bokeh.models import Span
+from bokeh.models.glyphs import Scatter
 
 from app.pages import Sheet
 from app.schema import CHANGES
-from app.views.plots import Part, Quantity, dots, level, rendered
+from app.views.plots import add, add_zero, blank, draw
 
 TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
 TEMPLATE = {"changes": CHANGES}
-LOAD = Quantity("L", "load L", "N/m")
-FRICTION = Quantity("F", "friction Fₛ at the first slip", "N/m")
-CHANGE = Quantity("label", "")
 
 
 def compose():
     tooltips = [("", "@label"), ("L", "@L{0.0} N/m"), ("Fₛ", "@F{0.0} N/m")]
-    marks = [
-        dots(name, LOAD, FRICTION, CHANGE, tooltips=tooltips, marker=node.marker, size=node.size)
-        for name, node in CHANGES.items()
-    ]
-    parts = [
-        level("zero"),
-        Part(Span, "no load", look={"dimension": "height", "location": 0.0, "line_width": 2, "line_dash": "dashed"}),
-        dots("mark now", LOAD, FRICTION, marker="circle", size=18, fill_alpha=0.0, line_width=2),
-        *marks,
-    ]
-    colours = {name: node.colour for name, node in CHANGES.items()}
-    return [rendered("load_slips", parts, colours | {"zero": "--grid", "no load": "--text", "mark now": "--cursor"})]
+    plot = blank("load_slips", "load L (N/m)", "friction Fₛ at the first slip (N/m)")
+    add_zero(plot)
+    add(plot, "no load", Span(dimension="height", location=0.0, line_width=2, line_dash="dashed"), "--text")
+    draw(plot, Scatter, "mark now", "--cursor", "L", "F", marker="circle", size=18, fill_alpha=0.0, line_width=2)
+    for name, node in CHANGES.items():
+        look = {"tooltips": tooltips, "marker": node.marker, "size": node.size}
+        draw(plot, Scatter, name, node.colour, "L", "F", "label", **look)
+    return [plot]
 
 
 class Page(Sheet):

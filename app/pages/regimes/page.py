@@ -10,13 +10,14 @@ from math import dist, inf
 
 import numpy as np
 from bokeh.models import FixedTicker
+from bokeh.models.glyphs import Line, Scatter, Text
 from bokeh.palettes import cividis
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
 from app.service import tasks
 from app.service.skeletons import skeletons
-from app.views.plots import Quantity, curve, dots, picture, rendered, texts
+from app.views.plots import blank, draw, draw_image
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map
 from solver.scene import PARAMETERS
@@ -43,28 +44,19 @@ TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
 MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
-COLUMN, ROW = Quantity("i", "x"), Quantity("j", "y")
-NAME = Quantity("name", "regime")
 
 
 def compose():
     """Return the map over numbers of columns and rows, as its axes may be logarithmic."""
     bounds = (-0.5, -0.5, COLUMNS - 0.5, ROWS - 0.5)
-    figure = rendered(
-        "regimes_map",
-        [
-            picture("map", COLUMN, ROW, bounds=bounds, palette=cividis(256)),
-            curve("outline", COLUMN, ROW, line_width=3),
-            texts("names", COLUMN, ROW, NAME, text_color="white", text_align="center", text_baseline="middle"),
-            dots("own", COLUMN, ROW, marker="diamond", size=14),
-        ],
-        {"outline": "--cut", "own": "--cut"},
-        x=(bounds[0], bounds[2]),
-        y=(bounds[1], bounds[3]),
-    )
-    text = next(part for part in figure.renderers if part.name == "regimes_map.names").glyph
-    text.update(background_fill_color="black", background_fill_alpha=0.6, text_font_size="14px")
-    return [figure]
+    plot = blank("regimes_map", "x", "y", (bounds[0], bounds[2]), (bounds[1], bounds[3]))
+    draw_image(plot, "map", bounds=bounds, palette=cividis(256))
+    draw(plot, Line, "outline", "--cut", "i", "j", line_width=3)
+    look = {"text_color": "white", "text_align": "center", "text_baseline": "middle", "text_font_size": "14px"}
+    look |= {"background_fill_color": "black", "background_fill_alpha": 0.6}
+    draw(plot, Text, "names", "", "i", "j", "name", **look)
+    draw(plot, Scatter, "own", "--cut", "i", "j", marker="diamond", size=14)
+    return [plot]
 
 
 class Page(Sheet):

@@ -4,17 +4,16 @@ from bokeh.palettes import cividis
 
 from app.pages import Sheet
 from app.schema import STRESSES
-from app.views.plots import Quantity, picture, rendered
+from app.views.plots import blank, draw_image
 
 TITLE, ORDER, FIGURES = "Inside the solid", 4, ("field",)
-NODE = Quantity("x", "x in the punch, undeformed", "nm")  # initial position
 
 
 def compose():
     """Return the figure of the stress."""
-    z = Quantity("z", "height z in the layer", "nm")
-    image = picture("field", NODE, z, [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000} GPa")])
-    return [rendered("solid_field", [image], {}, x=(-250, 250), y=(0, 250))]
+    plot = blank("solid_field", "x in the punch, undeformed (nm)", "height z in the layer (nm)", (-250, 250), (0, 250))
+    draw_image(plot, "field", [("x", "$x{0} nm"), ("z", "$y{0} nm"), ("", "@image{0.000} GPa")])
+    return [plot]
 
 
 class Page(Sheet):

@@ -6,14 +6,15 @@ Forces are divided by w times E = 70 GPa, as in the paper's Fig. 4.
 from contextlib import suppress
 
 import numpy as np
-from bokeh.models import FixedTicker
+from bokeh.models import BoxAnnotation, FixedTicker
+from bokeh.models.glyphs import Line, Scatter
 from bokeh.palettes import cividis
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
 from app.schema import FLATS
 from app.service import tasks
-from app.views.plots import Quantity, band, curve, dots, level, picture, rendered
+from app.views.plots import add, add_zero, blank, draw, draw_image
 from solver import LIMITS, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
@@ -25,63 +26,37 @@ ROWS = 120  # of the map
 RATIOS = 200  # points on the curve of mean friction
 MEASURED = 9  # runs to compare with that curve
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
-U_X = Quantity("U_x", "displacement of the top Uₓ", "nm")
-FORCE = Quantity("F", "F/(w·70 GPa)", "10⁻³")
-RATIO = Quantity("ratio", "E/τₘₐₓ")
-MEAN = Quantity("mean", "⟨F⟩/(w τₘₐₓ)")
-LOG_E = Quantity("E", "E", "GPa")
-LOG_PHI = Quantity("phi_t", "φₜ", "N/m")
 
 
 def compose():
     tooltips = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
-    forces = rendered(
-        "stickslip_forces",
-        [
-            level("zero"),
-            *(curve(name, U_X, FORCE, line_width=2, line_dash=flat.dash) for name, flat in FLATS.items()),
-            curve("own", U_X, FORCE, tooltips=tooltips, mode="vline", line_width=3),
-        ],
-        {name: flat.colour for name, flat in FLATS.items()} | {"own": "--text", "zero": "--grid"},
-        x=(0, END),
-    )
+    forces = blank("stickslip_forces", "displacement of the top Uₓ (nm)", "F/(w·70 GPa) (10⁻³)", (0, END))
+    add_zero(forces)
+    for name, curve in FLATS.items():
+        draw(forces, Line, name, curve.colour, "U_x", "F", line_width=2, line_dash=curve.dash)
+    along = {"mode": "vline"}
+    draw(forces, Line, "own", "--text", "U_x", "F", tooltips=tooltips, hover=along, line_width=3)
+    mean = blank("stickslip_mean", "E/τₘₐₓ", "⟨F⟩/(w τₘₐₓ)", (1.0, 1e3), (-0.05, 1.0), x_axis_type="log")
+    add(mean, "low", BoxAnnotation(left=1.0, right=2.0, fill_alpha=0.18, line_alpha=0), "--shear")
     tooltips = [("E/τₘₐₓ", "@ratio{0}"), ("⟨F⟩/(w τₘₐₓ)", "@mean{0.000}")]
-    mean = rendered(
-        "stickslip_mean",
-        [
-            band("low"),
-            curve("exact", RATIO, MEAN, tooltips=tooltips, mode="vline", line_width=2),
-            dots("runs", RATIO, MEAN, marker="circle", size=9),
-            dots("own", RATIO, MEAN, marker="diamond", size=14),
-        ],
-        {"low": "--shear", "exact": "--soft", "runs": "--text", "own": "--slip"},
-        x=(1.0, 1e3),
-        y=(-0.05, 1.0),
-        x_axis_type="log",
-    )
+    draw(mean, Line, "exact", "--soft", "ratio", "mean", tooltips=tooltips, hover=along, line_width=2)
+    draw(mean, Scatter, "runs", "--text", "ratio", "mean", marker="circle", size=9)
+    draw(mean, Scatter, "own", "--slip", "ratio", "mean", marker="diamond", size=14)
     return [forces, mean, _map()]
 
 
 def _map():
     """Return mean friction over the logarithms of stiffness and strength: a Bokeh image needs linear axes."""
     bounds = tuple(np.log10([MODULI[0], STRENGTHS[0], MODULI[1], STRENGTHS[1]]))
-    tooltips = [("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")]
-    figure = rendered(
-        "stickslip_map",
-        [
-            picture("map", LOG_E, LOG_PHI, tooltips, bounds, cividis(256)),
-            curve("boundary", LOG_E, LOG_PHI, line_width=3),
-            dots("presets", LOG_E, LOG_PHI, marker="circle", size=9),
-            dots("own", LOG_E, LOG_PHI, marker="diamond", size=14),
-        ],
-        dict.fromkeys(("boundary", "presets", "own"), "--cut"),
-        x=(bounds[0], bounds[2]),
-        y=(bounds[1], bounds[3]),
-    )
+    plot = blank("stickslip_map", "E (GPa)", "φₜ (N/m)", (bounds[0], bounds[2]), (bounds[1], bounds[3]))
+    draw_image(plot, "map", [("⟨F⟩/(w τₘₐₓ)", "@image{0.00}")], bounds, cividis(256))
+    draw(plot, Line, "boundary", "--cut", "E", "phi_t", line_width=3)
+    draw(plot, Scatter, "presets", "--cut", "E", "phi_t", marker="circle", size=9)
+    draw(plot, Scatter, "own", "--cut", "E", "phi_t", marker="diamond", size=14)
     decades = {1: "10", 2: "100", 3: "1000"}, {-2: "0.01", -1: "0.1", 0: "1"}
-    for axis, powers in zip((figure.xaxis, figure.yaxis), decades, strict=True):
+    for axis, powers in zip((plot.xaxis, plot.yaxis), decades, strict=True):
         axis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
-    return figure
+    return plot
 
 
 class Page(Sheet):
