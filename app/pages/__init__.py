@@ -106,19 +106,18 @@ class Pages:
         self.slots = places()
         self.name, self.page, self.closed = "", None, {}  # closed: {name: page} of those that stay
 
-    def open(self, name):
-        """Show page `name` instead of the open one; '' shows none."""
+    def open(self, page):
+        """Show the page of this name instead of the open one; '' shows none."""
         self._leave()
-        if name not in listed():
+        if page not in listed():
             return
-        page = self.closed.pop(name, None) or self._made(name)
-        self.name, self.page = name, page
+        self.name, self.page = page, self.closed.pop(page, None) or self._made(page)
         with self.session.doc.models.freeze():  # Bokeh then collects the models once
-            for slot, view in page.views.items():
-                self.slots[f"{name}_{slot}"].children = [view.figure]
-        page.start()
-        self._publish(page, {})
-        log.info("a visitor opened the page %s", name)
+            for slot, view in self.page.views.items():
+                self.slots[f"{page}_{slot}"].children = [view.figure]
+        self.page.start()
+        self._publish(self.page, {})
+        log.info("a visitor opened the page %s", page)
 
     def _made(self, name):
         figures = listed()[name].compose()
@@ -152,7 +151,7 @@ class Pages:
         if self.page is not None:
             self.page.scene_changed()
 
-    def order(self, values):
+    def order(self, **values):
         """Pass an order from the browser to the open page."""
         if self.page is not None:
             self.page.order(values)

@@ -19,11 +19,11 @@ ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser 
 class Film(Requests):
     """The transient during a slip of the run on screen."""
 
-    def request(self, values):
-        """Send the transient that led to frame values["frame"] of run values["run"], or the reason for a failure."""
+    def request(self, run, frame):
+        """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
         self.cancel()
-        session, run, k = self.session, self.session.pursuit.run, values["frame"]
-        if run is None or run.number != values["run"]:
+        session, number, run, k = self.session, run, self.session.run, frame
+        if run is None or run.number != number:
             return
         frames = [run.packed_frame(frame, session.run_cache) for frame in (k - 1, k)]
         if None in frames:
@@ -42,7 +42,7 @@ class Film(Requests):
 class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
-    def request(self, values):
+    def request(self, **asked):
         """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
 
         A browser repeats its request while it waits. That must not start the work again.
@@ -50,10 +50,10 @@ class Layer(Requests):
         run = self.session.run
         if run is None:
             return
-        scene, rows = run.scene, int(min(max(values["rows"], ROWS[0]), ROWS[1]))
-        modes = int(min(max(values["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
-        depth = min(max(values["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
-        head = {"asked": values, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
+        scene, rows = run.scene, int(min(max(asked["rows"], ROWS[0]), ROWS[1]))
+        modes = int(min(max(asked["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
+        depth = min(max(asked["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
+        head = {"asked": asked, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
         call = tasks.layer_table, scene, depth, rows, modes
         if len(self.waiting) >= TABLES and call not in self.waiting:
             self.cancel()
@@ -72,10 +72,10 @@ class Pinned(Requests):
         super().__init__(session, self._made)
         self.pins = {}  # {call: pins that show its run}
 
-    def request(self, pin, entries):
+    def request(self, pin, values):
         """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
         if 0 < pin <= MOST_PINNED:
-            call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in entries.items()})[0]
+            call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in values.items()})[0]
             self.pins.setdefault(call, []).append(pin)
             run = self.session.run_cache.get(call[1])
             if run is None:

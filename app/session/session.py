@@ -2,6 +2,7 @@
 
 import logging
 import os
+from operator import attrgetter
 
 from bokeh.document.events import MessageSentEvent
 
@@ -80,9 +81,9 @@ class Session:
         number, pictured = orders.number_of(given), False
         self.acknowledged = self.acknowledged if number is None else number
         try:
-            order = orders.read(given)
-            order.obey(self)
-            pictured = getattr(order, "held", False) and self.pursuit.state == "following"
+            method, values = orders.read(given)
+            attrgetter(method)(self)(**values)
+            pictured = values.get("held") and self.pursuit.state == "following"
         except orders.Refused as refused:
             metrics.count("rejected_messages")
             self.notes = [f"{refused}{controls.STAYS}"]
@@ -95,18 +96,18 @@ class Session:
         """Start the first run: the page is ready."""
         self.pursuit.request(RunRequest(self.scene))
 
-    def change(self, entries, after=None, held=False, at=0.0):
+    def change(self, values, after=None, held=False, at=0.0):
         """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
 
-        after: (number of a run, frame) from which the new run continues; without it, the run starts from nothing.
+        after: [number of a run, frame] from which the new run continues; without it, the run starts from nothing.
         held: a slider is held: predicted pictures with the frame at U_x = `at` nm follow it.
         """
         self.notes = []
-        scene, self.errors = controls.changed_scene(self.scene, entries, self.notes)
+        scene, self.errors = controls.changed_scene(self.scene, values, self.notes)
         if scene == self.scene:
             self.publish()
         else:
-            after = after and self._usable(scene, after)
+            after = after and self._usable(scene, tuple(after))
             self.scene = scene
             self.pursuit.request(RunRequest(scene, after, held, at, self.acknowledged))
 
@@ -128,9 +129,12 @@ class Session:
             return None
         return after
 
-    def read_profile(self, text):
-        """Show the surface of a CSV. An invalid one leaves a message, and the run on screen stays."""
-        self.reading.ask((tasks.measured, text), self._read, rank=LATER)
+    def read_file(self, entry, text):
+        """Read a CSV: a profile, whose surface is then on screen, or a measured curve for the open page."""
+        if entry == "profile":
+            self.reading.ask((tasks.measured, text), self._read, rank=LATER)
+        else:
+            self.pages.order(text=text)
 
     def _read(self, made):
         profile, why = made or (None, "it could not be read; try again")
@@ -145,9 +149,9 @@ class Session:
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
         self.pursuit.request(RunRequest(scene))
 
-    def restore(self, entries):
-        """Show the scene of an address {name: text}."""
-        scene, preset, notes = controls.scene_from_address({name: [text.encode()] for name, text in entries.items()})
+    def restore(self, values):
+        """Show the scene of an address {name: text}; an empty one means the default preset."""
+        scene, preset, notes = controls.scene_from_address({name: [text.encode()] for name, text in values.items()})
         self.show(scene, preset, notes)
 
     def show(self, scene, preset, notes=()):

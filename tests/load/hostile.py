@@ -17,7 +17,6 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import get_type_hints
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
@@ -28,28 +27,27 @@ from app.session import orders
 LONGEST = 60.0  # s of an attack: the server lets its messages wait
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
        "<b>", "\ud800", "0x10", "1e999", [[[]]]]  # fmt: skip
-FITTING = {  # by the type of a field: values of which some pass
-    orders.Text: ["law", "stickslip", "measure", "cancel", "fit"],
-    orders.Link: ["x" * 1200, "E,phi_ratio"],
-    orders.Content: ["x,z\n1,2\n"],
-    orders.Number: [0.5, 1, 60, 300.0],
-    orders.Whole: [1, 5, 1_000_001],
-    orders.Flag: [True, False],
-    orders.Increment: [[1, 3], [1, 10**8], [7, 0]],
-    orders.Entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
-    orders.Address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
-    orders.FileEntry: list(orders.FILES),
-    orders.Format: list(orders.FORMATS),
+FITTING = {  # by the test of a field: values of which some pass
+    orders.is_text: ["law", "stickslip", "measure", "cancel", "fit"],
+    orders.is_link: ["x" * 1200, "E,phi_ratio"],
+    orders.is_content: ["x,z\n1,2\n"],
+    orders.is_number: [0.5, 1, 60, 300.0],
+    orders.is_whole: [1, 5, 1_000_001],
+    orders.is_flag: [True, False],
+    orders.is_increment: [[1, 3], [1, 10**8], [7, 0]],
+    orders.are_entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
+    orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
+    orders.is_file: list(orders.FILES),
+    orders.is_format: list(orders.FORMATS),
 }
 
 
 def order(dice, odd=0.3):
     """An order that exists, with its fields; each value is an odd one with probability `odd`."""
-    name = dice.choice([*orders.Order.kinds, "close"] if odd else [*orders.Order.kinds])
-    kind = orders.Order.kinds.get(name)
-    hints = get_type_hints(kind, include_extras=True) if kind else {"page": orders.Text}
-    hints.pop("kinds", None)
-    fields = {field: dice.choice(ODD if dice.random() < odd else FITTING[hint]) for field, hint in hints.items()}
+    name = dice.choice([*orders.ORDERS, "close"] if odd else [*orders.ORDERS])
+    kind = orders.ORDERS.get(name, orders.ORDERS["page"])
+    tests = kind.needs | kind.takes
+    fields = {field: dice.choice(ODD if dice.random() < odd else FITTING[test]) for field, test in tests.items()}
     made = {"do": name, "n": dice.choice([*ODD, 7]) if dice.random() < odd else dice.randrange(10**6)}
     if dice.random() < odd / 3:
         fields[dice.choice(["E", "values", "do"])] = dice.choice(ODD)

@@ -3,7 +3,6 @@
 import json
 import queue
 import time
-from dataclasses import fields
 
 import numpy as np
 from bokeh.document.events import MessageSentEvent
@@ -118,5 +117,5 @@ def send_file(session, entry, text):
 
 def order(session, what, /, n=1, **values):
     """Give an order with these fields, or with these values of a scene."""
-    of_scene = any(field.name == "values" for field in fields(orders.Order.kinds[what]))
+    of_scene = "values" in orders.ORDERS[what].needs
     say(session, {"do": what, "n": n} | ({"values": values} if of_scene else values))

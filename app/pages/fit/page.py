@@ -74,7 +74,7 @@ class Page(Sheet):
     def order(self, values):
         """Read a file, generate example data, start a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
-        if what == "file":
+        if "text" in values:
             self.single.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
             self.publish(busy=None, texts={"fit-text": "Reading the file …"})
         elif what == "example":
