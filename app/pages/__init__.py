@@ -5,6 +5,7 @@ A page is a folder here with a page.py:
     TITLE, ORDER, FIGURES    its name, its place in the menu, the slots of its figures
     compose()                the Bokeh figures, each named page_slot
     Page                     a Sheet: the page of one visitor
+    figure(scene)            the figures for a notebook
     TEMPLATE                 values for its page.html, if it needs any
 
 page.html is its section of the document. Without it, the section has a title and the figures. page.js is its script.

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bokeh.models import ColumnDataSource, LayoutDOM
 from visitor import messages, order
 
 from app import pages
@@ -125,6 +126,18 @@ def test_repeated_requests_for_a_layer_table_compute_it_once(session):
     sent = messages(session)
     order(session, "layer", rows=100, modes=100, depth=100.0)
     assert [message["kind"] for message in sent].count("layer") == 1  # what is known is sent at once
+
+
+@pytest.mark.parametrize("name", [name for name in listed() if name not in ("regimes", "accuracy", "arealaws")])
+def test_figures_of_each_page_can_be_shown_in_a_notebook(name):
+    small = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+    made = listed()[name].figure(small)
+    sources = [model for model in made.references() if isinstance(model, ColumnDataSource)]
+    assert isinstance(made, LayoutDOM) and any(len(column) for s in sources for column in s.data.values())
+
+
+def test_every_page_has_a_figure_function():
+    assert all(callable(page.figure) for page in listed().values())
 
 
 def test_a_visitor_who_leaves_with_an_open_page_is_sent_nothing(session):

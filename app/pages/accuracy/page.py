@@ -9,6 +9,8 @@ from bokeh.models import FixedTicker
 from bokeh.models.glyphs import Line, Scatter, Text
 
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
+from app.service import bench
 from app.views.plots import blank, draw
 
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
@@ -38,6 +40,15 @@ def _figure(work, label):
     draw(plot, Scatter, "astray", "--text", work, "error", marker="x", size=16)
     plot.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
     return plot
+
+
+def figure(scene):
+    """Measure error over run time and force evaluations of a Scene, for a notebook."""
+    page = page_of(compose, Page, scene)
+    for news in bench.reports(scene):
+        page.session.bench.report |= news
+    page.start()
+    return laid_out(page)
 
 
 class Page(Sheet):

@@ -11,6 +11,7 @@ from bokeh.models.glyphs import Line, Scatter
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.views.plots import blank, draw
 from solver import Scene, SceneError
@@ -121,6 +122,13 @@ class Series:
             law = self.quadratic(result)
             fit = [f"{law.zeta:.4g}", f"{law.r2:.4f}", f"{law.worst:.3f}", f"{law.rise:.2f}"] if law else [NONE] * 4
             yield [f"{depth:.2f}", f"{THOUSAND * result['L_0']:.3f}", f"{THOUSAND * result['A_0']:.1f}", *fit]
+
+
+def figure(scene):
+    """Return the figures of the series of a Scene, for a notebook."""
+    page = page_of(compose, Page, scene)
+    page.add_series(series_of(scene))
+    return laid_out(page)
 
 
 class Page(Sheet):

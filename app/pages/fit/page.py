@@ -9,12 +9,15 @@ from math import inf
 from random import randrange
 
 import numpy as np
+from bokeh.models import DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 
 from app.pages import Sheet
+from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.service.pool import HEAVY, LATER
 from app.views.plots import add_zero, blank, draw
+from solver import load_path
 from solver.text import counted
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
@@ -52,6 +55,21 @@ def compose():
     draw(off, Line, "line", "--grid", "U_x", "off", line_width=1)
     draw(off, Scatter, "residuals", "--cut", "U_x", "off", size=4)
     return [curves, off]
+
+
+def figure(scene, measured=None):
+    """Return friction and load of a Scene, and of a Measurement if given, for a notebook."""
+    page = page_of(compose, Page, scene)
+    if measured is not None:
+        page.take_measurement((measured, None))
+    frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
+    U_x = [frame.U_x for frame in frames]
+    page.draw("curve", "run", U_x=U_x, F=[frame.F for frame in frames])
+    page.draw("curve", "run_load", U_x=U_x, F=[frame.L for frame in frames])
+    curves = page.views["curve"].figure
+    if measured is None:
+        curves.update(x_range=DataRange1d(), y_range=DataRange1d())
+    return laid_out(page)
 
 
 class Page(Sheet):

@@ -10,6 +10,7 @@ import numpy as np
 from bokeh.models.glyphs import Line, Scatter
 
 from app.pages import Sheet
+from app.pages.notebook import shown
 from app.schema import RIDERS
 from app.views.plots import add_zero, blank, draw, draw_image
 from solver import CHOICES
@@ -62,6 +63,11 @@ def _opening():
     for law, colour in zip(CHOICES["law"], ("--area", "--adhering"), strict=True):
         draw(plot, Line, law, colour, "gap", "value", line_width=2)
     return plot
+
+
+def figure(scene):
+    """Return the figures for a Scene, for a notebook."""
+    return shown(compose, Page, scene)
 
 
 class Page(Sheet):

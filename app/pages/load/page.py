@@ -3,15 +3,19 @@
 The browser collects the points (static/js/slips.js) and draws them (page.js).
 """
 
+import holoviews as hv
 from bokeh.models import Span
 from bokeh.models.glyphs import Scatter
 
 from app.pages import Sheet
 from app.schema import CHANGES
 from app.views.plots import add, add_zero, blank, draw
+from solver import sweep
+from solver.plots import friction_over_load
 
 TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
 TEMPLATE = {"changes": CHANGES}
+DEPTHS = (-0.2, 0.0, 0.2, 0.4)  # delta_bar of a notebook's figure
 
 
 def compose():
@@ -24,6 +28,11 @@ def compose():
         look = {"tooltips": tooltips, "marker": node.marker, "size": node.size}
         draw(plot, Scatter, name, node.colour, "L", "F", "label", **look)
     return [plot]
+
+
+def figure(scene):
+    """F_s over L_s of a sweep of the press depth: what a notebook shows."""
+    return hv.render(friction_over_load(sweep(scene, delta_bar=DEPTHS)), backend="bokeh")
 
 
 class Page(Sheet):

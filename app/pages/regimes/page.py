@@ -15,6 +15,7 @@ from bokeh.palettes import cividis
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
+from app.pages.notebook import shown
 from app.service import tasks
 from app.service.skeletons import skeletons
 from app.views.plots import blank, draw, draw_image
@@ -57,6 +58,11 @@ def compose():
     draw(plot, Text, "names", "", "i", "j", "name", **look)
     draw(plot, Scatter, "own", "--cut", "i", "j", marker="diamond", size=14)
     return [plot]
+
+
+def figure(scene):
+    """Return the figures for a Scene, for a notebook."""
+    return shown(compose, Page, scene)
 
 
 class Page(Sheet):

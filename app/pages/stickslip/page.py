@@ -12,6 +12,7 @@ from bokeh.palettes import cividis
 
 from app.limits import INCREMENTS, increments_of
 from app.pages import Sheet
+from app.pages.notebook import shown
 from app.schema import FLATS
 from app.service import tasks
 from app.views.plots import add, add_zero, blank, draw, draw_image
@@ -57,6 +58,11 @@ def _map():
     for axis, powers in zip((plot.xaxis, plot.yaxis), decades, strict=True):
         axis.update(ticker=FixedTicker(ticks=list(powers)), major_label_overrides=powers)
     return plot
+
+
+def figure(scene):
+    """Return the figures for a Scene, for a notebook."""
+    return shown(compose, Page, scene)
 
 
 class Page(Sheet):

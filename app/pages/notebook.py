@@ -1,0 +1,81 @@
+"""The figures of a page for a notebook: computed in the calling process, in the colours of the light theme."""
+
+import re
+from concurrent.futures import Future
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+from bokeh.layouts import gridplot
+from bokeh.palettes import RdBu
+
+from app.service.tasks import Part
+from app.views.plots import view_of
+
+STYLE = Path(__file__).parents[1] / "static" / "style.css"
+SIZE = {"sizing_mode": "fixed", "width": 520, "height": 340}  # of a figure, px
+
+
+class Session:
+    """The parts of a session that a Sheet needs. `submit` runs a call at once."""
+
+    def __init__(self, scene):
+        self.scene, self.bench = scene, SimpleNamespace(report={}, on_change=None)
+        self.doc = self.pool = self
+
+    def add_next_tick_callback(self, call):
+        """Call at once; see the document."""
+        call()
+
+    def submit(self, call, *arguments, **how):
+        """Run a call and return its finished Future; see the pool."""
+        done, made = Future(), call(*arguments)
+        while isinstance(made, Part):
+            made = call(*arguments, made.state)
+        done.set_result(made)
+        return done
+
+    def abandon(self, task):
+        """Do nothing; see the pool."""
+
+
+def page_of(compose, Page, scene):
+    """Return the Page of a Scene with the figures of `compose`; `published` has its output."""
+    views = {figure.name.split("_", 1)[1]: view_of(figure) for figure in compose()}
+    page = Page(Session(scene), lambda **news: page.published.update(news), views)
+    return page
+
+
+def shown(compose, Page, scene):
+    """Return the figures of a page for a Scene side by side, as on the opened page."""
+    page = page_of(compose, Page, scene)
+    page.start()
+    return laid_out(page)
+
+
+def laid_out(page):
+    """Return the coloured figures of a Sheet side by side."""
+    for view in page.views.values():
+        view.figure.update(**SIZE)
+        for part in view.parts.values():
+            if part.tags and part.tags[0]:
+                tint(getattr(part, "glyph", part), colours()[part.tags[0]])
+    for name, limits in page.published.get("images", {}).items():
+        slot, label = name.split(".")
+        most = max(map(abs, limits))
+        mapper = page.views[slot.split("_", 1)[1]].parts[label].glyph.color_mapper
+        mapper.update(palette=RdBu[11][::-1], low=-most, high=most)
+    return gridplot([view.figure for view in page.views.values()], ncols=2, toolbar_location=None)
+
+
+def tint(model, colour):
+    """Colour a line, a marker, a text or a band."""
+    names = ("line_color", "fill_color", "text_color")
+    model.update(**{name: colour for name in names if name in model.properties()})
+
+
+@cache
+def colours():
+    """Return {variable of style.css: colour} of the light theme."""
+    root = STYLE.read_text(encoding="utf-8").split(":root {", 1)[1].split("}", 1)[0]
+    return dict(re.findall(r"(--[\w-]+): (#\w+)", root))
