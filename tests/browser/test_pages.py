@@ -299,6 +299,24 @@ def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
 
 
 @thorough
+def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
+    page, held = visit(""), []
+    page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
+    page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
+    figure = f"() => {MODEL.format('regimes_map.map')} !== undefined"
+    page.wait_for_function(figure, timeout=PATIENCE)
+    page.locator("#regimes .close").click()
+    page.wait_for_function(figure.replace("!==", "==="), timeout=PATIENCE)
+    for route in held:
+        route.continue_()
+    page.evaluate("document.querySelector('nav [data-page=law]').click()")
+    page.wait_for_function(
+        f"() => {DRAWN['law']}", timeout=PATIENCE
+    )  # messages before it are passed on, without errors
+    assert held
+
+
+@thorough
 def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
     page = look()
     finished(page)

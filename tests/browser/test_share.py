@@ -117,6 +117,21 @@ def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
     assert all(report[name] == pytest.approx(written[name], rel=1e-6) for name in ("U_s", "F_s", "A_s", "A_0"))
 
 
+def test_a_picture_saved_while_a_new_run_begins_is_that_on_screen(sheet):
+    """The new run then has fewer frames than the one on screen had."""
+    words = sheet.evaluate(
+        """async () => {
+            const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+            const [{ svg }, { Run }] = await Promise.all(["share", "run"].map(of)), { run } = punch
+            const begun = new Run(run.number, run.head)
+            begun.takeOver(run, 0)
+            punch.run = begun
+            try { return svg("forces") } finally { punch.run = run }
+        }"""
+    )
+    assert "shear increment 68" in words
+
+
 def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
     names = sheet.evaluate("[...document.getElementById('share-view').options].map((one) => one.value)")
     assert names == ["punch", "traction", "forces", "area", "map"]

@@ -85,6 +85,7 @@ export async function read(message) {
 
 export function receive(news) {
   if (sheet.open !== news.open) {
+    if (news.figures.some((name) => !slots[name].children.length)) return // closed since, as the next message says
     call("closed")
     redraw() // in this theme, and without what the page has drawn over the punch
     sheet.figures.forEach(forget)

@@ -103,7 +103,7 @@ function framed(name) {
     x += wide + 16
   })
   const top = y + LINE / 2
-  const lines = [scaleOf(name), described(me.run, me.drawn)].filter(Boolean).flatMap((text) =>
+  const lines = [scaleOf(name), described(me.picture?.run, me.picture?.k)].filter(Boolean).flatMap((text) =>
     wrapped(pen, text, width - 2 * MARGIN))
   const whole = top + height + LINE * lines.length + MARGIN
   parts.push(`<g transform="translate(0 ${top})">${behind}${svgOf(figures[name])}${over}`
@@ -136,9 +136,10 @@ export async function png(name, scale = 1) {
 
 // So many pixels for each of the page, null: as on this screen
 function drawCanvases(scale) {
-  if (!me.run) return
+  if (!me.picture) return
+  const { run, k } = me.picture
   sharpen(scale)
-  for (const draw of [drawFringes, drawBands, drawStory]) draw(me.run, me.drawn)
+  for (const draw of [drawFringes, drawBands, drawStory]) draw(run, k)
   sharpen(null)
 }
 
