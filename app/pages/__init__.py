@@ -61,7 +61,7 @@ def places():
 class Sheet:
     """The page of one visitor, with its views {slot: View}. Subclasses override the handlers; the defaults do nothing.
 
-    `sweep` requests many calls from the workers, `wanted` one at a time. A page that `stays` keeps its figures, texts
+    `sweep` requests many calls from the workers, `single` one at a time. A page that `stays` keeps its figures, texts
     and calls while it is closed.
     """
 

@@ -31,18 +31,15 @@ class FairQueue:
     def __iter__(self):
         return (task for owners in self._of for tasks in owners.values() for task in tasks)
 
-    @property
-    def rank(self):
-        """Rank of the next task, or None."""
-        return next((rank for rank, owners in enumerate(self._of) if owners), None)
-
     def add(self, task):
         """Append a task to the tasks of its owner."""
         self._of[task.rank].setdefault(task.owner, deque()).append(task)
 
-    def take(self):
-        """Remove and return the next task."""
-        owners = self._of[self.rank]
+    def take(self, most=LATER):
+        """Remove and return the next task of this rank or a lower one, or None."""
+        owners = next(filter(None, self._of[: most + 1]), None)
+        if owners is None:
+            return None
         owner, tasks = next(iter(owners.items()))
         owners.move_to_end(owner)
         task = tasks.popleft()

@@ -151,12 +151,11 @@ class Pool:
     def _dispatch(self):
         """Give the next tasks to idle workers."""
         while idle := [slot for slot in self._slots if slot.ready and slot.task is None]:
-            rank = self._queue.rank
             free = sum(slot.ready and (slot.task is None or slot.task.rank <= EXACT) for slot in self._slots)
             expected = sum(slot.failures < STARTS for slot in self._slots)
-            if rank is None or (rank > EXACT and free <= (expected > 1)):
+            task = self._queue.take(LATER if free > (expected > 1) else EXACT)
+            if task is None:
                 break
-            task = self._queue.take()
             if task.set_running_or_notify_cancel():
                 task.slot, idle[0].task = idle[0], task
                 self._lock.notify_all()

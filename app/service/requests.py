@@ -128,30 +128,24 @@ class Requests:
 
         Calls already requested continue. how: rank and seconds of `Pool.submit`.
         """
-        cached = self._ask(call, take, **how)
+        if call in self.waiting:
+            return
+        self.count = self.count + 1 if self.waiting else 1
+        self.waiting[call] = take
+        cached = self.shared.ask(self.session.pool, call, self._on_result, owner=id(self.session), **how)
         if cached is not None:
             self._answered(call, cached)
 
     def ask(self, call, take, **how):
         """Request one call instead of all earlier ones; take(result) receives its result, or None if it failed."""
         self.cancel()
-        cached = self._ask(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
-        if cached is not None:
-            self._on_result(call, cached)
+        self.add_one(call, lambda result: take(None if isinstance(result, Exception) else result), **how)
 
     def cancel(self, calls=None):
         """Cancel some calls, or all."""
         for call in self.waiting.keys() & set(self.waiting if calls is None else calls):
             del self.waiting[call]
             self.shared.leave(self.session.pool, call, self._on_result)
-
-    def _ask(self, call, take, **how):
-        """Return a cached result, or None and register `take` for later."""
-        if call in self.waiting:
-            return None
-        self.count = self.count + 1 if self.waiting else 1
-        self.waiting[call] = take
-        return self.shared.ask(self.session.pool, call, self._on_result, owner=id(self.session), **how)
 
     def _on_result(self, call, result):
         self.session.doc.add_next_tick_callback(lambda: self._answered(call, result))

@@ -5,7 +5,7 @@ import pickle
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import e, inf
 from queue import SimpleQueue
@@ -130,20 +130,12 @@ def compute(scene, state, budget, history=(), limit=SLOW):
         widest=max((_width(scene, frame) for frame in frames), default=0.0),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
-        state=None if checkpoint.done else pickle.dumps((_smallest(checkpoint), last)),
+        state=None if checkpoint.done else pickle.dumps((checkpoint, last)),
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
         skeleton=None if history else _skeleton(scene, checkpoint),
     )
-
-
-def _smallest(checkpoint):
-    """Return a Checkpoint without what the next slice soon finds again: secants, and the search space of a Mode."""
-    state = checkpoint.state
-    if state is None:
-        return checkpoint
-    return checkpoint._replace(state=state._replace(secants=None, mode=state.mode and replace(state.mode, basis=())))
 
 
 def _skeleton(scene, checkpoint):

@@ -206,7 +206,7 @@ def scene_from_address(arguments):
     base = presets()[name].scene
     if "profile" in entries:
         try:
-            base = base.changed(measured=profiles.uploaded.profile_of(entries["profile"]))
+            base = base.changed(measured=profiles.profile_of(entries["profile"]))
         except ProfileError as error:
             notes.append(f"profile: {error}.")
     remarks = []
@@ -246,5 +246,5 @@ def address_of(scene, preset):
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     if scene.surface == "measured":
-        values["profile"] = profiles.uploaded.name_of(scene.measured)
+        values["profile"] = profiles.name_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values

@@ -122,8 +122,3 @@ def read(given):
     if not all(tests[name](value) for name, value in values.items()):
         raise Refused
     return order.method, values
-
-
-def number_of(given):
-    """Return the number of an order, or None."""
-    return given.get("n") if is_number(given.get("n")) else None

@@ -78,8 +78,9 @@ class Session:
 
         A picture acknowledges its own order. Until then the browser sends no newer position of the slider.
         """
-        number, pictured = orders.number_of(given), False
-        self.acknowledged = self.acknowledged if number is None else number
+        pictured = False
+        if orders.is_number(given.get("n")):
+            self.acknowledged = given["n"]
         try:
             method, values = orders.read(given)
             attrgetter(method)(self)(**values)

@@ -125,7 +125,7 @@ def test_owners_take_turns_in_the_queue():
     turns = [("a", 1), ("b", 1), ("c", 1), ("a", 2), ("b", 2), ("a", 3)]
     assert [queue.position(tasks[turn]) for turn in turns] == list(range(6))
     assert [queue.take() for _ in range(6)] == [tasks[turn] for turn in turns]
-    assert queue.rank is None and queue.position(tasks["a", 1]) is None
+    assert queue.take() is None and queue.position(tasks["a", 1]) is None
 
 
 def test_cache_keeps_the_most_recently_used_runs_within_its_capacity():

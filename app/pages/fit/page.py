@@ -93,25 +93,25 @@ class Page(Sheet):
         """Read a file, generate example data, start a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if "text" in values:
-            self.single.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
             self.publish(busy=None, texts={"fit-text": "Reading the file …"})
+            self.single.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
         elif what == "example":
             call, seed = tasks.made_up_curve, randrange(SEEDS)
             made = tasks.made_up_scene(scene, seed)
             truth = {name: getattr(made, name, NEUTRAL.get(name)) for name in FREE}
+            self.publish(busy=None, texts={"fit-text": "Generating example data …"})
             self.single.ask(
                 (call, scene, seed), lambda made: self.take_measurement(made, truth), rank=HEAVY, seconds=LONG
             )
-            self.publish(busy=None, texts={"fit-text": "Generating example data …"})
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:
                 return self.publish(texts={"fit-text": "No parameter is free. Tick at least one."})
             if "drive_t" in free and scene.drive_t == inf:
                 return self.publish(texts={"fit-text": "The drive is rigid: give drive_t a number under Parameters."})
-            self.single.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
             text = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
             self.publish(busy=0.0, texts={"fit-text": text})
+            self.single.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
         elif what == "cancel":
             self.close()
             self.publish(busy=None, texts={"fit-text": "Cancelled."})
