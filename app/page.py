@@ -118,6 +118,7 @@ def _html(doc, files):
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
         "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
+        "modules": pages.listed(),
         "pages": {"": "Experiment"} | {name: page.TITLE for name, page in pages.listed().items()},
         "schema": schema,
         "speeds": SPEEDS,
@@ -126,7 +127,7 @@ def _html(doc, files):
     page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
     sections = "".join(map(pages.section, pages.listed()))
     template = page.replace("<!-- pages -->", sections).replace("<!-- dialogs -->", dialogs)
-    return html_page_for_render_items((script, ""), {}, [item], TITLE, template, values | pages.variables())
+    return html_page_for_render_items((script, ""), {}, [item], TITLE, template, values)
 
 
 def _grouped():

@@ -3,13 +3,13 @@
 A page is a folder here with a page.py:
 
     TITLE, ORDER, FIGURES    its name, its place in the menu, the slots of its figures
-    compose()                the Bokeh figures, each named page_slot
+    compose()                the Bokeh figures, each named page_slot, if there are any
     Page                     a Sheet: the page of one visitor
     figure(scene)            the figures for a notebook
-    TEMPLATE                 values for its page.html, if it needs any
 
-page.html is its section of the document. Without it, the section has a title and the figures. page.js is its script.
-A page publishes one dictionary. The browser shows these entries of it, and page.js receives all:
+page.html is its section of the document, where `modules` has all page.py by name. Without it, the section has a title
+and the figures. page.js is its script. A page publishes one dictionary. The browser shows these entries of it, and
+page.js receives all:
 
     texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)},
     tables {element: rows}; a cell is a text or a button {label, pressed, ask: the order that it sends}
@@ -45,11 +45,6 @@ def section(name):
         return own.read_text(encoding="utf-8")
     figures = "".join(f'{{% call plot("{name}_{slot}") %}}{{% endcall %}}' for slot in listed()[name].FIGURES)
     return f'{{% call sheet("{name}") %}}<div class="figures">{figures}</div>{{% endcall %}}'
-
-
-def variables():
-    """Return the variables of the pages' templates, by name."""
-    return {key: value for page in listed().values() for key, value in getattr(page, "TEMPLATE", {}).items()}
 
 
 def places():
@@ -121,7 +116,7 @@ class Pages:
         log.info("a visitor opened the page %s", page)
 
     def _made(self, name):
-        figures = listed()[name].compose()
+        figures = listed()[name].compose() if listed()[name].FIGURES else []
         views = {figure.name.removeprefix(f"{name}_"): view_of(figure) for figure in figures}
         page = listed()[name].Page(self.session, lambda **news: self._publish(page, news), views)
         page.published = {"open": name, "figures": [figure.name for figure in figures]}

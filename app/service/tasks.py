@@ -1,6 +1,7 @@
 """Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
 import pickle
+from collections import deque
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -27,7 +28,6 @@ from solver.files import write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.run.film import through
-from solver.run.frame import Frame
 from solver.run.load_steps import load_steps_of
 
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
@@ -163,28 +163,21 @@ def layer_table(scene, depth, rows, modes):
     return counts.tolist(), scale, np.rint(factors / scale).astype("<i2").tobytes()
 
 
-def slow_motion(scene, before, after):
-    """Return packed blocks of the transient between two frames, each (packed block, row); or a str: why none."""
-    goal = _frame(scene, *after)
-    load = next(step.loading.load_of(goal) for step in load_steps_of(scene) if step.stage == goal.stage)
+def slow_motion(legs):
+    """Return packed blocks of the transient that led to the last frame of legs; or a str: why there is none.
+
+    legs: of `solver.carried_path`. The run is repeated, as the browser's frames are rounded.
+    """
     try:
-        film, _ = through(scene, _frame(scene, *before), goal.stage, load, limit=worker.SLOW)
+        before, goal = deque(carried_path(legs), 2)
+        scene = goal.scene
+        load = next(step.loading.load_of(goal) for step in load_steps_of(scene) if step.stage == goal.stage)
+        film, _ = through(scene, before, goal.stage, load, limit=worker.SLOW)
     except (NotConverged, ValueError) as error:
         return str(error)
     if not film:
         return "no branch ends here"
     return packing.packed(scene, [(replace(frame, index=goal.index), 0.0) for frame in film], True)
-
-
-def _frame(scene, block, row):
-    """Return the Frame of a row of a packed block, with the precision of the block."""
-    head, columns, fields = packing.unpack(block)
-    u_x, gap, *T = (fields[name][row] * head["scales"][name] for name in ("u_x", "gap", "T_x", "T_z"))
-    profile = scene.profile[np.arange(head["first"], head["first"] + head["nodes"]) % scene.nodes]
-    numbers = {name: float(columns[name][row]) for name in ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual")}
-    increment = {"stage": packing.ORDER[int(columns["stage"][row])], "index": int(columns["index"][row])}
-    u = np.array([u_x, gap - profile])
-    return Frame(scene, **increment, **numbers, first=head["first"], u=u, T=np.array(T), evaluations=0)
 
 
 def measured(text):

@@ -10,7 +10,7 @@ from app.service.requests import Requests
 from app.session.controls import scene_from_address
 
 MOST_PINNED = 4
-LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats an increment and packs every state of it
+LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
 GEOMETRY = ("nu", "height", "width", "nodes")  # the parameters that the table of a layer depends on
 TABLES = 2  # tables that a visitor may wait for: of the fringes and of the page Inside the solid
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser may request; DEPTH in nm
@@ -22,21 +22,16 @@ class Film(Requests):
     def request(self, run, frame):
         """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
         self.cancel()
-        session, number, run, k = self.session, run, self.session.run, frame
-        if run is None or run.number != number:
-            return
-        frames = [run.packed_frame(frame, session.run_cache) for frame in (k - 1, k)]
-        if None in frames:
-            why = "the server has dropped the increment before this slip; compute the run again"
-            return session.send("film failed", why=why)
-        call = (tasks.slow_motion, run.scene, *frames)
-        self.ask(call, lambda made: self._made(made, k), rank=LATER, seconds=LONGEST_FILM)
+        shown = self.session.run
+        if shown is not None and shown.number == run:
+            call = (tasks.slow_motion, shown.up_to(frame))
+            self.ask(call, lambda made: self._made(made, frame), rank=LATER, seconds=LONGEST_FILM)
 
-    def _made(self, made, k):
+    def _made(self, made, frame):
         if made is None or isinstance(made, str):
             return self.session.send("film failed", why=made or "it could not be computed; try again")
         for block in made:
-            self.session.send("film", frame=k, body=block)
+            self.session.send("film", frame=frame, body=block)
 
 
 class Layer(Requests):

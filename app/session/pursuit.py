@@ -17,14 +17,15 @@ import logging
 import time
 from concurrent.futures import CancelledError
 from functools import partial
+from math import isfinite
 
 from cachetools import FIFOCache
 
 from app.limits import increments_of
 from app.service import metrics
-from app.service.following import Followed, followed
-from app.service.pool import SCREEN
-from app.session.comparison import Comparison
+from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
+from app.service.pool import LATER, SCREEN
+from app.service.requests import Requests
 from app.session.run import ERROR, Run
 from solver.cautions import cautions
 
@@ -35,6 +36,7 @@ SOON = 2.0  # s: a run that ends within this time is finished during a drag, as 
 PATIENCE = 0.5  # s that a newer request waits for a slice: its budget plus the longest increment of most runs
 RUNS = 40  # runs of a visitor from which another run may continue
 WAITS = 1.0  # s in the queue before a visitor sees the position
+OFF = "What was shown while the slider moved"  # a note begins with it
 
 
 class Pursuit:
@@ -52,7 +54,7 @@ class Pursuit:
         self.held = False  # whether a slider is held
         self.skeleton = self.shown = None  # start of predictions; the Scene of the picture on screen, or None
         self.cautions = []  # warnings about the last finished run
-        self.comparison = Comparison(session)
+        self.comparison = Requests(session)
 
     @property
     def state(self):
@@ -252,10 +254,12 @@ class Pursuit:
         return self.requested is not None and not ends
 
     def _end(self):
-        """End the run and put it into the cache."""
-        self.run.store(self.session.run_cache)
-        self._ended(self.run.packed)
-        self.run.leave()
+        """End the run; all visitors may use one that is complete and starts from nothing."""
+        run = self.run
+        if run.state == "finished" and not run.history:
+            self.session.run_cache.put(run.scene, run.packed)
+        self._ended(run.packed)
+        run.leave()
 
     def _ended(self, whole):
         """After a run: compare it with the last picture, follow from it, and search the marks of the sliders."""
@@ -263,9 +267,25 @@ class Pursuit:
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive)
         if run.state == "finished":
             if self.shown == run.scene:
-                self.comparison.compare(self.skeleton, run.scene, whole.blocks)
+                call = (compared, self.skeleton, whole.blocks)
+                self.comparison.ask(call, partial(self._compared, run.scene), rank=LATER)
             self.session.marks.seek(run.scene, whole.skeleton)
         self.skeleton, self.shown = whole.skeleton, None
+
+    def _compared(self, scene, off):
+        """Count how the last picture of a scene agreed with its run, and show a note if it did not."""
+        if off is None:
+            return
+        off_U, off_F = off
+        agreed = off_U <= AGREE_U and off_F <= AGREE_F
+        metrics.count("agreed" if agreed else "disagreed")
+        if not agreed:
+            where = {name: getattr(scene, name) for name in SHOWN}
+            log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
+            if self.session.scene == scene:
+                how = f"by {off_U:.2g} nm at a slip" if isfinite(off_U) else "by a slip more or less"
+                self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
+                self.session.publish()
 
     def _send(self, blocks):
         """Send packed frames of the run."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
-from app.service import packing, worker
+from app.service import worker
 from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, SCREEN
 from solver import Scene
@@ -44,7 +44,6 @@ class Run:
     refines: bool = False  # whether it replaces a picture: the browser shows it when complete
     lost: int = 0
     why: str = ""
-    cache_key: object = None  # key of the blocks in the cache
 
     def slice(self, budget):
         """Return (call, {"rank", "seconds"}) of the next slice; budget: s of work."""
@@ -86,13 +85,8 @@ class Run:
 
     def take_over(self, cached):
         """Finish the run with its cached Frames."""
-        self.state, self.cache_key, self.packed = "finished", self.scene, replace(cached, blocks=(), skeleton=None)
+        self.state, self.packed = "finished", replace(cached, blocks=(), skeleton=None)
         self.total = self.frames = cached.frames
-
-    def store(self, run_cache):
-        """Put the run into the cache: for all visitors if it is complete and starts from nothing, else for this one."""
-        self.cache_key = self.scene if self.state == "finished" and not self.history else object()
-        run_cache.put(self.cache_key, self.packed)
 
     def leave(self):
         """Drop the blocks; keep the history, from which frames can be computed again."""
@@ -108,17 +102,6 @@ class Run:
             legs.append((scene, count))
             left -= count
         return (*legs, (self.scene, left))
-
-    def packed_frame(self, k, run_cache):
-        """Return (packed block, row) of frame k in the browser's count, or None if the cache has dropped it."""
-        k -= sum(frames for _, frames in self.history)  # frames of earlier runs are not stored
-        cached = run_cache.get(self.cache_key)
-        for block in self.packed.blocks or (cached.blocks if cached else ()):
-            frames = packing.header(block)["frames"]
-            if 0 <= k < frames:
-                return block, k
-            k -= frames
-        return None
 
     def status(self):
         """Return the status for the browser, as plain data."""

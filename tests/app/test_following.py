@@ -10,7 +10,7 @@ from app.service.packing import Frames
 from app.service.pool import EXACT, LATER, SCREEN
 from app.service.requests import shared_requests
 from app.session import pursuit
-from app.session.comparison import OFF
+from app.session.pursuit import OFF
 from solver import Scene
 
 SCENE = Scene(u_x_max=16.0)  # slips three times

@@ -31,7 +31,6 @@ FREE = {  # parameters that can be free: label, unit, whether it is free at firs
     "scale_F": ("scale of F", "", False),
     "offset_F": ("zero of F", "", False),
 }
-TEMPLATE = {"fit_free": FREE}
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # parts of the figure, per quantity
 LONG = 120.0  # s, time limit of a fit
 SEEDS = 2**32  # number of seeds of example data

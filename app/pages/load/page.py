@@ -14,7 +14,6 @@ from solver import sweep
 from solver.plots import friction_over_load
 
 TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
-TEMPLATE = {"changes": CHANGES}
 DEPTHS = (-0.2, 0.0, 0.2, 0.4)  # delta_bar of a notebook's figure
 
 

@@ -15,11 +15,6 @@ LOST = "it could not be computed. Change a parameter to try again"
 LONG = 120.0  # s, time limit of a run with its derivatives
 
 
-def compose():
-    """Return no figures: the page has none."""
-    return []
-
-
 def figure(scene):
     """Return the change of the force of the first slip per parameter as bars, for a notebook."""
     found = tasks.what_matters(scene)

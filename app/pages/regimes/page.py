@@ -41,7 +41,6 @@ QUANTITIES = {  # of a Point: label, unit, and the parameters that normalise it
     "reattached": ("share reattached", "", ()),
     "L_min": ("load L at pull-off", "N/m", ("width", "E")),
 }
-TEMPLATE = {"map_axes": AXES, "map_of": QUANTITIES}
 MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
