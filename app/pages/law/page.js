@@ -28,9 +28,9 @@ export function frame(run, k) {
     normal[i] = (T_n[i] * delta_n) / phi_n / sum
   }
   const stateOf = (i) => (nodes.state(i) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip")
-  const found = Object.groupBy(x.keys(), stateOf)
+  const groups = Object.groupBy(x.keys(), stateOf)
   for (const state of ["stick", "slip", "open"]) {
-    const pick = (list) => Float32Array.from(found[state] ?? [], (i) => list[i])
+    const pick = (list) => Float32Array.from(groups[state] ?? [], (i) => list[i])
     const columns = { s: pick(s), gap: pick(gap) }
     fill("law_shear_map", state, columns)
     fill("law_normal_map", state, columns)

@@ -9,15 +9,15 @@ export const plain = (value) => (value instanceof Map ? Object.fromEntries(value
 export const useIndex = (given) => { index = given }
 const known = new WeakMap() // model: its view, as Bokeh looks through all of them each time
 export function viewOf(model) {
-  const view = known.get(model)
+  let view = known.get(model)
   if (view?.el?.isConnected) {
     skip(view)
     return view
   }
-  const found = index.find_one(model)
-  known.set(model, found)
-  if (found?.canvas_view) prepare(found)
-  return found
+  view = index.find_one(model)
+  known.set(model, view)
+  if (view?.canvas_view) prepare(view)
+  return view
 }
 export const isDrawn = (model) => Boolean(viewOf(model)?.has_finished())
 

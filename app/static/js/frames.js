@@ -62,25 +62,25 @@ export class Frames {
 
   // Stretches of repulsion in frame k, [from, to] as numbers of nodes with fractions
   patches(k) {
-    const { head: { first }, of } = this.sent(k), T = of("T_z"), found = []
+    const { head: { first }, of } = this.sent(k), T = of("T_z"), patches = []
     const beyond = (i, j) => (j in T ? T[i] / (T[i] - T[j]) : 0)
     T.forEach((value, i) => {
       if (value <= 0) return
-      if (!(T[i - 1] > 0)) found.push([first + i - beyond(i, i - 1), 0])
-      if (!(T[i + 1] > 0)) found.at(-1)[1] = first + i + beyond(i, i + 1)
+      if (!(T[i - 1] > 0)) patches.push([first + i - beyond(i, i - 1), 0])
+      if (!(T[i + 1] > 0)) patches.at(-1)[1] = first + i + beyond(i, i + 1)
     })
-    return found
+    return patches
   }
 
   // Outermost places of repulsion in frame k; null where nothing is repelled
   edges(k) {
-    const found = this.patches(k)
-    return found.length ? [found[0][0], found.at(-1)[1]] : null
+    const patches = this.patches(k)
+    return patches.length ? [patches[0][0], patches.at(-1)[1]] : null
   }
 
   // Where both of them are in some frames, nm from the middle; NaN where there are none
   edgesOver(frames) {
-    const { spacing, middle } = this.head, found = frames.map((k) => this.edges(k))
-    return [0, 1].map((side) => found.map((ends) => (ends?.[side] ?? NaN) * spacing - middle))
+    const { spacing, middle } = this.head, edges = frames.map((k) => this.edges(k))
+    return [0, 1].map((side) => edges.map((ends) => (ends?.[side] ?? NaN) * spacing - middle))
   }
 }

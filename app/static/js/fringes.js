@@ -71,7 +71,7 @@ export function drawFringes(run, k, canvas = by("fringes"), figure = figures.pun
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
 // is to where it hangs on the top. part: of the view's height, that is below the top;
 // depth: of what is shown, in rows / ROWS
-function paintSheet(run, k, { x_range, y_range }, found, part, depth) {
+function paintSheet(run, k, { x_range, y_range }, orders, part, depth) {
   Object.assign(sheet, sheet.width === WIDE ? {} : { width: WIDE, height: HIGH })
   const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
   const shades = new Uint32Array(pixels.data.buffer)
@@ -96,8 +96,8 @@ function paintSheet(run, k, { x_range, y_range }, found, part, depth) {
       const l = Math.max(0, Math.min(ROWS - 2, Math.floor(row)))
       const p = Math.max(0, Math.min(1, (column * COLUMNS) / WIDE - j)), q = Math.max(0, Math.min(1, row - l))
       const n = l * COLUMNS + j
-      const fringe = (found[n] * (1 - p) + found[n + 1] * p) * (1 - q)
-        + (found[n + COLUMNS] * (1 - p) + found[n + COLUMNS + 1] * p) * q
+      const fringe = (orders[n] * (1 - p) + orders[n + 1] * p) * (1 - q)
+        + (orders[n + COLUMNS] * (1 - p) + orders[n + COLUMNS + 1] * p) * q
       shades[r * WIDE + c] = inks[Math.min(inks.length - 1, Math.round(fringe * SHADES))]
     }
   }

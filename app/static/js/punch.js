@@ -61,9 +61,9 @@ function drawPunch(run, frame, top) {
   }
   fill("punch", "body", outline)
   fill("punch", "surface", { x, gap })
-  const found = Object.groupBy(x.keys(), frame.state)
+  const groups = Object.groupBy(x.keys(), frame.state)
   for (const label in declared.nodes) {
-    const pick = (list) => Float32Array.from(found[label] ?? [], (i) => list[i])
+    const pick = (list) => Float32Array.from(groups[label] ?? [], (i) => list[i])
     fill("punch", label, { x: pick(x), at: pick(at), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
   }
   if (!run.head.flat) return

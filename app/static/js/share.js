@@ -35,12 +35,12 @@ const titleOf = (holder) => (captionOf(holder)?.querySelector("b") ?? captionOf(
 function keyOf(holder) {
   const spans = [...captionOf(holder)?.querySelectorAll(".key span") ?? []].filter((span) => span.checkVisibility()
     && span.querySelector(":scope > i"))
-  const pinned = [...document.querySelectorAll(".chip button:first-child[aria-pressed=true]")].map((one) =>
-    [one.querySelector("path").getAttribute("stroke"), one.textContent.trim()])
+  const pinned = [...document.querySelectorAll(".chip button:first-child[aria-pressed=true]")].map((chip) =>
+    [chip.querySelector("path").getAttribute("stroke"), chip.textContent.trim()])
   return [...spans.map((span) => {
     const look = getComputedStyle(span.querySelector("i")), clear = "rgba(0, 0, 0, 0)"
-    const ink = [look.backgroundColor, look.borderTopColor].find((one, i) =>
-      one !== clear && (i === 0 || look.borderTopWidth !== "0px"))
+    const ink = [look.backgroundColor, look.borderTopColor].find((shade, i) =>
+      shade !== clear && (i === 0 || look.borderTopWidth !== "0px"))
     return [ink ?? colour("--soft"), span.textContent.trim()]
   }), ...(holder.closest("main") && !holder.closest("figure").getAttribute("aria-label").startsWith("Traction")
     ? pinned : [])]
@@ -81,7 +81,7 @@ async function withAxis(name, call) {
 }
 
 const canvasesIn = (part) =>
-  [...part.querySelectorAll(":scope > canvas")].filter((one) => one.width && one.clientHeight)
+  [...part.querySelectorAll(":scope > canvas")].filter(({ width, clientHeight }) => width && clientHeight)
 const imageOf = (canvas, y = 0) => `<image y="${y}" width="${canvas.clientWidth}" height="${canvas.clientHeight}" `
   + `opacity="${getComputedStyle(canvas).opacity}" href="${canvas.toDataURL()}"/>`
 

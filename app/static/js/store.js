@@ -44,7 +44,7 @@ export const cover = (names, draw) => watch(covers, names, draw)
 
 // Mark what watches these fields, as their contents have changed
 export function touch(...names) {
-  for (const name of names) for (const one of watchers[name]) one.due = true
+  for (const name of names) for (const watcher of watchers[name]) watcher.due = true
   schedule()
 }
 
@@ -88,11 +88,11 @@ async function render() {
 }
 
 function drawAll(list) {
-  for (const one of list) {
-    if (!one.due) continue
-    one.due = false
+  for (const watcher of list) {
+    if (!watcher.due) continue
+    watcher.due = false
     try {
-      one.draw()
+      watcher.draw()
     } catch (error) {
       reportError(error) // the other views are drawn
     }

@@ -53,8 +53,8 @@ export function connectViews() {
   })
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
-    for (const one of document.querySelectorAll(".control"))
-      one.toggleAttribute("data-shown", one.dataset.name === target.value)
+    for (const control of document.querySelectorAll(".control"))
+      control.toggleAttribute("data-shown", control.dataset.name === target.value)
   })
 }
 

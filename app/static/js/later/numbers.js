@@ -44,9 +44,9 @@ function atFirstSlip(run, end) {
 
 function row(name, mark, run, leadTo) {
   const heading = make("th", { scope: "row" }, ...(mark ? [mark, " "] : []), name)
-  const found = run ? measured(run) : {}
+  const measures = run ? measured(run) : {}
   const cells = Object.keys(MEASURES).map((measure) => {
-    const { text = "…", why = "", k } = found[measure] ?? {}
+    const { text = "…", why = "", k } = measures[measure] ?? {}
     const label = `${name}, ${MEASURES[measure][0]}: ${text} ${MEASURES[measure][1]}${why && `; ${why}`}`
     const onclick = () => { by("numbers").close(); leadTo(k) }
     return make("td", {},

@@ -20,13 +20,13 @@ export function pinRun() {
   const { run, status, pins } = me
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
-  if (pins.some((one) => one.run === run)) return say("this run is pinned already")
+  if (pins.some((pin) => pin.run === run)) return say("this run is pinned already")
   const made = add(run, { ...status.address }, named(status.address, status.preset), Boolean(status.after))
   by("announcement").textContent = `pinned: ${titleOf(made)}`
 }
 
 function add(run, scene, name, carried = false) {
-  const slot = [1, 2, 3, 4].find((free) => me.pins.every((one) => one.slot !== free))
+  const slot = [1, 2, 3, 4].find((free) => me.pins.every((pin) => pin.slot !== free))
   const made = { run, scene, name, slot, shown: true, carried }
   me.pins = [...me.pins, made]
   return made
@@ -39,10 +39,10 @@ function named(scene, preset) {
   return values.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
 
-const change = (slot, news) => { me.pins = me.pins.map((one) => (one.slot === slot ? { ...one, ...news } : one)) }
+const change = (slot, news) => { me.pins = me.pins.map((pin) => (pin.slot === slot ? { ...pin, ...news } : pin)) }
 
 function remove(slot) {
-  me.pins = me.pins.filter((one) => one.slot !== slot)
+  me.pins = me.pins.filter((pin) => pin.slot !== slot)
   by("pin").focus()
 }
 
@@ -56,12 +56,12 @@ export function swatch(slot) {
   return makeShape("svg", { class: "swatch", "aria-hidden": true }, makeShape("path", { d: "M1 5 H33", ...stroke }))
 }
 
-function chip(one) {
-  const { slot, shown } = one
-  const show = button("", `Show ${titleOf(one)}`, () => change(slot, { shown: !shown }), { "aria-pressed": shown })
-  show.append(swatch(slot), ` ${titleOf(one)}${one.failure ? ": failed" : one.run ? "" : " …"}`)
+function chip(pin) {
+  const { slot, shown } = pin
+  const show = button("", `Show ${titleOf(pin)}`, () => change(slot, { shown: !shown }), { "aria-pressed": shown })
+  show.append(swatch(slot), ` ${titleOf(pin)}${pin.failure ? ": failed" : pin.run ? "" : " …"}`)
   return make("span", { className: "chip", data: { slot } }, show,
-    button("×", `Remove ${one.name}`, () => remove(slot)))
+    button("×", `Remove ${pin.name}`, () => remove(slot)))
 }
 
 function say(text) {
