@@ -144,8 +144,8 @@ class Pages:
 
     def scene_changed(self):
         """The experiment shows another scene from now on."""
-        if self.page is not None:
-            self.page.scene_changed()
+        for page in filter(None, (self.page, *self.closed.values())):
+            page.scene_changed()
 
     def order(self, **values):
         """Pass an order from the browser to the open page."""

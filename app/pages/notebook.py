@@ -4,7 +4,6 @@ import re
 from concurrent.futures import Future
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 from bokeh.layouts import gridplot
 from bokeh.palettes import RdBu
@@ -20,8 +19,7 @@ class Session:
     """The parts of a session that a Sheet needs. `submit` runs a call at once."""
 
     def __init__(self, scene):
-        self.scene, self.bench = scene, SimpleNamespace(report={}, on_change=None)
-        self.doc = self.pool = self
+        self.scene, self.doc, self.pool = scene, self, self
 
     def add_next_tick_callback(self, call):
         """Call at once; see the document."""

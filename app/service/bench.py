@@ -63,54 +63,6 @@ class Job(threading.Thread):
             self.caller.process.kill()  # the job's thread reaps the process
 
 
-class Bench:
-    """The measurement of one visitor. It calls `on_change()`, if set, when `report` has changed.
-
-    Every method but `_report` runs under the lock of the visitor's document.
-    """
-
-    def __init__(self, doc):
-        self.doc, self.job, self.report, self.on_change = doc, None, {}, None
-
-    def begin(self, scene):
-        """Measure a scene. This ends the current measurement."""
-        self.close()
-        self.job = Job(scene, self._report)
-        self._set({"state": "waiting", "progress": 0.0, "points": [], "scene": scene})
-        log.info("a measurement begins")
-        self.job.start()
-
-    def cancel(self, why=""):
-        """End the current measurement, if any, and keep its results so far."""
-        if self.job is not None:
-            self.close()
-            self._set(self.report | {"state": "cancelled", "why": why})
-
-    def close(self):
-        """End the current measurement without a report."""
-        if self.job is not None:
-            self.job.stop()
-            self.job = None
-            log.info("a measurement ends early")
-
-    def _report(self, job, report):
-        """Pass a report from the job's thread to the document's thread."""
-        if not job.stopped.is_set():
-            self.doc.add_next_tick_callback(lambda: self._take(job, report))
-
-    def _take(self, job, report):
-        if job is self.job:
-            if report["state"] in FINAL:
-                self.job = None
-                log.info("a measurement is %s", report["state"])
-            self._set(self.report | report)
-
-    def _set(self, report):
-        self.report = report
-        if self.on_change:
-            self.on_change()
-
-
 def work(scene):
     """Measure `scene` and yield reports {'state', 'progress', 'points', ...}; the last is final."""
     from solver.continuation.state import NotConverged

@@ -85,7 +85,6 @@ class Pursuit:
 
     def request(self, request):
         """Show the run of a RunRequest, at once or after the call in flight."""
-        self.session.bench.cancel("the scene has changed")
         self.session.pages.scene_changed()
         self.requested, self.held = request, request.held
         state = self.state

@@ -8,7 +8,6 @@ from bokeh.document.events import MessageSentEvent
 
 from app.limits import INCREMENTS
 from app.service import metrics, tasks
-from app.service.bench import Bench
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
 from app.service.requests import Requests
@@ -39,7 +38,6 @@ class Session:
         self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
         self.errors = {}
         self.pursuit = Pursuit(self)
-        self.bench = Bench(doc)
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.pinned, self.marks = Pinned(self), Marks(self)
@@ -55,8 +53,8 @@ class Session:
         """Cancel every call: the visitor left."""
         if not self.closed:
             self.closed = True
-            for part in (self.pursuit, self.bench, self.pages):
-                part.close()
+            self.pursuit.close()
+            self.pages.close()
             parts = (self.reading, self.share, self.share.code, self.film, self.layer)
             for requests in (*parts, self.pinned, self.marks):
                 requests.cancel()

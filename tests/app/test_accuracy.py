@@ -9,8 +9,9 @@ from helpers import until
 from served import PATIENCE, finished
 from visitor import Page, order
 
+from app.pages.accuracy import page as accuracy
 from app.service import bench
-from app.service.bench import Bench
+from app.views.plots import view_of
 from solver import Scene
 from solver.cautions import cautions
 
@@ -73,30 +74,34 @@ def test_cautions_are_published_after_new_and_known_runs(pool):
 
 
 class Visitor:
-    """Replaces a document: keeps scheduled calls and has a Bench."""
+    """Replaces a session and its document: keeps scheduled calls and has the page."""
 
     def __init__(self):
-        self.calls = queue.Queue()
-        self.bench = Bench(self)
+        self.calls, self.doc, self.scene = queue.Queue(), self, Scene()
+        views = {figure.name.removeprefix("accuracy_"): view_of(figure) for figure in accuracy.compose()}
+        self.page = accuracy.Page(self, lambda **news: None, views)
 
     def add_next_tick_callback(self, call):
         self.calls.put(call)
 
+    def measure(self):
+        self.page.order({"what": "measure"})
+        return self.page.job
+
     @property
     def state(self):
-        return self.bench.report["state"]
+        return self.page.report["state"]
 
 
 @pytest.mark.slow
 def test_cancelling_an_accuracy_measurement_ends_its_process():
     visitor = Visitor()
-    visitor.bench.begin(Scene())
-    job = visitor.bench.job
+    job = visitor.measure()
     visitor.calls.get(timeout=WAIT)()
     process = job.caller.process
     assert visitor.state == "measuring" and process.is_alive()
-    visitor.bench.cancel("enough")
-    assert visitor.state == "cancelled" and visitor.bench.report["why"] == "enough"
+    visitor.page.scene_changed()
+    assert visitor.state == "cancelled" and visitor.page.report["why"] == "the scene has changed"
     job.join(WAIT)
     assert not process.is_alive() and process not in multiprocessing.active_children()
     while not visitor.calls.empty():
@@ -108,19 +113,18 @@ def test_cancelling_an_accuracy_measurement_ends_its_process():
 @pytest.mark.slow
 def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
     first, second = Visitor(), Visitor()
-    first.bench.begin(Scene())
-    until(lambda: first.bench.job.caller is not None)
-    second.bench.begin(Scene())
-    waiting = second.bench.job
+    measuring = first.measure()
+    until(lambda: measuring.caller is not None)
+    waiting = second.measure()
     first.calls.get(timeout=WAIT)()  # the first measures: meanwhile the second could have started a process, too
     assert waiting.caller is None and second.state == "waiting"
-    first.bench.job.caller.process.kill()
+    measuring.caller.process.kill()
     while first.state != "failed":
         first.calls.get(timeout=WAIT)()
-    assert "Measure again" in first.bench.report["why"]
+    assert "Measure again" in first.page.report["why"]
     second.calls.get(timeout=WAIT)()
     assert second.state == "measuring"
-    second.bench.close()
+    second.page.close()
     waiting.join(WAIT)
     assert not waiting.is_alive()
 
@@ -137,10 +141,9 @@ def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session
     point = {"series": "fast", "tolerance": 1e-5, "seconds": 0.03, "evaluations": 700, "error": 2e-6, "astray": True}
     order(session, "page", page="accuracy")
     assert page_state(session)["texts"]["accuracy-state"].startswith("takes")
-    session.bench.report = {"state": "done", "points": [point], "scene": session.scene, "sentence": "It is right."}
-    session.bench.on_change()
+    session.pages.page.report["scene"] = session.scene
+    session.pages.page._show({"state": "done", "points": [point], "sentence": "It is right."})
     order(session, "page", page="")
-    assert session.bench.on_change is None
     order(session, "page", page="accuracy")
     texts = page_state(session)["texts"]
     assert texts["accuracy-state"] == "done" and texts["accuracy-sentence"] == "It is right."

@@ -169,9 +169,8 @@ def test_slow_motion_can_be_scrubbed_and_resumed(look):
     ends = f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.y_range)"
     before = page.evaluate(ends)
     page.keyboard.press("m")
-    scrub = page.locator("#film-scrub")
-    scrub.wait_for()
-    assert page.locator("#scrub").is_hidden()
+    scrub = page.locator("#scrub")
+    page.wait_for_function("punch.film")
     page.locator("#play", has_text="Pause").wait_for()
     put = "(scrub, k) => { scrub.value = k; scrub.dispatchEvent(new Event('input')) }"
     low, high = page.evaluate("(({ F }) => [Math.min(...F), Math.max(...F)])(punch.film.run.curves)")
@@ -180,7 +179,7 @@ def test_slow_motion_can_be_scrubbed_and_resumed(look):
     forces = []
     for k in (1, 5):
         scrub.evaluate(put, k)
-        page.wait_for_function(f"document.getElementById('film-scrub').value === '{k}'")
+        page.wait_for_function(f"document.getElementById('scrub').value === '{k}'")
         page.wait_for_function(f"!{forces}.includes(document.getElementById('readout').textContent)")
         forces.append(page.locator("#readout").inner_text())
     assert page.locator("#play").inner_text() == "Play" and scrub.input_value() == "5"

@@ -1,8 +1,9 @@
 """The page "Accuracy": error over run time and force evaluations of each method, for the scene on screen.
 
-A separate process measures (service/bench.py). It continues while the page is closed, until the scene changes.
+A separate process measures (service/bench.py), until the scene changes.
 """
 
+import logging
 from math import ceil, floor, log10
 
 from bokeh.models import FixedTicker
@@ -13,6 +14,7 @@ from app.pages.notebook import laid_out, page_of
 from app.service import bench
 from app.views.plots import blank, draw
 
+log = logging.getLogger("app")
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
 SERIES = {  # method: marker, colour; offset (px, right and down) and alignment of the tolerance beside its point
     "fast": ("circle", "--repulsive", 9, -6, "left"),
@@ -46,46 +48,71 @@ def figure(scene):
     """Measure error over run time and force evaluations of a Scene, for a notebook."""
     page = page_of(compose, Page, scene)
     for news in bench.reports(scene):
-        page.session.bench.report |= news
+        page.report |= news
     page.start()
     return laid_out(page)
 
 
 class Page(Sheet):
-    """The page of one visitor; see app/pages."""
+    """The page of one visitor; see app/pages. It stays: a measurement continues while the page is closed."""
+
+    stays = True
+
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.job, self.report = None, {}  # the current measurement; what the last one has reported
 
     def start(self):
         """Show the last measurement."""
-        self.session.bench.on_change = self._update
-        self._update()
+        self._show({})
 
     def scene_changed(self):
-        """Update the text: the measurement of the previous scene stays."""
-        self._publish_texts()
+        """End the measurement of the previous scene. Its results stay."""
+        self._stop("the scene has changed")
 
     def order(self, values):
         """Start or cancel a measurement."""
         if values.get("what") == "measure":
-            self.session.bench.begin(self.session.scene)
+            self.close()
+            self.job = bench.Job(self.session.scene, self._pass_on)
+            self.report = {"state": "waiting", "progress": 0.0, "scene": self.session.scene}
+            self._show({})
+            log.info("a measurement begins")
+            self.job.start()
         elif values.get("what") == "cancel":
-            self.session.bench.cancel()
+            self._stop()
 
     def close(self):
-        """Close the page; the measurement continues."""
-        self.session.bench.on_change = None
+        """End the measurement: the visitor left."""
         super().close()
+        if self.job is not None:
+            self.job.stop()
+            self.job = None
+            log.info("a measurement ends early")
 
-    def _update(self):
-        self._draw(self.session.bench.report.get("points", ()))
+    def _stop(self, why=""):
+        if self.job is not None:
+            self.close()
+            self.report |= {"state": "cancelled", "why": why}
+        self._publish_texts()
+
+    def _pass_on(self, job, report):
+        """Pass a report from the thread of a job to that of the document."""
+        if not job.stopped.is_set():
+            self.session.doc.add_next_tick_callback(lambda: job is self.job and self._show(report))
+
+    def _show(self, news):
+        if news.get("state") in bench.FINAL:
+            self.job = None
+            log.info("a measurement is %s", news["state"])
+        self.report |= news
+        self._draw(self.report.get("points", ()))
         self._publish_texts()
 
     def _publish_texts(self):
-        report, now = self.session.bench.report, _description(self.session.scene)
-        state, why, before = (
-            report.get("state"),
-            report.get("why", ""),
-            _description(report.get("scene", self.session.scene)),
-        )
+        report, now = self.report, _description(self.session.scene)
+        state, why = report.get("state"), report.get("why", "")
+        before = _description(report.get("scene", self.session.scene))
         busy = report["progress"] if state in ("waiting", "measuring") else None
         text = {
             None: "takes 10 s to 2 minutes",

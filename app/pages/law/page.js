@@ -5,10 +5,9 @@ import { fill } from "../../static/js/figures.js"
 
 const FAINT = 1e-3 // share of the tangential traction below which its factor over s is not resolved
 
-let law = null // {spacing, peak: where sticking ends, nm} of the scene on screen
+let law // {spacing, peak: where sticking ends, nm} of the scene on screen
 
 export const receive = (news) => { law = news.law }
-export const closed = () => { law = null }
 
 export function frame(run, k) {
   if (!law) return

@@ -25,10 +25,6 @@ export function receive({ matters }) {
   redrawCanvases()
 }
 
-export function closed() {
-  result = null
-}
-
 const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ? "0" : Math.abs(value).toFixed(2)} %`
 
 function drawBars() {

@@ -1,7 +1,7 @@
 // The page "Inside the solid": stress in the layer at the increment shown, summed here (inside.js).
 
 import { set } from "../../static/js/bokeh.js"
-import { nice, rampIn, shades } from "../../static/js/colours.js"
+import { nice, rampIn, shades, theme } from "../../static/js/colours.js"
 import { by, on } from "../../static/js/dom.js"
 import { extent, figures, fillImage, parts, stretchText, tellLimits } from "../../static/js/figures.js"
 import { APART, mean, middles, SHEARED, sumsIn, tableFor, XX, XZ, ZZ } from "../../static/js/inside.js"
@@ -26,7 +26,7 @@ export function frame(run, k) {
   if (stretch) by("solid_field-stretch").textContent = stretch === "to scale" ? stretch : `vertical ${stretch}`
   const scene = run.headOf(k).scene, half = figures.punch.x_range.end
   const depth = Math.min(half, scene.height * scene.width)
-  const quantity = by("solid-quantity").value, key = [run.number, k, half, quantity].join()
+  const quantity = by("solid-quantity").value, key = [run.number, k, half, quantity, theme()].join()
   const table = key !== drawn && tableFor(scene, { rows: ROWS, modes: Math.min(MODES, scene.nodes >> 1), depth })
   if (!table) return
   drawn = key
@@ -64,8 +64,6 @@ function shade(quantity, run, image) {
 export function receive(news) {
   if (news.palette) ({ palette, stresses } = news)
 }
-
-export const painted = () => { drawn = "" }
 
 export const opened = () => { drawn = "" }
 

@@ -154,7 +154,7 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await import("./tour.js")).openTour())
   on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
-  on("scrub", "input", (event) => goto(Number(event.target.value)))
+  on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {
     on(menu, "change", () => { chosen = menu })

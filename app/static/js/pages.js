@@ -1,6 +1,6 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
 // app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), receive(news),
-// frame(run, k) with every frame before Bokeh paints, over(run, k) after that, painted() in other colours, closed().
+// which are {} as it closes, frame(run, k) with every frame before Bokeh paints, and over(run, k) after that.
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
@@ -23,7 +23,7 @@ export function connect(given) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
   addEventListener("popstate", showAddressed)
-  view(["look"], () => { shadeImages(); call("painted") })
+  view(["look"], shadeImages)
   view(["picture"], () => framePage("frame"))
   cover(["picture"], () => framePage("over"))
 }
@@ -86,7 +86,7 @@ export async function read(message) {
 export function receive(news) {
   if (sheet.open !== news.open) {
     if (news.figures.some((name) => !slots[name].children.length)) return // closed since, as the next message says
-    call("closed")
+    call("receive", {})
     redraw() // in this theme, and without what the page has drawn over the punch
     sheet.figures.forEach(forget)
     sheet = news

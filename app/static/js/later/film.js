@@ -2,7 +2,7 @@
 
 import { frameBox, set } from "../bokeh.js"
 import { order, take } from "../channel.js"
-import { by, make } from "../dom.js"
+import { by, on } from "../dom.js"
 import { figures } from "../figures.js"
 import { cleared, inks, line, over, size, write } from "../pen.js"
 import { goto, toggle } from "../player.js"
@@ -57,8 +57,7 @@ function receive(chunk) {
   film.frames.add(chunk)
   if (!film.frames.whole) return
   film.before = performance.now()
-  scrub.max = film.frames.length - 1 - film.k
-  swapScrubs(true)
+  useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
   const { T_least, T_most } = film.frames, { factor, names } = forceUnit([film.run])
   const F = film.frames.curves[names.F].map((value) => value * factor)
@@ -85,25 +84,23 @@ function step(time) {
   requestAnimationFrame(step)
 }
 
-// The slider of the motion, in the place of that of the run: where it is put, the motion rests
-const scrub = make("input", { type: "range", value: 0, id: "film-scrub", "aria-label": "State of the slip shown" })
-scrub.addEventListener("input", () => {
-  if (!me.film) return // it has come to its end
-  film.clock = ((Number(scrub.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
+// The slider of the run is that of the motion meanwhile: where it is put, the motion rests
+on("scrub", "input", ({ target }) => {
+  if (!me.film) return
+  film.clock = ((Number(target.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
   if (!me.film.paused) toggle()
 })
 
-function swapScrubs(filmed) {
-  by("scrub").hidden = filmed
-  if (filmed) by("scrub").before(scrub)
-  else scrub.remove()
+function useScrub(most, label) {
+  by("scrub").max = most
+  by("scrub").setAttribute("aria-label", label)
 }
 
 // F of the motion from state to state, in a field of its own beside the place of the slip, over the same axis of forces
 function drawTrace() {
   if (!film?.frames) return
   const { frames, k } = film, box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
-  scrub.value = me.film.k - k
+  by("scrub").value = me.film.k - k
   tell("slow motion")
   by("slip").hidden = true
   if (!pen) return
@@ -131,7 +128,7 @@ function leave() {
   film.canvas?.remove()
   for (const [range, before] of film.ranges ?? []) set(range, before)
   film = null
-  swapScrubs(false)
+  useScrub(me.run.length - 1, "Increment shown")
   tell("")
   me.film = null
   redraw()
