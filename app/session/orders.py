@@ -57,14 +57,6 @@ def is_flag(value):
     return isinstance(value, bool)
 
 
-def is_file(value):
-    return value in FILES
-
-
-def is_format(value):
-    return value in FORMATS
-
-
 def are_entries(values):
     """Whether it is {parameter: as it was entered}."""
     named = isinstance(values, dict) and values.keys() <= PARAMETERS.keys()
@@ -95,11 +87,11 @@ ORDERS = {
     "step": Order("pursuit.step"),
     "restore": Order("restore", {"values": is_address}),
     "pin": Order("pinned.request", {"pin": is_whole, "values": is_address}),
-    "file": Order("read_file", {"entry": is_file, "text": is_content}),
+    "file": Order("read_file", {"entry": FILES.__contains__, "text": is_content}),
     "film": Order("film.request", {"run": is_whole, "frame": is_whole}),
     "layer": Order("layer.request", {"rows": is_number, "modes": is_number, "depth": is_number}),
     "share": Order("share.sheet", {"link": is_link}),
-    "export": Order("share.export", {"kind": is_format}),
+    "export": Order("share.export", {"kind": FORMATS.__contains__}),
     "page": Order("pages.open", {"page": is_text}),
     "ask": Order(  # values of the open page's controls
         "pages.order",

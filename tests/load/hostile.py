@@ -37,8 +37,8 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.is_increment: [[1, 3], [1, 10**8], [7, 0]],
     orders.are_entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
     orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
-    orders.is_file: list(orders.FILES),
-    orders.is_format: list(orders.FORMATS),
+    orders.FILES.__contains__: list(orders.FILES),
+    orders.FORMATS.__contains__: list(orders.FORMATS),
 }
 
 
