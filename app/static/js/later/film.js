@@ -85,13 +85,14 @@ function step(time) {
 }
 
 // The slider of the run is that of the motion meanwhile: where it is put, the motion rests
-on("scrub", "input", ({ target }) => {
+function seek({ target }) {
   if (!me.film) return
   film.clock = ((Number(target.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
   if (!me.film.paused) toggle()
-})
+}
 
 function useScrub(most, label) {
+  on("scrub", "input", seek) // once: it is the same function
   by("scrub").max = most
   by("scrub").setAttribute("aria-label", label)
 }
