@@ -15,7 +15,6 @@ MOST = 240  # most products with the tangent in all solves at one equilibrium: o
 LAX = 10.0
 # of a vector's length, its part orthogonal to others up to which it depends on them: round-off leaves it six digits
 DEPENDENT = 1e-10
-FIRST = 16  # pairs that get memory at first, doubled as needed: 240 pairs of 16,384 nodes would take 126 MB
 
 
 class Inverse:
@@ -23,8 +22,8 @@ class Inverse:
 
     def __init__(self, product: Callable, size: int, smooth: Callable | None = None, most: int = MOST):
         """product: w -> A w; smooth: None, or a preconditioner close to -A^-1; most: products in all solves."""
-        self.product, self.size, self.rows, self._smooth, self._most = product, size, 0, smooth, most
-        self._z, self._q = np.empty((2, FIRST, size))
+        self.product, self.size, self.rows, self._smooth = product, size, 0, smooth
+        self._z, self._q = np.empty((2, most, size))  # memory is taken only by rows that are written
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
         """w (size,) with |A w - b| <= accuracy |b|, or as close to that as `most` products lead."""
@@ -35,10 +34,8 @@ class Inverse:
         w, r = np.zeros(self.size), b.copy()
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
-        while dot(r, r) > bound and self.rows < self._most:
+        while dot(r, r) > bound:
             z = r.copy() if self._smooth is None else self._smooth(r)
-            if self.rows == len(self._z):
-                self._z, self._q = (np.concatenate([pairs, np.empty_like(pairs)]) for pairs in (self._z, self._q))
             if not orthonormalise(self._q, self.rows, self.product(z), self._z, z):
                 break
             self.rows += 1

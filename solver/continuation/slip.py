@@ -40,9 +40,6 @@ class SlipOptions:
     # evaluations (tests/bench/constants.py)
     later: float = 0.3
     near: float = 1e-4  # the same within `left`: below the residual at the start, about bend/2 times its square
-    # changes of a node at the edge of the window, after which it stays as it is, so that it cannot swing for ever;
-    # 5 and 20 make no difference (tests/bench/constants.py)
-    come_and_go: int = 10
     # periods of the slowest mode, over its decay in units of the critical one, after which a motion is restless: by
     # then the mode has decayed by exp(-16 pi). Without that factor, a strongly damped fall under a soft drive had no
     # time to come to rest
@@ -101,7 +98,6 @@ class Transient:
         self.motion = motion_of(self.dynamics, y, self.load, damping, closed, options.motion)
         self.ahead, self._r = np.zeros(problem.size), np.empty(problem.size)
         self._worst: float | None = None
-        self._changes = np.zeros(self.active.size, int)
         self.landing, self.near = options.landing * self.unit, options.near * self.unit / trial.nearer**2
         self.starting, self.steps, self.elapsed = end.located, 0, 0.0
 
@@ -146,10 +142,8 @@ class Transient:
             raise TooLong("the motion diverges")
         self.ahead, self._worst = self.v - before, None
         now = self.problem.active(self.v, self.load)
-        changed = now != self.active
-        if changed.any():
-            self._changes += changed
-            self.active = np.where(self._changes > self.options.come_and_go, self.active, now)
+        if (now != self.active).any():
+            self.active = now
             if self.problem.crowded(self.v, self.active, self.load):
                 raise Crowded("the motion needs a wider patch")
         self.starting = self._near_end(self.v)
