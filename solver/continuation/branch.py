@@ -35,12 +35,10 @@ class BranchOptions:
     # of the step before: longest next step, as extrapolation means nothing beyond; of the step: distance from which a
     # point lies on another branch
     growth: float = 3.0
-    # of the step, the next one where a fold was passed but not found from so far; half and twice of it, and of
-    # `approaches`, change no run of tests/bench/constants.py
-    nearer: float = 0.25
     points: int = 400  # most points of one increment on the arc; the longest in the slider box takes some 60
     beyond: float = 0.1  # of the last step, by which a state at the load asked for may lie beyond the newest point
-    approaches: int = 6  # most points on the arc towards the load asked for
+    # most points on the arc towards the load asked for; 3 and 12 change no run of tests/bench/constants.py
+    approaches: int = 6
     # load per arc below which a state is continued by arc length and a fold is looked for a step ahead; at the onset of
     # stick-slip the branch turns back within a tenth of a unit, and larger steps pass that
     steep: float = 0.3
@@ -137,7 +135,7 @@ class _Arc:
             if point.load < points[1].load:
                 if reached := self._beyond_fold(points):
                     return reached
-                points, step = points[1:], options.nearer * step
+                points, step = points[1:], 0.25 * step  # half of the one that passed it
                 continue
             end = point.load < self.target and self._unstable(points)
             if end := end or self._fold_ahead(points):

@@ -1,4 +1,4 @@
-"""Linear solves with the tangent of an equilibrium, which use products of earlier solves; spaces for Rayleigh-Ritz."""
+"""Linear solves with the tangent of an equilibrium, which use products of earlier solves."""
 
 from collections.abc import Callable
 
@@ -101,47 +101,6 @@ class Solves:
         if self.column is not None:
             A = np.block([[A, self.column[:, None]], [self.row[None], np.zeros((1, 1))]])
         return lu_factor(A, check_finite=False)
-
-
-class Space:
-    """Orthonormal disturbances V, up to `room`, their images K V and M V under M = J - K, and V^T M V."""
-
-    def __init__(self, linearised, room):
-        self.rows, self._linearised = 0, linearised
-        self._v, self._k, self._w = np.empty((3, room, linearised.size))
-        self._matrix = np.empty((room, room))
-
-    @property
-    def vectors(self) -> np.ndarray:
-        """V, (rows, size)."""
-        return self._v[: self.rows]
-
-    @property
-    def layered(self) -> np.ndarray:
-        """K V, (rows, size)."""
-        return self._k[: self.rows]
-
-    @property
-    def matrix(self) -> np.ndarray:
-        """V^T M V, (rows, rows) GPa/nm."""
-        return self._matrix[: self.rows, : self.rows]
-
-    def add(self, x, layered) -> None:
-        """Add the part of x (size,) that is orthogonal to V, if there is room; layered: K x."""
-        k = self.rows
-        if not orthonormalise(self._v, k, x.copy(), self._k, layered.copy()):
-            return
-        self._w[k] = self._linearised.product(self._v[k], self._k[k])
-        self.rows += 1
-        self._matrix[: k + 1, k] = self.vectors @ self._w[k]
-        self._matrix[k, :k] = self._w[:k] @ self._v[k]
-
-    def residuals(self, vectors, values) -> np.ndarray:
-        """M x - mu x, (k, size), of k Ritz vectors x with coefficients `vectors` (rows, k) and values mu (k,)."""
-        real = vectors.T.real @ self._w[: self.rows] - (vectors * values).T.real @ self.vectors
-        if not values.imag.any():
-            return real
-        return real + 1j * (vectors.T.imag @ self._w[: self.rows] - (vectors * values).T.imag @ self.vectors)
 
 
 @njit(cache=True, nogil=True)

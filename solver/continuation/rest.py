@@ -13,11 +13,10 @@ elsewhere a frame estimates that damping when asked.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from .inverse import Inverse, Space
+from .inverse import Inverse, orthonormalise
 from .state import TINY, Crowded
 
 ROUND_OFF = 1e-9  # of the largest: eigenvalues and vectors with a smaller imaginary part, from round-off, count as real
@@ -114,12 +113,10 @@ class Judge:
             return _dense(linearised, friction)
         if linearised.size <= options.dense_waves and self.damping < linearised.safe_damping():
             return _dense(linearised, friction)
-        # the start, noise, the search, and its last step beyond that
-        space = Space(linearised, options.kept + 2 + options.most + 4)
         inverse = Inverse(linearised.tangent, problem.size, smooth)
-        zero = _NearZero(friction, options.radius * 0.25 * critical**2, self._scale(problem), fine, options)
-        growth, mu, x, basis, margin = _search(linearised, inverse, space, last.basis if last else (), zero)
-        return Mode(growth, mu, linearised.seen(x), basis, v, margin)
+        radius = options.radius * 0.25 * critical**2
+        search = _Search(linearised, inverse, friction, radius, self._scale(problem), fine, options)
+        return search.mode(v, last.basis if last else ())
 
 
 def rate(mu, friction) -> np.ndarray:
@@ -170,51 +167,72 @@ def _of_waves(linearised, mu, shown, friction):
     return Mode(growth, fastest, linearised.seen(_largest_phase(x)))
 
 
-class _NearZero(NamedTuple):
-    """What is searched for: the fastest mode with |mu| < radius, GPa/nm, its growth to `fine` or only its sign."""
+class _Search:
+    """A search for the fastest mode with |mu| < radius, GPa/nm: for its growth to `fine`, or only for its sign.
 
-    friction: float  # 1/time
-    radius: float
-    scale: float  # of growths
-    fine: bool
-    options: RestOptions
-
-
-def _search(linearised, inverse, space, start, zero):
-    """(growth, mu, x, basis from which to go on, its margin) of that mode; space: an empty Space.
-
-    start: pairs (x, K x) to begin with.
+    It keeps orthonormal disturbances V, their images K V and M V under M = J - K, and V^T M V, GPa/nm.
     """
-    for pair in start:
-        space.add(*pair)
-    other = linearised.noise  # without it, modes of another symmetry would be missed
-    for _ in range(2):  # the second solve damps what does not grow
-        other, layered = linearised.inverse(inverse.solve, other)
-        space.add(other, layered)
-    most = space.rows + zero.options.most
-    while True:
-        ritz = _Ritz(space, zero)
-        rows = space.rows
-        if ritz.settled():
-            break
-        for aim in ritz.aims():
-            for part in _parts(ritz.residuals[aim]):
-                space.add(*linearised.inverse(inverse.solve, part))
-        if not rows < space.rows < most:
-            break
-    return ritz.growth, *ritz.carried()
 
+    def __init__(self, linearised, inverse, friction, radius, scale, fine, options):
+        """friction: 1/time; scale: of growths."""
+        self.linearised, self.inverse, self.options = linearised, inverse, options
+        self.friction, self.radius, self.scale, self.fine = friction, radius, scale, fine
+        room = options.kept + 2 + options.most + 4  # the start, noise, the search, and its last step beyond that
+        self.v, self.k, self.w = np.empty((3, room, linearised.size))
+        self.rows, self.matrix = 0, np.empty((room, room))
 
-class _Ritz:
-    """The Ritz pairs of a Space next to zero: their rates, their distances from growing, and the errors of both."""
+    def mode(self, v, start) -> Mode:
+        """The Mode of the state v; start: pairs (x, K x) to begin with."""
+        for pair in start:
+            self._add(*pair)
+        other = self.linearised.noise  # without it, modes of another symmetry would be missed
+        for _ in range(2):  # the second solve damps what does not grow
+            other = self._respond(other)
+        most = self.rows + self.options.most
+        while True:
+            self._look()
+            rows = self.rows
+            if self._settled():
+                break
+            for aim in self._aims():
+                for part in _parts(self.residuals[aim]):
+                    self._respond(part)
+            if not rows < self.rows < most:
+                break
+        x = _largest_phase(self.vectors[:, self.fastest] @ self.v[:rows])
+        mu = complex(self.values[self.fastest])
+        basis, margin = self._carried(rows)
+        return Mode(self.growth, mu, self.linearised.seen(x), basis, v, margin)
 
-    def __init__(self, space, zero):
-        friction = zero.friction
-        self.all_vectors, self.values, self.vectors = _ritz_pairs(space, friction, zero.radius)
-        self.zero, self.depth = zero, inside(self.values, friction)
-        self.span, self.layered, self.matrix = space.vectors, space.layered, space.matrix
-        rates = rate(self.values, friction)
-        self.residuals = space.residuals(self.vectors, self.values)
+    def _respond(self, force):
+        """Add the response x to a force, (K - J)^-1 of it, and return it."""
+        x, layered = self.linearised.inverse(self.inverse.solve, force)
+        self._add(x, layered)
+        return x
+
+    def _add(self, x, layered):
+        """Add the part of x (size,) that is orthogonal to V, if there is room; layered: K x."""
+        k = self.rows
+        if orthonormalise(self.v, k, x.copy(), self.k, layered.copy()):
+            self.w[k] = self.linearised.product(self.v[k], self.k[k])
+            self.matrix[: k + 1, k] = self.v[: k + 1] @ self.w[k]
+            self.matrix[k, :k] = self.w[:k] @ self.v[k]
+            self.rows += 1
+
+    def _look(self):
+        """The Ritz pairs near zero, one of each complex pair: their residuals and distances from growing.
+
+        Near zero are those with |mu| < radius or Re mu > 0, and where the contact is stiff everywhere, the smallest.
+        """
+        n, friction = self.rows, self.friction
+        values, vectors = np.linalg.eig(self.matrix[:n, :n])
+        upper = np.flatnonzero(values.imag >= 0.0)
+        upper = upper[np.argsort(inside(values[upper], friction))]
+        values, self.all_vectors = values[upper], vectors[:, upper]
+        near = (np.abs(values) <= max(self.radius, np.abs(values).min())) | (values.real > 0.0)
+        self.values, self.vectors = values[near], self.all_vectors[:, near]
+        rates, self.depth = rate(self.values, friction), inside(self.values, friction)
+        self.residuals = self.vectors.T @ self.w[:n] - (self.vectors * self.values).T @ self.v[:n]
         miss = np.sqrt((np.abs(self.residuals) ** 2).sum(axis=1))
         # of modes that grow alike to round-off, the one nearest to zero
         self.fastest = int(np.argmax(rates - ROUND_OFF * np.abs(self.values)))
@@ -222,44 +240,28 @@ class _Ritz:
         self.error = _error(miss[self.fastest], self.values[self.fastest], friction)
         doubt = miss / np.maximum(self.depth, TINY)
         self.worst = int(np.argmax(doubt))
-        self.sure = doubt[self.worst] < zero.options.sure
+        self.sure = doubt[self.worst] < self.options.sure
 
-    def settled(self):
+    def _settled(self):
         """Whether the growth is known well enough."""
-        _, _, scale, fine, options = self.zero
-        decided = self.sure or self.growth > self.error
-        clear = self.sure and self.growth < -options.clear * scale
-        return clear or self.error < options.fine * scale or (decided and not fine)
+        clear = self.sure and self.growth < -self.options.clear * self.scale
+        decided = not self.fine and (self.sure or self.growth > self.error)
+        return clear or decided or self.error < self.options.fine * self.scale
 
-    def aims(self):
+    def _aims(self):
         """The pairs whose residuals extend the space."""
         if self.sure or self.depth[self.fastest] <= 0.0:
             return {self.fastest}
-        return {self.worst, self.fastest} if self.zero.fine else {self.worst}
+        return {self.worst, self.fastest} if self.fine else {self.worst}
 
-    def carried(self):
-        """(mu and x of the fastest mode; basis and margin, as of a Mode, of those nearest to growing)."""
-        kept = self.zero.options.kept
+    def _carried(self, n):
+        """(basis, margin), as of a Mode, of the modes nearest to growing."""
+        kept = self.options.kept
         parts = [part for vector in self.all_vectors.T[:kept] for part in _parts(vector)]
         basis = np.linalg.qr(np.array(parts[:kept]).T)[0].T
-        x = _largest_phase(self.vectors[:, self.fastest] @ self.span)
-        vectors, layered = basis @ self.span, basis @ self.layered
-        onset = np.linalg.solve(vectors @ layered.T, basis @ self.matrix @ basis.T)
-        margin = -float(np.linalg.eigvals(onset).real.max())
-        return complex(self.values[self.fastest]), x, tuple(zip(vectors, layered, strict=True)), margin
-
-
-def _ritz_pairs(space, friction, radius):
-    """(all vectors, fastest growth first; values and vectors near zero), one of each complex pair.
-
-    Near zero are those with |mu| < radius or Re mu > 0, and where the contact is stiff everywhere, the smallest.
-    """
-    values, vectors = np.linalg.eig(space.matrix)
-    upper = np.flatnonzero(values.imag >= 0.0)
-    upper = upper[np.argsort(inside(values[upper], friction))]
-    values, vectors = values[upper], vectors[:, upper]
-    near = (np.abs(values) <= max(radius, np.abs(values).min())) | (values.real > 0.0)
-    return vectors, values[near], vectors[:, near]
+        vectors, layered = basis @ self.v[:n], basis @ self.k[:n]
+        onset = np.linalg.solve(vectors @ layered.T, basis @ self.matrix[:n, :n] @ basis.T)
+        return tuple(zip(vectors, layered, strict=True)), -float(np.linalg.eigvals(onset).real.max())
 
 
 def _error(miss, mu, friction):

@@ -46,7 +46,7 @@ class Contact:
     def response(self, u, active) -> np.ndarray:
         """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.evaluated()
-        self.fill(u, active, self._layer.field)
+        self.traction(u, active, self._layer.field)
         self._layer.apply()
         return self._layer.product
 
@@ -55,12 +55,9 @@ class Contact:
         """T (2, size) of the last `response`, GPa; its buffer."""
         return self._layer.field
 
-    def traction(self, u, active) -> np.ndarray:
-        """T(u), (2, size) GPa; a new array."""
-        return self.fill(u, active, np.empty((2, self.size)))
-
-    def fill(self, u, active, out) -> np.ndarray:
-        """Fill `out` (2, size) with T(u), GPa, and return it."""
+    def traction(self, u, active, out=None) -> np.ndarray:
+        """T(u), (2, size) GPa: `out`, or a new array."""
+        out = np.empty((2, self.size)) if out is None else out
         cohesive_law.tractions(u, self.profile, active, self.law, self._work, out)
         return out
 
@@ -73,12 +70,6 @@ class Contact:
     def pressure(self, T_z) -> float:
         """Mean over the cell, GPa, of normal tractions (size,) GPa."""
         return float(T_z.sum()) / self.count
-
-    def product(self, tangents, w) -> np.ndarray:
-        """C dT/du w, (2, size) nm; a buffer; counts as a force evaluation, without exponentials."""
-        self._layer.field[:] = 0.0
-        cohesive_law.add_product(tangents, w, self._layer.field)
-        return self.comply(self._layer.field)
 
     def comply(self, T) -> np.ndarray:
         """C T, (2, size) nm, of T (2, size) GPa; a buffer; counts as a force evaluation, without exponentials."""

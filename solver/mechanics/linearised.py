@@ -37,12 +37,12 @@ class Linearised:
 
     def tangent(self, w) -> np.ndarray:
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
-        u, problem = w[: 2 * self.m], self.problem
-        out = self.contact.product(self.J, u.reshape(2, -1)).reshape(-1) - u
-        if not problem.held:
+        pull = self.pull(w)
+        out = self.contact.comply(pull).reshape(-1) - w[: 2 * self.m]
+        if not self.problem.held:
             return out
         out[self.m :] += w[-1]
-        return np.append(out, problem.scale * self.contact.pressure(self.pull(w)[1]))
+        return np.append(out, self.problem.scale * self.contact.pressure(pull[1]))
 
     def transposed(self, w) -> np.ndarray:
         """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""

@@ -54,7 +54,7 @@ class Surface:
     def force(self, y, active, s) -> np.ndarray:
         """T + K U less a held load, in the coordinates y, complex (2, modes), a buffer; one force evaluation."""
         self.contact.evaluated(self, y, active, s)
-        self.contact.fill(self._displacement(y), active, self._fft.field[:, self.patch])
+        self.contact.traction(self._displacement(y), active, self._fft.field[:, self.patch])
         self._fft.forward()
         U_x, U_z = self.problem.loading.at(s)
         self._fft.spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
