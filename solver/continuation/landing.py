@@ -6,13 +6,12 @@ motion may decide. There further motions with others must agree; if they do not,
 
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from .slip import OPTIONS as SLIP
 from .slip import SlipOptions, TooLong, Transient, Trial
-from .state import Crowded, NotConverged, State
+from .state import Crowded, End, NotConverged
 
 
 @dataclass(frozen=True)
@@ -45,58 +44,51 @@ DISTURBED = Trial(nearer=5.0, kick=1e-3)
 COARSE = Trial(0.5)  # where single nodes have several equilibria; half the cost of the usual motion
 
 
-class Landing(NamedTuple):
-    """The State in which a motion came to rest; sensitive: others came to rest elsewhere."""
+def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions = OPTIONS) -> End:
+    """An End with the State `after` in which the motion from it comes to rest, and whether that is `sensitive`.
 
-    state: State
-    sensitive: bool = False
-
-
-def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions = OPTIONS) -> Landing:
-    """The Landing of the motion from an End; raises NotConverged, and Crowded where it needs more unknowns.
-
-    The load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
-    critical; closed: as of `motion.Motion`.
+    The state's load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
+    critical; closed: as of `motion.Motion`. Raises NotConverged, and Crowded where it needs more unknowns.
     """
     motion = partial(_moved, judge=judge, damping=damping, closed=closed, options=options.slip)
-    landing = _repeated(motion, problem, end, motion(problem, end, USUAL), options)
+    slip = _repeated(motion, problem, end, motion(problem, end, USUAL), options)
     # where all nodes are alike, a wave grows on the way only from a disturbance
-    if landing.sensitive or not problem.alike(end.v):
-        return landing
-    wide, state = problem, landing.state
+    if slip.sensitive or not problem.alike(end.v):
+        return slip
+    wide, state = problem, slip.after
     if problem.uniform:
         wide, state = state.on_wider(problem)
         start = options.slip.start * problem.unit
         begun, _ = wide.adopted(problem, end.v + start * end.phi, end.active, end.load)
         v, active = wide.adopted(problem, end.v, end.active, end.load)
         end = end._replace(v=v, active=active, phi=(begun - v) / start)
-    return landing._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, DISTURBED, options), options))
+    return slip._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, DISTURBED, options), options))
 
 
 def _repeated(motion, problem, end, state, options):
-    """The Landing, given the State in which the usual motion came to rest."""
-    sites = problem.sites(end.v, state.v)
+    """The End with `after` and `sensitive`, given the State in which the usual motion came to rest."""
+    sites, sensitive = problem.sites(end.v, state.v), end._replace(after=state, sensitive=True)
     if _wandered(problem, end, state, options):
-        return Landing(state, True)
+        return sensitive
     trials, needed = (), 0
     loose = sites > options.half and problem.loose(state.v, state.active)
     if loose and not _same(problem, state, _tried(motion, problem, end, COARSE, options), options):
-        return Landing(state, True)
+        return sensitive
     if sites > options.barrier:
         trials, needed = FINE, 1 if sites < options.far else 2
     if end.kind == "flutter":
         trials, needed = (*FARTHER, *trials), needed + 1
     if not needed:
-        return Landing(state)
+        return end._replace(after=state)
     agreeing = 0
     for trial in trials:
         other = _tried(motion, problem, end, trial, options)
         agreeing = agreeing + 1 if _same(problem, state, other, options) else 0
         if agreeing == needed:
-            return Landing(state)
+            return end._replace(after=state)
         if other is not None and not agreeing and trial.finer > 1.0:
             state = other
-    return Landing(state, True)
+    return end._replace(after=state, sensitive=True)
 
 
 def _tried(motion, problem, end, trial, options):

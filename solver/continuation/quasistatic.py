@@ -55,10 +55,10 @@ class QuasiStatic:
                 reached = self._continued(reached, target)
             if isinstance(reached, End):
                 before = state
-                how = self.judge, self.damping, self.closed, options.landing
-                state, sensitive = motion_to_rest(self.problem, reached, *how)
+                slip = motion_to_rest(self.problem, reached, self.judge, self.damping, self.closed, options.landing)
+                state = slip.after
                 if reached.located or slipped(self.problem, before, reached.load, state):
-                    slips.append(reached._replace(after=state, sensitive=sensitive))
+                    slips.append(slip)
                 if state.load < target:
                     continue
             else:

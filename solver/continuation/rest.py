@@ -109,9 +109,8 @@ class Judge:
         friction = self.damping * critical
         if (waves := linearised.waves()) is not None:
             return _of_waves(linearised, *waves, friction)
-        if linearised.size <= options.most:
-            return _dense(linearised, friction)
-        if linearised.size <= options.dense_waves and self.damping < linearised.safe_damping():
+        small = linearised.size <= options.most
+        if small or (linearised.size <= options.dense_waves and self.damping < linearised.safe_damping()):
             return _dense(linearised, friction)
         inverse = Inverse(linearised.tangent, problem.size, smooth)
         radius = options.radius * 0.25 * critical**2
