@@ -21,7 +21,7 @@ from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.linearised import Linearised
 from ..run.frame import SlipEvent, forces_and_area, slips_in
-from ..run.loading import sideways
+from ..run.load_steps import sideways
 from ..scene import LIMITS, Scene
 from ..threads import one_thread
 from .outputs import explicit, gradients, over_own

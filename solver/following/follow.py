@@ -9,7 +9,7 @@ from ..continuation.state import NotConverged
 from ..continuation.trace import Branch
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
-from ..run.loading import sideways, vertical
+from ..run.load_steps import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from ..threads import one_thread
 from .moved import NEAR, NotFollowed, Solver, TooNarrow, moved_branch, moved_folds

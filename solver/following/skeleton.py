@@ -14,7 +14,7 @@ from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, frame_of
-from ..run.loading import sideways, vertical
+from ..run.load_steps import sideways, vertical
 from ..scene import Scene
 
 FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache

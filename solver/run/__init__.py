@@ -1,6 +1,6 @@
 """One experiment: load steps, the path through them, and the report of every increment.
 
-loading, load_steps  the path of the top under a load parameter, and the steps of `path` and `hold` in order
+load_steps           the path of the top under a load parameter: the steps of `path` and `hold` in order
 loadpath             a run that owns its buffers and yields its Frames in order, to its end or `until` one; checkpoints
 slices               the same run, a few frames at a time, from one checkpoint to the next
 frame, summary       what an increment reports: u, T, F, L, A, slip events; and a run in a few numbers

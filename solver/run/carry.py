@@ -12,8 +12,7 @@ from ..continuation.state import State
 from ..mechanics.contact import Contact
 from ..scene import SURFACES, Scene, SceneError
 from .frame import Frame, moving
-from .load_steps import ROUND_OFF, LoadStep, load_steps_of
-from .loading import vertical
+from .load_steps import ROUND_OFF, LoadStep, load_steps_of, vertical
 from .loadpath import Checkpoint, Run
 
 GEOMETRY = ("surface", "nodes", "width", *(name for kind in SURFACES.values() for name in kind.parameters))

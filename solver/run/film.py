@@ -6,23 +6,17 @@ from math import inf
 
 import numpy as np
 
-from ..continuation.quasistatic import QuasiStatic
-from ..continuation.state import Increment, NotConverged, State
-from ..mechanics.contact import Contact
-from ..mechanics.surface import closed_stiffness
+from ..continuation.state import State
 from ..scene import Scene
-from ..threads import one_thread
 from .carry import checkpoint_at
 from .frame import Frame, frame_of
-from .load_steps import LoadStep, load_steps_of
-from .loading import vertical
-from .loadpath import deadline, with_remedy
+from .load_steps import LoadStep, load_steps_of, vertical
+from .loadpath import Run, deadline
 
 ALIKE = 1e-3  # delta_t between nodes of a flat that are alike: where waves have grown they differ by a good part of it
 APART = 0.01  # units between states of a motion that are kept: a hundred to a site
 
 
-@one_thread()
 def through(
     scene: Scene, before: Frame, stage: str, load: float, most: int = 60, limit: float = inf
 ) -> tuple[list[Frame], Frame]:
@@ -39,23 +33,14 @@ def through(
         before = replace(before, u=before.u[:, :1])
     step = _step(scene, before, stage)
     start = step.loading.load_of(before)
-    step = replace(step, start=start, increment=load - start, increments=1, end=load)
-    begin = checkpoint_at(before, (step,))
-    problem = step.problem(Contact(scene, *begin.patch), begin.pressure)
-    problem.contact.observe = camera = Camera(deadline(limit))
-    stepper = QuasiStatic(problem, scene.damping, closed_stiffness(scene))
-    try:
-        done, states = Increment(begin.state), []
-        for target in (start, load):
-            done = stepper.increment(done.state, target)
-            states += [state for slip in done.slips for state in camera.film(stepper.problem, slip)]
-    except NotConverged as failure:
-        raise with_remedy(failure, scene, step, load) from None
-    moving = []
+    step = replace(step, start=start, increment=load - start, increments=1, end=load, until_free=False)
+    run, camera, states, moving = Run(scene), Camera(deadline(limit)), [], []
+    for end, _ in run.frames(checkpoint_at(before, (step,)), observe=camera):  # noqa: B007  the last one counts
+        states += [state for slip in run.done.slips for state in camera.film(run.stepper.problem, slip)]
     for problem, v, active, load in _evenly(states, most):
         residual = problem.residual(v, active, load, np.empty(v.size))
         moving.append(frame_of(scene, problem, State.at_rest(load, v, active), stage, 1, residual))
-    return moving, frame_of(scene, stepper.problem, done.state, stage, 1, done.residual)
+    return moving, end
 
 
 class Camera:

@@ -1,4 +1,4 @@
-"""The load path as a sequence of load steps, each a straight line of the rigid top walked in even increments.
+"""The path of the rigid top as a sequence of load steps, each a straight line that it walks in even increments.
 
 Along a load step the load only ever increases: retracting the punch is the step with direction (0, +1), sliding back
 the one with direction (-1, 0). Every step begins with the state that the one before ended with, as its increment 0.
@@ -11,12 +11,44 @@ from math import hypot, inf
 from ..mechanics.equilibrium import Equilibrium
 from ..scene import Leg
 from .frame import STAGES, kind, moving
-from .loading import Loading, sideways, vertical
 
 # delta_0 above first touch, where a retraction ends even if the punch still adheres: a punch on E = 0.5 GPa detaches at
 # 3.7 (phi_n 1, 128 nodes), softer layers would be stretched far beyond their linear range
 HIGHEST = 5.0
 ROUND_OFF = 1e-9  # increments, of a load
+
+
+@dataclass(frozen=True)
+class Loading:
+    """A straight path of the rigid top: (U_x, U_z) = base + load * direction, nm; the load only ever increases."""
+
+    name: str  # of the load parameter, for messages: "delta" or "U_x", with a minus where these decrease
+    base: tuple[float, float]
+    direction: tuple[float, float]
+
+    def at(self, load) -> tuple[float, float]:
+        """(U_x, U_z) at that load, nm."""
+        return self.base[0] + load * self.direction[0], self.base[1] + load * self.direction[1]
+
+    def load_of(self, frame) -> float:
+        """The load of a Frame on this path, nm."""
+        (x, z), (along_x, along_z) = self.base, self.direction
+        return along_x * (frame.U_x - x) + along_z * (-frame.delta - z)
+
+    def coordinate(self, load) -> float:
+        """U_x or delta, whichever changes along the path, at that load, nm."""
+        U_x, U_z = self.at(load)
+        return U_x if self.direction[0] else -U_z
+
+
+def vertical(sign, U_x=0.0) -> Loading:
+    """Lowering (sign 1) or raising (-1) the top at fixed U_x, nm: the load is sign delta."""
+    return Loading("delta" if sign > 0.0 else "-delta", (U_x, 0.0), (0.0, -sign))
+
+
+def sideways(sign, U_z) -> Loading:
+    """Pulling the top along x (sign 1) or back (-1) at fixed U_z, nm: the load is sign U_x."""
+    return Loading("U_x" if sign > 0.0 else "-U_x", (0.0, U_z), (sign, 0.0))
 
 
 @dataclass(frozen=True)

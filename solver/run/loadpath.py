@@ -98,14 +98,17 @@ def deadline(limit: float, busy: float = BUSY) -> Callable[..., None] | None:
 
 
 class Run:
-    """Computes increments of one scene; owns the buffers of its contact, and keeps nothing else between increments."""
+    """Computes increments of one scene; owns the buffers of its contact, and needs nothing else between increments.
+
+    Attributes: stepper, the one in use; done, the Increment that the last frame shows.
+    """
 
     def __init__(self, scene, method="fast", leave_out=ALL):
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
         self._fast = method == "fast"
-        self._stepper = self._place = None  # the stepper in use, and the load step, patch and pressure it is for
+        self.stepper = self.done = self._place = None  # _place: load step, patch and pressure that the stepper is for
 
     def frames(self, checkpoint=None, limit=inf, observe=None) -> Iterator[tuple[Frame, Checkpoint]]:
         """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
@@ -132,7 +135,8 @@ class Run:
         stepper.problem.contact.observe = observe
         before = stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
-        index, done = self._increment(step, checkpoint.increment, state)
+        index, self.done = self._increment(step, checkpoint.increment, state)
+        done = self.done
         problem = stepper.problem
         events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
         numbers = step.stage, index, done.residual, problem.evaluations - before
@@ -151,12 +155,12 @@ class Run:
         """
         load, slips = step.at(index), ()
         try:
-            done = self._stepper.increment(state, load)
+            done = self.stepper.increment(state, load)
             while done.state.load > load and index < step.increments:
                 slips += done.slips
                 index += 1
                 load = step.at(index)
-                done = done._replace(slips=()) if done.state.load > load else self._stepper.increment(done.state, load)
+                done = done._replace(slips=()) if done.state.load > load else self.stepper.increment(done.state, load)
         except NotConverged as failure:
             self._place = None  # the problem may have grown beyond the checkpoint's patch
             raise with_remedy(failure, self.scene, step, load, self._fast) from None
@@ -166,7 +170,7 @@ class Run:
         """The stepper of a step, on the patch of the checkpoint."""
         place = step, checkpoint.patch, checkpoint.pressure
         if self._place == place:
-            return self._stepper
+            return self.stepper
         scene = self.scene
         problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
@@ -174,7 +178,7 @@ class Run:
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene), **options)
         if self._fast and "translation" in self.leave_out and not step.loading.direction[1]:
             stepper = Replay(stepper, scene.spacing)
-        self._stepper, self._place = stepper, place
+        self.stepper, self._place = stepper, place
         return stepper
 
     def _first_patch(self):
@@ -186,7 +190,7 @@ class Run:
 
     def _after(self, checkpoint, load_steps, step, index, done):
         """What is new of the Checkpoint after increment `index`: one on, or at the beginning of the next step."""
-        problem, state, last = self._stepper.problem, done.state, index >= step.increments
+        problem, state, last = self.stepper.problem, done.state, index >= step.increments
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
         progress = {"increment": index + 1, "state": state, "load_steps": load_steps, "carried": False}
@@ -210,7 +214,7 @@ class Run:
 
     def _event(self, step, slip):
         """The SlipEvent of a slip, an End."""
-        scene, T = self.scene, self._stepper.problem.traction(slip.v, slip.active)
+        scene, T = self.scene, self.stepper.problem.traction(slip.v, slip.active)
         load = float(step.loading.coordinate(slip.load))
         return SlipEvent(load, *forces_and_area(scene, T), step.stage, slip.kind, slip.located, slip.sensitive)
 

@@ -27,7 +27,7 @@ from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, Transform, fft_size
 from solver.presets import preset
-from solver.run.loading import vertical
+from solver.run.load_steps import vertical
 from solver.run.loadpath import BULGE
 from solver.run.shortcuts import ALL
 

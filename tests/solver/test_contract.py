@@ -15,7 +15,7 @@ from solver.continuation.stepper import Stepper
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.surface import closed_stiffness
-from solver.run.loading import sideways
+from solver.run.load_steps import sideways
 from solver.validation.landings import Halving
 from solver.validation.methods import Fire, MassWeighted
 

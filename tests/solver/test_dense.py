@@ -6,7 +6,7 @@ import pytest
 from solver import Scene
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
-from solver.run.loading import sideways
+from solver.run.load_steps import sideways
 
 SCENES = {
     "stiff": Scene(nodes=128, width=312.5, delta_bar=0.3),

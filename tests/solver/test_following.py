@@ -14,7 +14,7 @@ from solver.following.follow import refuse_apart
 from solver.following.moved import TOLERANCE, Solver, moved_branch, moved_folds
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
-from solver.run.loading import sideways
+from solver.run.load_steps import sideways
 from solver.run.loadpath import until
 
 SMALL = Scene(nodes=256, width=625.0, u_x_max=12.0, delta_bar=0.1)  # the default, a quarter as wide

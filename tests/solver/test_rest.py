@@ -57,7 +57,7 @@ def states(scene, every, start=0):
     while not checkpoint.done:
         frame, checkpoint = run.next_frame(checkpoint)
         k += 1
-        problem, state = run._stepper.problem, checkpoint.state
+        problem, state = run.stepper.problem, checkpoint.state
         if k >= start and k % every == 0 and state.v.size == problem.size and state.active.any():
             yield frame, problem, state
 
