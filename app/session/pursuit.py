@@ -162,9 +162,13 @@ class Pursuit:
             self._start_newest()
 
     def _start_newest(self):
-        """Start the newest request."""
+        """Start the newest request. A held slider follows the nearest Skeleton: of the open page, or of the run."""
         request, self.requested = self.requested, None
-        skeleton = self._nearest(request.scene) if request.held and not request.after else None
+        skeleton = None
+        if request.held and not request.after:
+            origin = (self.shown or self.run.scene) if self.skeleton else None
+            page = self.session.pages.page
+            skeleton = (page and page.nearer(request.scene, origin)) or self.skeleton
         if skeleton is None:
             return self._begin(request.scene, request.after)
         if self.run and self.run.state == "running":
@@ -174,12 +178,6 @@ class Pursuit:
         self._submit(call, partial(self._show_picture, request=request), rank=SCREEN)
 
     # following
-
-    def _nearest(self, scene):
-        """Return the Skeleton nearest to a scene, from the open page or the last run; or None."""
-        origin = (self.shown or self.run.scene) if self.skeleton else None
-        page = self.session.pages.page
-        return (page and page.nearer(scene, origin)) or self.skeleton
 
     def _show_picture(self, made, request):
         """Send the picture and start the next request; without a picture, start the exact run."""

@@ -103,6 +103,6 @@ export function fitFrames(run) {
   set(map.y_range, { start: -tall, end: tall })
   set(punch.x_range, { start: -wide, end: wide })
   set(punch.y_range, { start: -settled(-punch.y_range.start, Math.max(DEEP, -1.15 * run.lowest)) })
-  fit(figures.traction.y_range, Math.min(run.T_least, -LEAST), Math.max(run.T_most, LEAST))
+  fit(figures.traction.y_range, Math.min(run.T_low, run.T_back, -LEAST), Math.max(run.T_high, run.T_out, LEAST))
   drawSites(run.head)
 }

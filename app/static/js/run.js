@@ -13,7 +13,6 @@ export const REAL = { // N/m, nm
 const SPAN = { // of the frames of a run, from the first of shear on by default
   T_high: 0, T_low: 0, // GPa, strongest repulsion, and attraction
   T_out: 0, T_back: 0, // GPa, the strongest tangential traction against +x, and along it
-  T_most: 0, T_least: 0, // GPa, strongest traction of either kind, and the most negative
   lowest: 0, // nm, the smallest gap of all frames
   reach: 0, // nm from the middle within which anything acts
   strongestForce: 0, strongest: 0, // N/m, of F and L: of all frames, and of those of shear once there are any
@@ -77,8 +76,6 @@ export class Run extends Frames {
     this.T_low = Math.min(this.T_low, least(T_z) * scales.T_z)
     this.T_out = Math.max(this.T_out, -least(T_x) * scales.T_x)
     this.T_back = Math.min(this.T_back, -largest(T_x) * scales.T_x)
-    this.T_most = Math.max(this.T_high, this.T_out)
-    this.T_least = Math.min(this.T_low, this.T_back)
     if (left < 0) return
     const ends = [left, T_z.findLastIndex(tells)].map((i) => Math.abs((first + i) * spacing - middle))
     this.reach = Math.max(this.reach, ...ends)
@@ -145,10 +142,8 @@ export class Run extends Frames {
   // Nothing acts anywhere after the approach
   get apart() { return this.whole && this.sheared >= 0 && this.reach === 0 }
 
-  // A curve of the frames after the approach, times `factor`
-  shear(name, factor = 1) {
-    return this.sheared < 0 ? [] : Float32Array.from(this.curves[name].slice(this.sheared), (value) => value * factor)
-  }
+  // A curve of the frames after the approach
+  shear(name) { return this.sheared < 0 ? [] : Float32Array.from(this.curves[name].slice(this.sheared)) }
 
   // What curves are drawn over after the approach: U_x, or delta where that is what changes; nm
   get along() { return this.over(this.head.abscissa) }

@@ -59,17 +59,17 @@ function receive(chunk) {
   film.before = performance.now()
   useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
-  const { T_least, T_most } = film.frames, { factor, names } = forceUnit([film.run])
+  const { T_low, T_back, T_high, T_out } = film.frames, { factor, names } = forceUnit([film.run])
   const F = film.frames.curves[names.F].map((value) => value * factor)
-  film.ranges = [widened("traction", T_least, T_most), widened("forces", Math.min(...F), Math.max(...F))]
+  film.ranges = [widened("traction", [T_low, T_back, T_high, T_out]), widened("forces", F)]
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
 }
 
 // Let an axis hold the motion as well, which is rougher; returns [range, its ends before]
-function widened(name, least, most) {
-  const range = figures[name].y_range, { start, end } = range
-  set(range, { start: Math.min(start, 1.1 * least), end: Math.max(end, 1.1 * most) })
+function widened(name, values) {
+  const range = figures[name].y_range, { start, end } = range, held = values.map((value) => 1.1 * value)
+  set(range, { start: Math.min(start, ...held), end: Math.max(end, ...held) })
   return [range, { start, end }]
 }
 
