@@ -32,7 +32,7 @@ from .mapping import add_flats, add_map
 from .presets import PresetError, presets
 from .reports import add_accuracy, add_stability
 from .results import with_progress
-from .run.shortcuts import account
+from .run.summary import account
 from .scene import CHOICES, LIMITS, PARAMETERS
 from .text import counted
 from .threads import one_thread

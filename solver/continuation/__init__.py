@@ -1,6 +1,6 @@
 """Continuation of the equilibria of a problem R(v; s) = 0 in its load s, and the slips where branches end.
 
-problem      the contract of a problem, as Protocols: residual, tangent, and the motion that leads to its equilibria
+problem      the contracts, as Protocols: of a problem, and of the methods that advance its states
 state        an equilibrium, with what the next increment may use of those before it
 anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length
@@ -10,7 +10,6 @@ fold         the end of a branch where its load has a maximum: found near a gues
 onset        the end of a branch where a mode begins to grow, without a fold
 branch       a branch continued to the load asked for, or to its end before that
 motion       time steps of the damped motion
-stepper      what a run asks of a method: the contract of the next two and of replay
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion
 slip         the motion from the end of a branch until Anderson steps finish it
 landing      the equilibrium in which a slip lands, and whether that depends on details of the motion

@@ -179,8 +179,6 @@ class _Arc:
         for _ in range(options.approaches):
             last, before = points[:2]
             part = (target - before.load) / (last.load - before.load)
-            if last.load == fold:  # there the load goes with the square of the distance
-                part = 1.0 - np.sqrt(1.0 - part)
             v = before.v + part * (last.v - before.v)
             active = self.corrector.settle(v, self.state.active, target, self.state.secants)
             chord, arcs = _on_chord(points)

@@ -1,14 +1,18 @@
-"""The contract of the problems that this folder solves; tests/solver/test_contract.py tests every problem on it.
+"""The contracts of the problems and methods of this folder; tests/solver/test_contract.py tests every one on them.
 
 A Problem is R(v; s) = 0 in unknowns v (size,) under a load s, in which R is linear. Its Dynamics are a motion that
 comes to rest in these equilibria. A Linearised describes small disturbances of one of them. Lengths are in nm, moduli
-in GPa, and each mode has unit mass. `mechanics.equilibrium` and tests/shared/toys.py fulfil the contract.
+in GPa, and each mode has unit mass. `mechanics.equilibrium` and tests/shared/toys.py fulfil the contract. A Stepper
+advances a state along the load: `quasistatic`, `gfmd`, `replay` and the methods of `solver.validation`.
 """
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .state import Increment, State
 
 
 class Linearised(Protocol):
@@ -118,3 +122,27 @@ class Problem(Protocol):
 
     def motion(self) -> Dynamics:
         """The motion that comes to rest in the equilibria."""
+
+
+class Stepper(Protocol):
+    """What a run asks of a method: it advances States of one problem along its load.
+
+    It is made of a problem, the damping of the transient over critical, and the stiffness of closed springs, GPa/nm
+    (see `motion.Motion`). `replay.Replay` is made of a stepper and the lattice period, nm.
+
+    1. The state that an increment returns has a residual within the problem's tolerance.
+    2. Its load is the target. It is higher only after a slip, where no equilibrium is reached before.
+    3. A jump to another equilibrium is a slip of the increment, at a load from the state's up to the target's.
+    4. Slips come in the order of their loads; the branch of each begins in the state `after` the one before.
+    5. Where no equilibrium is reached, NotConverged is raised.
+    6. The given state stays valid: from it the increment can be made again.
+    7. `problem` has the unknowns of the state returned last: a wider one takes its place where a state needs it.
+    8. Between increments it keeps nothing but scratch: the state alone determines the next one.
+    """
+
+    @property
+    def problem(self) -> Problem:
+        """The problem that it advances now."""
+
+    def increment(self, state: "State", target: float) -> "Increment":
+        """The Increment from `state` to load `target`, nm, which is higher than the state's; raises NotConverged."""

@@ -12,7 +12,7 @@ from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import sideways, vertical
 from ..scene import LIMITS, Scene, SceneError
 from ..threads import one_thread
-from .moved import NEAR, NotFollowed, Solver, TooNarrow, moved_branch, moved_folds
+from .moved import NotFollowed, Solver, TooNarrow, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
 
@@ -127,12 +127,12 @@ def _branches(contact, skeleton):
         problem = Equilibrium(contact, sideways(1.0, 0.0), pressure)
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
-    start, branches, near = old[0].start, [], NEAR if np.isfinite(skeleton.residual) else 0  # 0: of the same run
+    start, branches = old[0].start, list[Branch]()
     if period and folds[-1] and not skeleton.home:  # the states in which slips land belong to the first branch
         start = min(0.0, folds[-1].load - period)
     for k, (branch, fold) in enumerate(zip(old, folds, strict=True), 1):
         end = fold.load if fold else scene.spacing if branch.periodic else scene.u_x_max
-        new = moved_branch(solver, branch, start, end, fold, k, near)
+        new = moved_branch(solver, branch, start, end, fold, k)
         branches.append(refined(scene, skeleton.first, solver, new, k))
         start = new.end
     if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:

@@ -102,31 +102,26 @@ def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[End | None]:
     return folds
 
 
-def moved_branch(
-    solver: Solver, old: Branch, start: float, end: float, fold: End | None, number: int, near: int = NEAR
-) -> Branch:
-    """The Branch `old` moved to the solver's problem, from load `start` to `end`, nm, where its fold is, or None.
-
-    near: changes of states from which that of the next one is extrapolated; 0: no change is expected.
-    """
+def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: End | None, number: int) -> Branch:
+    """The Branch `old` moved to the solver's problem, from load `start` to `end`, nm, where its fold is, or None."""
     what = f"a state of branch {number}"
     if not end > start:
         raise NotFollowed(f"branch {number} has no states left", nearer=True)
     loads = start + (end - start) * ((old.loads - old.start) / (old.end - old.start))
     if fold is None:
         first = Passed(start, *solver.state(old.states[0].v, old.states[0].active, start, what, FIRST))
-        states = _solved(solver, old.states, loads.tolist(), first, what, near)
+        states = _solved(solver, old.states, loads.tolist(), first, what)
     else:
         first = Passed(fold.load, fold.v, fold.active)
-        states = _solved(solver, old.states[::-1], loads.tolist()[::-1], first, what, near)[::-1]
+        states = _solved(solver, old.states[::-1], loads.tolist()[::-1], first, what)[::-1]
     return replace(old, states=tuple(states), slip=fold)
 
 
-def _solved(solver, old, loads, first, what, most):
+def _solved(solver, old, loads, first, what):
     """The states at these loads, from those of the old branch and extrapolated changes; the `first` one is solved."""
     states, changes = [first], [first.v - old[0].v]
     for i in range(1, len(old)):
-        near = changes[-most:] if most else [np.zeros(first.v.size)]
+        near = changes[-NEAR:]
         change = lagrange(range(-len(near), 0), 0) @ np.asarray(near)
         surprise = SURPRISE
         if first.load < loads[-1]:  # to no fold: smooth sliding may jerk, between other states than before

@@ -18,9 +18,15 @@ from ..scene import Scene
 from ..threads import one_thread
 from .frame import Frame, SlipEvent, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
-from .shortcuts import ALL
 
 METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
+# by which a run omits computations that its scene does not need: with or without one, frames agree to the tolerance
+RULES = {
+    "uniform": "flat on flat, as long as no wave grows: all nodes move alike, so one stands for all",
+    "window": "nodes outside the interaction window: neither evaluated, nor transformed, nor kept in secant pairs",
+    "translation": "sliding repeats itself a lattice period on: known states are moved on and verified, not solved for",
+}
+ALL = frozenset(RULES)
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # delta_n beyond the window up to which nodes belong to the first patch, as adhesion draws them nearer. At 0, patches of
 # the slider box have to grow, which takes 2 % more evaluations; 1.5 and 6 take as many (tests/bench/constants.py)
@@ -55,8 +61,8 @@ def load_path(
 ) -> Iterator[Frame]:
     """Computes the increments of a scene, one by one.
 
-    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; leave_out: the rules of `shortcuts` that the fast
-    method may use.
+    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; leave_out: the RULES that the fast method may
+    use.
     Returns an iterator of Frames.
     Raises NotConverged where an increment has no equilibrium in reach, ValueError for a name not in METHODS.
 

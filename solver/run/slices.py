@@ -9,8 +9,7 @@ from typing import Any
 from ..continuation.state import NotConverged, OutOfTime
 from ..scene import Scene
 from .frame import Frame
-from .loadpath import Checkpoint, Run
-from .shortcuts import ALL
+from .loadpath import ALL, Checkpoint, Run
 
 
 def advance(
@@ -24,7 +23,7 @@ def advance(
     """Computes a slice of a run: a pure function of picklable arguments, for use in a worker.
 
     Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
-    method: a name in METHODS; leave_out: rules of `shortcuts` that may be used; limit: processor time of an increment.
+    method: a name in METHODS; leave_out: RULES that may be used; limit: processor time of an increment.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.failure names the load and a remedy.
     Raises ValueError for a method that is not in METHODS, or that cannot carry a run on.

@@ -10,6 +10,7 @@ from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
 from .frame import Frame, kind, largest_safe_damping, slips_in
 from .load_steps import ROUND_OFF, load_steps_of
+from .loadpath import ALL, RULES
 
 
 def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
@@ -100,3 +101,21 @@ def changes(frames: Sequence[Frame]) -> list[dict[str, Any]]:
     names = changing(frames)
     first = (k for k, f in enumerate(frames) if k == 0 or f.scene != frames[k - 1].scene)
     return [{"increment": k, "stage": frames[k].stage, "U_x": frames[k].U_x} | _values(frames[k], names) for k in first]
+
+
+def account(frames, leave_out=ALL) -> dict[str, dict]:
+    """{rule: {what, count, unit}} of the rules that applied to a run of the fast method, from its frames."""
+    if not frames:
+        return {}
+    last, scene = frames[-1].u, frames[-1].scene
+    uniform = last.strides[1] == 0  # one node stands for all: see `frame.on_nodes`
+    kept = 1 if uniform else last.shape[1]
+    counted = {
+        "uniform" if uniform else "window": (scene.nodes - kept, "nodes left out at the end"),
+        "translation": (sum(f.repeated for f in frames), "increments repeated"),
+    }
+    return {
+        rule: {"what": RULES[rule], "count": count, "unit": unit}
+        for rule, (count, unit) in counted.items()
+        if rule in leave_out and count
+    }

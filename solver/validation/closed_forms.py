@@ -8,8 +8,7 @@ from scipy.optimize import brentq
 
 from ..mechanics import cohesive_law
 from ..mechanics.layer import Convolution, Modes, compliance, stiffness
-from ..run.loadpath import load_path
-from ..run.shortcuts import ALL
+from ..run.loadpath import ALL, load_path
 from ..scene import Scene
 from .adhesion import adhesion
 from .extended import displacement, springs

@@ -17,8 +17,7 @@ import numpy as np
 
 from ..continuation.state import NotConverged
 from ..run.frame import Frame, SlipEvent
-from ..run.loadpath import load_path
-from ..run.shortcuts import ALL
+from ..run.loadpath import ALL, load_path
 from ..scene import Scene, SceneError
 
 QUANTITIES = ("F", "L", "A")

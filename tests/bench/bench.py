@@ -28,8 +28,7 @@ from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, Transform, fft_size
 from solver.presets import preset
 from solver.run.load_steps import vertical
-from solver.run.loadpath import BULGE
-from solver.run.shortcuts import ALL
+from solver.run.loadpath import ALL, BULGE
 
 PRESETS = {
     "Fig. 6": preset("fig6").scene,

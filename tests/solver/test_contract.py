@@ -6,12 +6,11 @@ import toys
 
 from solver import Scene
 from solver.continuation.gfmd import Gfmd
-from solver.continuation.problem import Dynamics, Linearised, Problem
+from solver.continuation.problem import Dynamics, Linearised, Problem, Stepper
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import Replay
 from solver.continuation.rest import OPTIONS
 from solver.continuation.state import NotConverged, State
-from solver.continuation.stepper import Stepper
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.surface import closed_stiffness

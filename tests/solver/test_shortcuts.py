@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from solver import Scene, load_path
-from solver.run.shortcuts import ALL, RULES, account
+from solver.run.loadpath import ALL, RULES
+from solver.run.summary import account
 
 SCENES = {
     "uniform": Scene(surface="flat", phi_ratio=0.1, u_x_max=20.0, nodes=256, width=625.0),

@@ -6,8 +6,7 @@ import pytest
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text
 from solver.analysis.peeling import edges, peel_asymmetry
 from solver.mechanics.contact import patch
-from solver.run.loadpath import BULGE
-from solver.run.shortcuts import ALL
+from solver.run.loadpath import ALL, BULGE
 from solver.surfaces import averaged
 from solver.validation.adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
 
