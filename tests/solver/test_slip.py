@@ -171,7 +171,7 @@ def test_the_motion_starts_from_the_state_it_is_given():
     run, checkpoint = Run(Scene(u_x_max=1.0)), Checkpoint()
     while not checkpoint.done:
         _, checkpoint = run.next_frame(checkpoint)
-    state, problem = checkpoint.state, run._stepper.problem
+    state, problem = checkpoint.state, run.stepper.problem
     away = state.v + 0.05 * np.random.default_rng(0).uniform(-1.0, 1.0, state.v.size)
     y = problem.motion().start(away, state.active, state.load)
     assert problem.motion().unknowns(y) == pytest.approx(away, abs=1e-12)
