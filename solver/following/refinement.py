@@ -11,9 +11,9 @@ from .moved import SURPRISE, Solver
 from .skeleton import tractions
 
 ERROR = 2e-4  # of the largest force, between states: a fifth of what followed runs promise
-# without every second state errors are larger by that, at least, on the uneven states of the slider box; and 2^6 in the
-# limit of even ones. With 16, 2 % of 149 moves were off by more than 1e-3
-HALF, LIMIT = 8.0, 64.0
+# power of an interval's length with which errors grow, at least, on the uneven states of the slider box; 6 in the limit
+# of even ones. With 4, 2 % of 149 moves were off by more than 1e-3
+ORDER, LIMIT = 3, 6
 FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where it jerks
 FEWEST = 2 * OPTIONS.stencil  # states: half of fewer would not do for interpolation, so no error could be estimated
 
@@ -23,11 +23,10 @@ def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: in
     while branch.slip is not None and len(branch.states) < FEWEST:  # others that are short are nearly straight
         branch = divided(solver, branch, np.arange(len(branch.states) - 1), number)
     while len(branch.states) <= FINEST:
-        every = [_errors(scene, first, branch, begin) for begin in (1, 2)]
-        poor = np.concatenate([out[errors > HALF * ERROR] for out, errors in every])
+        poor = np.unique(np.concatenate([_poor(scene, first, branch, begin) for begin in (1, 2)]))
         if not poor.size:
             break
-        branch = divided(solver, branch, np.union1d(poor - 1, poor), number)
+        branch = divided(solver, branch, poor, number)
     return thinned(scene, first, branch)
 
 
@@ -35,11 +34,28 @@ def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
     """The Branch without states whose neighbours describe the forces well enough."""
     while len(branch.states) > 2 * FEWEST:
         out, errors = _errors(scene, first, branch, 1)
-        out = out[errors < HALF / LIMIT * ERROR]  # with a larger error, the others would have to be divided again
+        out = out[
+            errors < 2.0 ** (ORDER - LIMIT) * ERROR
+        ]  # with a larger error, the others would have to be divided again
         if not out.size:
             break
         branch = _without(branch, set(out.tolist()))
     return branch
+
+
+def _poor(scene, first, branch, begin):
+    """Intervals in which the interpolated forces are off by more than ERROR, from the error in two of them as one."""
+    out, errors = _errors(scene, first, branch, begin)
+    length = np.diff(_position(branch))
+    both = length[out - 1] + length[out]
+    return np.concatenate([k[errors * (length[k] / both) ** ORDER > ERROR] for k in (out - 1, out)])
+
+
+def _position(branch):
+    """t of the states; of a period, the last one is at 1."""
+    t = branch.position(branch.loads)
+    t[-1] = 1.0
+    return t
 
 
 def _without(branch, out):
@@ -49,8 +65,7 @@ def _without(branch, out):
 
 def divided(solver: Solver, branch: Branch, where: np.ndarray, number: int) -> Branch:
     """The same Branch with one more state in the middle of each of the intervals `where`."""
-    t = branch.position(branch.loads)
-    t[-1] = 1.0  # of a period, too
+    t = _position(branch)
     loads = branch.load_at(0.5 * (t[where] + t[where + 1]))
     states, what = [], f"a state of branch {number}"
     for guess, load, k in zip(branch.unknowns(loads, solver.moving), loads.tolist(), where, strict=True):
