@@ -301,18 +301,19 @@ def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
 @thorough
 def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
     page, held = visit(""), []
+    finished(page)
     page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
+    shown = (
+        "[...Bokeh.documents[0]._all_models.values()].some(({ type, children }) => type === 'Column' && children[0])"
+    )
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
-    figure = f"() => {MODEL.format('regimes_map.map')} !== undefined"
-    page.wait_for_function(figure, timeout=PATIENCE)
+    page.wait_for_function(shown, timeout=PATIENCE)
     page.locator("#regimes .close").click()
-    page.wait_for_function(figure.replace("!==", "==="), timeout=PATIENCE)
+    page.wait_for_function(f"!{shown}", timeout=PATIENCE)
     for route in held:
         route.continue_()
     page.evaluate("document.querySelector('nav [data-page=law]').click()")
-    page.wait_for_function(
-        f"() => {DRAWN['law']}", timeout=PATIENCE
-    )  # messages before it are passed on, without errors
+    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)  # earlier messages are through, without errors
     assert held
 
 

@@ -54,11 +54,18 @@ class Tabs:
         assert not [url for url in self.asked if not own.match(url)]
 
 
+# A browser may drop a pending import() of evaluated code ("promise was garbage collected"): repeated until it is there
+MODULES = """() => {
+    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+    Promise.all(["address", "pages", "player"].map(of)).then(([address, pages, player]) => {
+        window.modules ??= { address, pages, player }
+    })
+    return Boolean(window.modules)
+}"""
 # As a page that was just opened with `search`, at rest after its run: what a test may have changed by the controls of
 # the page is changed back, then the scene is restored as that of a link.
-AS_OPENED = """async ([search, wanted]) => {
-    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-    const [address, pages, { play }] = await Promise.all(["address", "pages", "player"].map(of))
+AS_OPENED = """([search, wanted]) => {
+    const { address, pages, player: { play } } = window.modules
     const all = (what) => [...document.querySelectorAll(what)], by = (id) => document.getElementById(id)
     const { dataset } = document.documentElement
     const change = (input, value) => {
@@ -92,9 +99,8 @@ AS_OPENED = """async ([search, wanted]) => {
     if (text(scene) !== text(punch.status.address) || k !== null || Object.keys(punch.status.errors ?? {}).length)
         address.restore(scene, k && Number(k))
 }"""
-AS_FRESH = """async () => {
-    const { goto } = await import(new URL("./app/static/js/player.js", document.baseURI))
-    if (punch.following) goto(Infinity)
+AS_FRESH = """() => {
+    if (punch.following) window.modules.player.goto(Infinity)
     Object.assign(punch, { ghost: null, behind: null, anchor: null, following: true, look: punch.look + 1 })
     window.before = punch.status.run - 1
 }"""
@@ -112,6 +118,7 @@ class SharedTab:
             if self.page is None:
                 self.page = self.tabs.open()
                 finished(self.page)
+                self.page.wait_for_function(MODULES)
             return self._brought_to(query)
         except Exception:
             self.close()  # whatever state it is in
