@@ -1,7 +1,6 @@
 """Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
 import pickle
-from collections import deque
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -28,7 +27,6 @@ from solver.files import write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.run.film import through
-from solver.run.load_steps import load_steps_of
 
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
@@ -163,21 +161,22 @@ def layer_table(scene, depth, rows, modes):
     return counts.tolist(), scale, np.rint(factors / scale).astype("<i2").tobytes()
 
 
-def slow_motion(legs):
-    """Return packed blocks of the transient that led to the last frame of legs; or a str: why there is none.
+def slow_motion(legs, state=None):
+    """Return packed blocks of the transient that led to the last frame of legs; a Part; or a str: why there is none.
 
     legs: of `solver.carried_path`. The run is repeated, as the browser's frames are rounded.
     """
+    *earlier, (scene, count) = legs
     try:
-        before, goal = deque(carried_path(legs), 2)
-        scene = goal.scene
-        load = next(step.loading.load_of(goal) for step in load_steps_of(scene) if step.stage == goal.stage)
-        film, _ = through(scene, before, goal.stage, load, limit=worker.SLOW)
+        reached = worker.carried(
+            (*earlier, (scene, count - 1), (scene, 0)), state, perf_counter() + SLICE, limit=worker.SLOW
+        )
+        if isinstance(reached, worker.Repeated):
+            return Part(reached)
+        film, _ = through(scene, reached, limit=worker.SLOW)
     except (NotConverged, ValueError) as error:
         return str(error)
-    if not film:
-        return "no branch ends here"
-    return packing.packed(scene, [(replace(frame, index=goal.index), 0.0) for frame in film], True)
+    return packing.packed(scene, [(frame, 0.0) for frame in film], True) if film else "no branch ends here"
 
 
 def measured(text):
