@@ -235,10 +235,11 @@ class _Arc:
         """The Fold between the last two or three of the Points, newest first; None if there is none."""
         last, before = points[:2]
         chord, arcs = _on_chord(points)
-        load, v = mixed((0.5, 0.5), (last, before))
-        fold = fold_near(self.problem, End(load, v, self.state.active, last.v - before.v), self.options.fold)
-        if fold is not None and fold.load >= before.load and arcs[-1] < dot(chord, fold.v) < arcs[0]:
-            return fold
+        guesses = [_top(arcs, points)] if len(arcs) == 3 else []
+        for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
+            fold = fold_near(self.problem, End(load, v, self.state.active, last.v - before.v), self.options.fold)
+            if fold is not None and fold.load >= before.load and arcs[-1] < dot(chord, fold.v) < arcs[0]:
+                return fold
         return None
 
     def _fold_ahead(self, points):
@@ -277,3 +278,10 @@ def _on_chord(points):
     chord, most = np.zeros_like(step), int(np.abs(step).argmax())
     chord[most] = np.sign(step[most])
     return chord, [dot(chord, v) for _, v in points[:3]]
+
+
+def _top(arcs, points):
+    """(load, v) at the maximum of the parabola through three Points at these arcs, newest first."""
+    bend, slope, _ = np.polyfit(np.subtract(arcs, arcs[1]), [p.load for p in points[:3]], 2)
+    top = float(np.clip(arcs[1] - 0.5 * slope / bend, arcs[2], arcs[0])) if bend < 0.0 else arcs[1]
+    return mixed(lagrange(arcs, top), points[:3])

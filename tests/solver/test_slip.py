@@ -78,6 +78,13 @@ def test_slips_of_soft_layers_are_located_whatever_the_increment(values):
     assert [e.load for e in found[1]] == pytest.approx([e.load for e in found[0]], abs=1e-6)
 
 
+@pytest.mark.thorough
+def test_slips_of_a_layer_far_softer_than_the_sliders_allow_are_located():
+    """Where a fold was looked for from one guess only, the last one was lost."""
+    found = [e for name in ("approach", "shear") for e in events(Scene(E=1.0, nodes=1024, u_x_max=5.0), name)]
+    assert len(found) > 15 and all(e.located for e in found)
+
+
 def moved(scene, before, after):
     """By how many sites the contact moves from one whole surface to another, by its fastest node."""
     return round(float((after[0] - before[0]).max()) / scene.spacing)
