@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Callable, Sequence
+from io import TextIOWrapper
 from typing import Any
 
 from numba.core.event import Event, Listener, install_listener
@@ -31,7 +32,8 @@ def run(program: str = "python -m solver", more: Sequence[Callable[[Any], None]]
 
     program: its name in messages; more: functions that add commands.
     """
-    sys.stdout.reconfigure(errors="replace")  # some terminals cannot show the Greek letters of units
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # some terminals cannot show the Greek letters of units
     try:
         try:
             with install_listener("numba:compile", CompilingNotice()):

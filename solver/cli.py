@@ -163,7 +163,7 @@ class Computed(NamedTuple):
 
 def compute(scene: Scene, method: str, fields_too: bool) -> Computed:
     """The whole load path. u and T are kept only if asked for: those of a long run may not fit into memory."""
-    frames = []
+    frames: list[Frame] = []
     try:
         for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
             if frames and not fields_too:  # `account` reads the last ones

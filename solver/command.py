@@ -93,7 +93,8 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     """
     start = preset(named).scene.differences() if named else {}
     texts = {name: str(value) for name, value in start.items()} | settings(pairs)
-    file, notes, profile = texts.pop("profile", None), [], None
+    file, profile = texts.pop("profile", None), None
+    notes: list[str] = []
     if file is not None:
         width = number_from_text("width", texts["width"]) if "width" in texts else None
         try:

@@ -24,7 +24,7 @@ from .command import (
     write,
 )
 from .files import write_json, write_rows
-from .scene import PARAMETERS, Scene
+from .scene import LIMITS, Scene
 
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
@@ -103,7 +103,7 @@ def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     for note in measured.notes:
         print(note)
     for name, value in result.values.items():
-        unit = PARAMETERS[name].unit if name in PARAMETERS else UNITS.get(name, "")
+        unit = LIMITS[name].unit if name in LIMITS else UNITS.get(name, "")
         print(f"{name:12} {value:12.6g} +- {result.errors[name]:.2g} {unit}".rstrip())
     print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs")
     print(VERDICTS[result.reached, not result.warnings])

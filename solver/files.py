@@ -40,7 +40,7 @@ def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
 def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
     """{column: a value per frame}: COLUMNS, TOP with a drive, the stage, and the parameters that change."""
     names = COLUMNS + TOP * any(any(frame.scene.drive_compliance) for frame in frames)
-    curves = {name: [number(getattr(frame, name)) for frame in frames] for name in names}
+    curves: dict[str, list[Any]] = {name: [number(getattr(frame, name)) for frame in frames] for name in names}
     curves["stage"] = [frame.stage for frame in frames]
     return curves | {name: [getattr(frame.scene, name) for frame in frames] for name in changing(frames)}
 
@@ -58,8 +58,9 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], metho
     after = [frame for frame in frames if frame.stage != "approach"]
     curves = {name: np.array(values, str if name == "stage" else None) for name, values in curves_of(after).items()}
     report = {"method": method, "scene": asdict(scene), "changes": changes(frames) if changing(frames) else None}
+    arrays: dict[str, Any] = fields_of(scene, after) | curves
     with open(file, "wb") as out:  # NumPy would append .npz to a name
-        np.savez_compressed(out, **fields_of(scene, after), **curves, report=json.dumps(plain(origin() | report)))
+        np.savez_compressed(out, **arrays, report=json.dumps(plain(origin() | report)))
 
 
 def origin() -> dict[str, Any]:
@@ -80,7 +81,7 @@ def commit() -> str | None:
     root = Path(__file__).parents[1]
     if not (root / ".git").exists():
         return None
-    command = ["git", "-C", root, "describe", "--always", "--dirty=+", "--exclude=*"]
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty=+", "--exclude=*"]
     try:
         return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):  # no git, or not its repository

@@ -36,7 +36,8 @@ def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     with progress(100, "%") as bar:
         for done, so_far in measure(scene, arguments.quick, arguments.slips):
             bar.update(int(100 * done) - bar.n)
-            report = so_far
+            if so_far is not None:
+                report = so_far
     shown = document(report)
     print(shown.text())
     write(arguments.json, write_json, data(report))

@@ -51,7 +51,7 @@ class Camera:
         """The states of a motion that led from the End of a branch to its rest, with both."""
         load, v, active = slip.after[:3]
         reels = [reel for reel in self.reels if reel[0][1].size == v.size]
-        reel = min(reels, key=lambda reel: np.abs(reel[-1][1] - v).max(), default=[])
+        reel: list[tuple] = min(reels, key=lambda reel: np.abs(reel[-1][1] - v).max(), default=[])
         return [(problem, slip.v, slip.active, slip.load), *reel, (problem, v, active, load)]
 
 

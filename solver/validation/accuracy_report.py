@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from typing import Any, NamedTuple
 
 from ..cautions import flutter
@@ -45,21 +46,22 @@ def sentence(report: Report) -> str:
 
 def choice(report: Report, sweep: str) -> str:
     """The cheapest value of a parameter at which fast has no visible error, as a sentence."""
-    points = [p for p in report.of(sweep, "fast") if p.branch_error is not None and not p.failure]
+    errors = {p: p.branch_error for p in report.of(sweep, "fast") if not p.failure}
+    points = {p: error for p, error in errors.items() if error is not None}
     if not points:
         return f"No {sweep} tried was finished with fast."
-    good = [p for p in points if p.branch_error <= VISIBLE and p.right]
+    good = [p for p, error in points.items() if error <= VISIBLE and p.right]
     if not good:
-        best = min(points, key=lambda p: p.branch_error)
+        best = min(points, key=lambda p: points[p])
         return (
             f"No {sweep} tried brings F, L and A to {VISIBLE:g} on the right branches;"
-            f" the best, {best.value:g}, leaves {best.branch_error:.0e}."
+            f" the best, {best.value:g}, leaves {points[best]:.0e}."
         )
     cheap = max(good, key=lambda p: p.value)
     slip = cheap.worst("position")
     place = "" if slip is None else f", slips to {slip:.0e} nm"
     rest = [p for p in points if p.value < cheap.value]
-    worse = [f"{p.value:g} leaves {p.branch_error:.0e}" for p in rest if p not in good]
+    worse = [f"{p.value:g} leaves {points[p]:.0e}" for p in rest if p not in good]
     more = f"{FINER[sweep]} has no visible effect" if rest else f"{FINER[sweep]} was not tried"
     more = f"yet {FINER[sweep]} is not always better: {', '.join(worse)}" if worse else more
     return (
@@ -83,7 +85,7 @@ def _price(report):
 
 def branches(report: Report) -> str:
     """The number of slips after which the branch was the reference's, and every series with another one."""
-    counts = {}  # series: (right, known)
+    counts: dict[str, list[int]] = {}  # series: right, known
     for p in report.points:
         counts[p.series] = [a + b for a, b in zip(counts.get(p.series, (0, 0)), p.branches, strict=True)]
     right, known = map(sum, zip(*counts.values(), strict=True)) if counts else (0, 0)
@@ -190,12 +192,16 @@ def document(report: Report) -> Document:
             f"{sweep} [{LIMITS[sweep].unit}]",
             DataFrame([_row(p) for p in report.of(sweep)]),
             [choice(report, sweep)],
-            lambda sweep=sweep: [_diagram(report, sweep, work) for work in WORK if _drawn(report, sweep)],
+            partial(_diagrams, report, sweep),
         )
         for sweep in filter(report.of, SWEEPS)
     ]
     origin = Section(command(report), lines=[*notes(report), *failures(report)])
     return Document(f"Error against run time: {title(report)}", [*swept, origin, Section("", lines=[sentence(report)])])
+
+
+def _diagrams(report, sweep):
+    return [_diagram(report, sweep, work) for work in WORK if _drawn(report, sweep)]
 
 
 def _drawn(report, sweep, series=None):

@@ -5,6 +5,7 @@ that a short run contains the approach, first slips and some sliding.
 """
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ CENTRE = {
     "normal": 1.0,
     "step": 5.0,
 }
-BASES = ({}, {"surface": "flat"}, {"nodes": 1024}, {"delta_bar": 0.3, "nodes": 255})
+BASES: tuple[dict[str, Any], ...] = ({}, {"surface": "flat"}, {"nodes": 1024}, {"delta_bar": 0.3, "nodes": 255})
 RANDOM = 1800  # with the axes one at a time, and those repeated at a tolerance in reach, some 2,200 scenes
 QUICK = 11  # the quick atlas has every 11th scene: a prime, so that it meets every axis and base
 COARSEST = LIMITS["tolerance"].high

@@ -7,7 +7,7 @@ states by lattice periods, at the loads that both runs have: nothing is interpol
 
 from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import zip_longest
 from math import inf
 from time import thread_time
@@ -176,9 +176,9 @@ def recorded(scene, path, keep=None, longest=inf) -> Curves:
 
 def compare(point: Point, curves: Curves, best: Curves, right: Curves) -> Point:
     """The outcome of a Point with these Curves: errors against the Curves `best`, branches against `right`."""
-    errors = dict(zip(QUANTITIES, on_branch(curves, best), strict=True))
-    work = {"seconds": curves.seconds, "evaluations": curves.evaluations, "failure": curves.failure}
-    return replace(point, **errors, **work, slips=tuple(slip_errors(curves, best, right)))
+    F, L, A = on_branch(curves, best)
+    work, slips = (curves.seconds, curves.evaluations), tuple(slip_errors(curves, best, right))
+    return Point(point.sweep, point.series, point.value, *work, F, L, A, slips, curves.failure)
 
 
 def on_branch(curves: Curves, best: Curves) -> list[float | None]:
@@ -199,8 +199,8 @@ def slip_errors(curves: Curves, best: Curves, right: Curves) -> list[SlipError]:
     for event, after in zip_longest(best.slips, best.slips[1:]):
         own = [other for other in curves.slips if other.stage == event.stage]
         nearest = min(own, key=lambda other: abs(other.load - event.load), default=None)
-        position = nearest and abs(nearest.load - event.load)
-        force = nearest and abs(nearest.F_bar - event.F_bar) / largest
+        position = None if nearest is None else abs(nearest.load - event.load)
+        force = None if nearest is None else abs(nearest.F_bar - event.F_bar) / largest
         end = after.load if after and after.stage == event.stage else inf
         same = None if event.sensitive else same_branch(curves, right, event, end)
         errors.append(SlipError(event.stage, event.load, position, force, same))

@@ -54,12 +54,12 @@ class Document:
         library = (Path(settings.bokehjs_path()) / "js" / "bokeh.min.js").read_text(encoding="utf-8")
         drawn = [section.figures() for section in self.sections]
         script, divisions = components([row(figures) for figures in drawn if figures])
-        divisions, body = iter(divisions), []
+        division, body = iter(divisions), []
         for section, figures in zip(self.sections, drawn, strict=True):
             table = "" if section.table is None else section.table.to_html(index=False, border=0)
             lines = "".join(f"<p>{escape(line)}</p>\n" for line in section.lines)
             heading = f"<h2>{escape(section.title)}</h2>\n" if section.title else ""
-            body.append(f"{heading}{next(divisions) if figures else ''}{table}{lines}")
+            body.append(f"{heading}{next(division) if figures else ''}{table}{lines}")
         title = escape(self.title)
         page = (
             f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>\n'

@@ -7,7 +7,9 @@ their velocity turned towards the force; otherwise they stop. NP1 has no potenti
 Inertia is not damped: from the end of a branch FIRE may reach another equilibrium than the damped transient.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -114,7 +116,8 @@ class FireMotion(Weighted):
         return 1.0 - mixing, mixing * np.sqrt(speed / force) + self.step
 
 
-SERIES = {"fast": "fast", "gfmd": "gfmd", "gfmd mass-weighted": MassWeighted, "FIRE": Fire}  # name: as of `load_path`
+Method = str | Callable[..., Any]  # as of `load_path`
+SERIES: dict[str, Method] = {"fast": "fast", "gfmd": "gfmd", "gfmd mass-weighted": MassWeighted, "FIRE": Fire}
 
 
 @njit(cache=True, nogil=True)

@@ -99,7 +99,8 @@ def _assessed(case):
 
 def run(scene: Scene) -> tuple[Verdict, list[Frame]]:
     """(the Verdict on a run by its frames alone, the frames)."""
-    frames, work = [], 0
+    frames: list[Frame] = []
+    work = 0
     try:
         for frame in load_path(scene):
             if wrong := _wrong(scene, frame):
@@ -181,7 +182,7 @@ def atlas(
     limit: float = LIMIT,
 ) -> list[dict]:
     """The outcome of every Case, in order, from processes of their own; workers, limit: as of `isolated.outcomes`."""
-    results = [None] * len(asked)
+    results: list[dict] = [{}] * len(asked)
     for done, (k, outcome) in enumerate(outcomes(assess, asked, workers, limit), start=1):
         lost = isinstance(outcome, Lost)
         results[k] = _described(asked[k]) | Verdict(outcome.kind, outcome.reason)._asdict() if lost else outcome
