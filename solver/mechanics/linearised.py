@@ -7,7 +7,6 @@ Under a held load the height of the top is the last unknown.
 """
 
 import numpy as np
-from numba import njit
 
 from ..continuation.state import TINY
 from .cohesive_law import add_product, alike
@@ -88,16 +87,8 @@ class Linearised:
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
     def matrix(self) -> np.ndarray | None:
-        """dR/dv, dense; None of more than MOST nodes."""
-        if self.m > MOST:
-            return None
-        out, cell = np.empty((2 * self.m,) * 2), self.contact.cell
-        kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
-        _fill(kernels, self.J, out)
-        if not self.problem.held:
-            return -out
-        column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
-        return np.block([[-out, column[:, None]], [rise, 0.0]])
+        """dR/dv, dense, from its products with each unknown; None of more than MOST nodes."""
+        return np.array([self.tangent(e) for e in np.eye(self.surface.problem.size)]).T if self.m <= MOST else None
 
     def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""
@@ -170,19 +161,3 @@ class Linearised:
         k, J = self.contact.modes.stiffness.copy(), self.J[:, 0]
         k[1, 0] = self.surface.stiffness[1, 0]  # none under a held load
         return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
-
-
-@njit(cache=True, nogil=True)
-def _fill(kernels, J, out) -> None:
-    """out (2 m, 2 m) = I - C J of m nodes; J: (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
-    m, n = J.shape[1], kernels.shape[1]
-    for i in range(m):
-        for j in range(m):
-            d = (i - j) % n
-            xx, zz, xz = kernels[0, d], kernels[1, d], kernels[2, d]
-            out[i, j] = -(xx * J[0, j] + xz * J[2, j])
-            out[i, m + j] = -(xx * J[1, j] + xz * J[3, j])
-            out[m + i, j] = xz * J[0, j] - zz * J[2, j]
-            out[m + i, m + j] = xz * J[1, j] - zz * J[3, j]
-        out[i, i] += 1.0
-        out[m + i, m + i] += 1.0
