@@ -36,7 +36,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     """
 
     def judged(point, mode):
-        return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode))
+        return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode, corrector.inverse))
 
     unstable = _Side(after, mode)
     for point in older:

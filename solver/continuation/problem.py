@@ -92,6 +92,9 @@ class Problem(Protocol):
         edge of the interaction, then a new set, in which nodes of `settled` (bool) do not change. May raise
         NotConverged."""
 
+    def preconditioner(self, v, active) -> Callable | None:
+        """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
+
     def crowded(self, v, active, s) -> bool:
         """Whether the state v needs more unknowns."""
 

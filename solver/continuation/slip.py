@@ -187,7 +187,7 @@ class Transient:
         if active is None or np.abs(v - self.v).max() > self.options.corrector.longest * self.unit:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
-        self.mode = self.judge.rightmost(self.problem, v, active, self.mode)
+        self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
         if not self.mode.rests:
             return None
         solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}

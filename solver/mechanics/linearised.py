@@ -7,6 +7,7 @@ Under a held load the height of the top is the last unknown.
 """
 
 import numpy as np
+from numba import njit
 
 from ..continuation.state import TINY
 from .cohesive_law import add_product, alike
@@ -86,9 +87,18 @@ class Linearised:
         change -= self.contact.tangents(self.u - h * way, self.active)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
-    def matrix(self) -> np.ndarray | None:
-        """dR/dv, dense, from its products with each unknown; None of more than MOST nodes."""
-        return np.array([self.tangent(e) for e in np.eye(self.surface.problem.size)]).T if self.m <= MOST else None
+    def matrix(self, nodes=None) -> np.ndarray | None:
+        """dR/dv, dense, of all nodes or of `nodes` (k,), and of the top; None of no node, or of more than MOST."""
+        nodes = np.arange(self.m) if nodes is None else nodes
+        if not 0 < nodes.size <= MOST:
+            return None
+        out, cell = np.empty((2 * nodes.size,) * 2), self.contact.cell
+        kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
+        _fill(kernels, nodes, self.J, out)
+        if not self.problem.held:
+            return -out
+        column, rise = np.repeat([0.0, 1.0], nodes.size), self.scale * self.J[2:, nodes].ravel()
+        return np.block([[-out, column[:, None]], [rise, 0.0]])
 
     def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""
@@ -161,3 +171,19 @@ class Linearised:
         k, J = self.contact.modes.stiffness.copy(), self.J[:, 0]
         k[1, 0] = self.surface.stiffness[1, 0]  # none under a held load
         return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
+
+
+@njit(cache=True, nogil=True)
+def _fill(kernels, nodes, tangents, out) -> None:
+    """out (2 k, 2 k) = I - C J of k nodes; tangents: J, (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
+    k, n = nodes.size, kernels.shape[1]
+    for i in range(k):
+        for j in range(k):
+            d, a = (nodes[i] - nodes[j]) % n, nodes[j]
+            xx, zz, xz = kernels[0, d], kernels[1, d], kernels[2, d]
+            out[i, j] = -(xx * tangents[0, a] + xz * tangents[2, a])
+            out[i, k + j] = -(xx * tangents[1, a] + xz * tangents[3, a])
+            out[k + i, j] = xz * tangents[0, a] - zz * tangents[2, a]
+            out[k + i, k + j] = xz * tangents[1, a] - zz * tangents[3, a]
+        out[i, i] += 1.0
+        out[k + i, k + i] += 1.0

@@ -33,6 +33,9 @@ class Toy:
     def active(self, v, s, before=None, settled=None):
         return np.ones(1, bool) if before is None else before
 
+    def preconditioner(self, v, active):
+        return None
+
     def crowded(self, v, active, s):
         return False
 
