@@ -52,7 +52,7 @@ class Replay:
         passed = branch.at(load, self.options.stencil)
         guess = passed.v + shift * problem.direction
         v = guess.copy()
-        secants = state.secants.copy() if state.secants else self.stepper.corrector.secants()
+        secants = self.stepper.corrector.secants()  # those of a state near a fold may lead to the branch beyond it
         active = self.stepper.corrector.settle(v, passed.active, target, secants)
         moved = np.abs(v - guess).max()
         if active is None or not self._same(moved, branch, load):

@@ -11,15 +11,18 @@ import numpy as np
 import pytest
 
 import solver.cli as cli
-from solver import Scene, load_path
+from solver import Scene, load_path, skeleton_from
 from solver.cautions import cautions
 from solver.presets import WORDS, PresetError, preset, presets, read
 from solver.run.load_steps import load_steps_of
+from solver.run.loadpath import Run
 
 ROOT = Path(__file__).parents[2]
 NAMES = tuple(presets())
 EXPECTED = ["fig6", "fig4a-blue", "fig4a-red", "fig4a-green", "fig4b-weak", "fig4b-stiff"]
 SHARED = ["fig6", "rough", "unload", "hold-load"]  # whose runs other tests here need, too
+FOLLOWED = ["fig6", "rough", "hold-load", "soft-drive"]
+SHEARED = [name for name in NAMES if preset(name).scene.path == "shear"]
 EXPECTED += ["fig7-case1", "fig7-case2", "fig7-case3", "fig8-black", "fig8-red", "fig8-blue"]
 
 
@@ -42,8 +45,14 @@ def test_presets_differ_in_scene_and_title():
 
 
 @cache
+def run_of(name):
+    """(its Frames, the Checkpoint at its end)."""
+    frames, checkpoints = zip(*Run(preset(name).scene).frames(), strict=True)
+    return list(frames), checkpoints[-1]
+
+
 def frames_of(name):
-    return list(load_path(preset(name).scene))
+    return run_of(name)[0]
 
 
 @pytest.mark.once(len(SHARED))
@@ -55,6 +64,14 @@ def test_preset_runs(name):
     assert len(frames) >= sum(step.increments + 1 for step in load_steps_of(scene))
     assert max(f.residual for f in frames) <= scene.tolerance
     assert any(f.slip for f in frames if f.stage != "approach") is not name.startswith("fig4b")
+
+
+@pytest.mark.once(len(FOLLOWED))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*FOLLOWED, *(name for name in SHEARED if name not in FOLLOWED)])
+def test_the_run_of_a_preset_that_only_shears_can_be_followed(name):
+    """A slider would else show exact runs only: secant steps of a state near a fold led to the branch beyond it."""
+    assert skeleton_from(preset(name).scene, run_of(name)[1]).branches
 
 
 def drops(name, **changed):
