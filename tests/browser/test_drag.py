@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from served import MODEL, PATIENCE, finished, paused_at
+from served import MODEL, PATIENCE, finished, paused_at, values_are
 
 from solver.presets import preset
 
@@ -121,6 +121,21 @@ def test_curves_over_the_top_stay_over_the_top_while_a_slider_is_dragged_and_aft
         if held:
             page.mouse.up()
             page.wait_for_function("!punch.run.followed && punch.status.state === 'finished' && !punch.fresh")
+
+
+def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look):
+    """A key let go before the server said so lost its step."""
+    page = paused(look, "?E=71.2")
+    page.evaluate("punch.rests = 1e6")
+    page.focus("#delta_bar")
+    page.keyboard.down("ArrowRight")
+    page.wait_for_function("punch.run.followed && !punch.waiting.length && !punch.fresh")
+    page.evaluate("Object.assign(punch, { dragging: false, status: { ...punch.status } })")
+    page.wait_for_function("!punch.fresh")
+    assert page.input_value("#delta_bar-entry") == "0.01"
+    page.keyboard.up("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    values_are(page, delta_bar=0.02)
 
 
 def test_choosing_a_flat_while_paused_removes_the_nodes_drawn_by_bokeh(look):

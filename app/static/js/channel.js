@@ -33,8 +33,13 @@ export function order(what, fields = {}) {
   if (!me.lost) wire.order = { do: what, n, ...fields }
 }
 
+let answered = -1 // number of the newest order that the server has answered
+// Whether a status was sent before the server heard of what it has answered since, by a picture
+export const outdated = ({ acknowledged }) => acknowledged < answered
+
 // The server has heard the orders up to a number
 export function heard(n) {
+  answered = Math.max(answered, n ?? -1)
   if (me.waiting.some((sent) => sent.n <= n)) me.waiting = me.waiting.filter((sent) => !(sent.n <= n))
 }
 

@@ -2,7 +2,7 @@
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
 import { goToAsked, writeAddress } from "./address.js"
-import { heard as acknowledged, order } from "./channel.js"
+import { heard as acknowledged, order, outdated } from "./channel.js"
 import { by, fixed, minus, on, say, tell } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { describeAll } from "./sliders.js"
@@ -38,7 +38,8 @@ export function heard(status) {
 let described = null // the status that the controls show
 function tellScene() {
   const { status } = me
-  if (!status.values || me.waiting.length || me.entered) return // the echo of a position the slider has left
+  // the echo of a position the slider has left
+  if (!status.values || me.waiting.length || me.entered || outdated(status)) return
   if (described !== status) {
     describeAll(status, described?.values)
     described = status
