@@ -5,7 +5,7 @@ import pytest
 
 from solver import Scene
 from solver.mechanics.contact import Contact
-from solver.mechanics.equilibrium import Equilibrium
+from solver.mechanics.equilibrium import FORMED, Equilibrium
 from solver.run.load_steps import sideways
 
 SCENES = {
@@ -43,3 +43,11 @@ def test_without_active_nodes_there_is_no_preconditioner():
     scene = SCENES["stiff"]
     problem = Equilibrium(Contact(scene, 10, 108), sideways(1.0, -scene.delta))
     assert problem.preconditioner(problem.undeformed(0.0), np.zeros(108, bool)) is None
+
+
+def test_for_so_many_nodes_that_forming_it_takes_too_long_there_is_no_preconditioner():
+    scene = Scene(surface="wave")
+    problem = Equilibrium(Contact(scene, 0, scene.nodes), sideways(1.0, -scene.delta))
+    for nodes, formed in [(FORMED, True), (FORMED + 1, False)]:
+        active = np.arange(scene.nodes) < nodes
+        assert (problem.preconditioner(problem.undeformed(0.0), active) is not None) is formed
