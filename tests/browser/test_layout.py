@@ -54,6 +54,16 @@ OVER_ENDS = """() => [...document.querySelectorAll('.ends')].flatMap((scale) => 
 })"""
 
 
+def test_the_label_of_every_slider_has_one_line_on_windows_that_show_three_beside_each_other(look):
+    """A label in two lines puts its slider lower than the others."""
+    page = look()
+    for width in (900, 1000, 1060, 1180):
+        page.set_viewport_size({"width": width, "height": 800})
+        laid_out(page)
+        tops = page.evaluate("[...document.querySelectorAll('.control input[type=range]')].map((e) => e.offsetTop)")
+        assert len(tops) == 3 and len(set(tops)) == 1, width
+
+
 def test_slider_marks_cover_no_number_and_the_description_is_not_cut(look):
     page = look("?view=lab")
     page.set_viewport_size({"width": 1440, "height": 900})

@@ -10,6 +10,7 @@ import { drawnFrame } from "./punch.js"
 
 const GAP = 10 // px between both
 const LABEL = 4 // times the size of the text, for a number of a place
+const ABOVE = 1.3 // times the size of the text, for what is above zero
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 
 export function drawBands(run, k) {
@@ -24,21 +25,26 @@ export function drawBands(run, k) {
   const shear = {
     of: T_t, up: Math.max(run.T_out, LEAST), low: run.T_back, inks: [ink.shear, ink.shear], says: ["holds back", ""],
   }
-  // of both the same
-  const bands = [normal, shear], scale = (high - bands.length * GAP) / (normal.up - normal.low + shear.up - shear.low)
+  // of both the same; a low one gets the room above zero that its label needs
+  const bands = [normal, shear], least = ABOVE * size()
+  const scaleOf = (low) => (high - bands.length * GAP - low.length * least)
+    / bands.reduce((GPa, band) => GPa - band.low + (low.includes(band) ? 0 : band.up), 0)
+  const whole = scaleOf([]), scale = scaleOf(bands.filter(({ up }) => up * whole < least))
+  if (scale <= 0) return // no room
   const view = { pen, ink, box }
   let top = 0
   for (const band of bands) {
-    drawBand(view, { ...band, top, scale }, x)
-    top += (band.up - band.low) * scale + GAP
+    const zero = top + GAP / 2 + Math.max(band.up * scale, least), bottom = zero - band.low * scale + GAP / 2
+    drawBand(view, { ...band, top, zero, bottom, scale }, x)
+    top = bottom
   }
   drawScale(view, GAP / 2, scale, row, high)
   drawPlaces(view, start, end, high + 2, row)
 }
 
-function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, under], says }, x) {
-  const high = (up - low) * scale + GAP, Y = (v) => top + GAP / 2 + (up - v) * scale, { left, width, X } = box
-  within(pen, { left, top, width, height: high }, () => {
+function drawBand({ pen, ink, box }, { of, top, zero, bottom, scale, inks: [over, under], says }, x) {
+  const Y = (v) => zero - v * scale, { left, width, X } = box
+  within(pen, { left, top, width, height: bottom - top }, () => {
     for (const [keep, colour] of [[(v) => Math.max(v, 0), over], [(v) => Math.min(v, 0), under]]) {
       const places = Array.from(x, (at, i) => [X(at), Y(keep(of[i]))])
       line(pen, [[X(x[0]), Y(0)], ...places, [X(x.at(-1)), Y(0)]], colour, 1.5)
@@ -50,11 +56,11 @@ function drawBand({ pen, ink, box }, { of, top, low, up, scale, inks: [over, und
     line(pen, [[left, Y(0)], [left + width, Y(0)]], ink.soft)
   })
   const view = { pen, ink, box }
-  if (high < 2 * size()) return
   const text = (label, y, colour) => write(view, label, box.left + 8, y, { of: colour, align: "left", scale: 0.95 })
-  const above = Math.max(top + 0.6 * size(), Y(0) - 0.75 * size()), below = Y(0) + 1.15 * size()
-  if (!says[1] || of.some((T) => T > 0)) text(says[0], above, over)
-  if (says[1] && below + 0.5 * size() < top + high) text(says[1], below, under)
+  const above = zero - 0.75 * size(), below = zero + 1.15 * size(), pushes = !says[1] || of.some((T) => T > 0)
+  if (pushes) text(says[0], above, over)
+  if (below + 0.5 * size() < bottom) text(says[1], below, under)
+  else if (!pushes) text(says[1], above, under)
 }
 
 const NICE = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200] // GPa
