@@ -4,6 +4,7 @@ import re
 
 import pytest
 from served import PATIENCE, PLAYING, finished
+from tabs import imported
 
 
 def drawn(page, view, part):
@@ -78,9 +79,8 @@ def test_fast_slider_steps_skip_runs_and_end_at_the_last_position(look):
     assert page.evaluate("punch.status.run - before") <= 13  # one for each move at most
 
 
-CURSOR = """async () => {
-    const { parts } = await import(new URL("./app/static/js/figures.js", document.baseURI))
-    const { visible, location } = parts.forces.cursor
+CURSOR = """() => {
+    const { visible, location } = modules.figures.parts.forces.cursor
     return visible && location === punch.run.curves.U_x[punch.drawn]
 }"""
 
@@ -89,7 +89,7 @@ def test_playback_can_be_paused_and_stepped(visit):
     page = visit(**PLAYING)
     finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 3")  # it plays by itself
-    page.wait_for_function(CURSOR)
+    imported(page, "figures").wait_for_function(CURSOR)
     page.get_by_role("button", name="Pause").click()
     page.wait_for_function("document.getElementById('status').textContent.includes('paused')")
     page.wait_for_function(CURSOR)

@@ -1,8 +1,8 @@
 """Undocumented behaviour of BokehJS that app/static/js/bokeh.js relies on, one test each."""
 
 import pytest
+from tabs import imported
 
-JS = "new URL('./app/static/js/{}.js', document.baseURI)"
 PIXELS = """() => [...function* find(node) {
     if (node.tagName === "CANVAS" && node.width > 50) yield node.toDataURL()
     for (const child of [...node.children ?? [], ...node.shadowRoot?.children ?? []]) yield* find(child)
@@ -15,11 +15,10 @@ def still(look):
     page = look()
     page.evaluate("punch.look++")  # drawn anew, whatever another test has filled in
     page.wait_for_function("() => !punch.fresh && punch.mapped")
-    page.evaluate(
+    imported(page, "bokeh", "figures", "channel").evaluate(
         f"""async () => {{
-            window.bokeh = await import({JS.format("bokeh")})
-            const {{ figures, parts }} = await import({JS.format("figures")})
-            Object.assign(window, {{ figures, parts, pixels: {PIXELS} }})
+            const {{ bokeh, figures: {{ figures, parts }} }} = modules
+            Object.assign(window, {{ bokeh, figures, parts, pixels: {PIXELS} }})
             window.screen2 = () => new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))
             await screen2()
         }}"""
@@ -81,19 +80,18 @@ def test_several_changes_are_painted_once_and_painting_can_be_awaited(still):
 
 def test_only_orders_are_sent_to_the_server_not_local_changes_of_figures(still):
     sent = still.evaluate(
-        f"""async () => {{
+        """async () => {
             const send = WebSocket.prototype.send, said = []
-            WebSocket.prototype.send = function (text) {{ said.push(text); return send.call(this, text) }}
-            bokeh.set(figures.forces.y_range, {{ start: -3, end: 3 }})
-            bokeh.fill(parts.forces.L, {{ U_x: [0], value: [0] }})
+            WebSocket.prototype.send = function (text) { said.push(text); return send.call(this, text) }
+            bokeh.set(figures.forces.y_range, { start: -3, end: 3 })
+            bokeh.fill(parts.forces.L, { U_x: [0], value: [0] })
             bokeh.tint(parts.forces.L, "#ff0000")
             await screen2()
-            const {{ order }} = await import({JS.format("channel")})
-            order("pause")
+            modules.channel.order("pause")
             await screen2()
             WebSocket.prototype.send = send
             return said.flatMap((text) => JSON.parse(text).events ?? []).map((event) => event.attr ?? event.kind)
-        }}"""
+        }"""
     )
     layout = {"inner_width", "inner_height", "outer_width", "outer_height"}  # which Bokeh tells by itself
     assert set(sent) - layout == {"order"}

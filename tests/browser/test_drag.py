@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from served import MODEL, PATIENCE, finished, paused_at, values_are
+from tabs import imported
 
 from solver.presets import preset
 
@@ -13,16 +14,14 @@ AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map(
 }))"""
 COLOURS = "[document.getElementById('map-low').textContent, document.getElementById('map-high').textContent]"
 WORD = "document.querySelector('#status b').textContent"
-DRAWN = """async () => {  // the curves as Bokeh has them, and as the run on screen has them
-    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-    const [{ parts }, { drawnBy }] = [await of("figures"), await of("bokeh")]
+DRAWN = """() => {  // the curves as Bokeh has them, and as the run on screen has them
+    const { figures: { parts }, bokeh: { drawnBy } } = modules
     const F = drawnBy(parts.forces.F), A = drawnBy(parts.area.A)
     return [[[...F.y], [...A.y]], [[...punch.run.shear("F")], [...punch.run.shear("A")]]]
 }"""
 DRAWN_F = "() => (({ U_x, value }) => [[...U_x], [...value]])(" + MODEL.format("forces.F") + ".data_source.data)"
-GLYPHS = """async () => {
-    const { parts } = await import(new URL("./app/static/js/figures.js", document.baseURI))
-    return Object.values(parts.punch).filter(({ glyph, visible }) => glyph && visible).length
+GLYPHS = """() => {
+    return Object.values(modules.figures.parts.punch).filter(({ glyph, visible }) => glyph && visible).length
 }"""
 WATCH = """() => {  // what is on screen with every run that is painted whole
     window.seen = []
@@ -60,7 +59,7 @@ def paused(look, query):
     page = look(query)
     finished(page)
     paused_at(page, 300)
-    return page
+    return imported(page, "figures", "bokeh")
 
 
 def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_stay(look):

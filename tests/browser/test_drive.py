@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from served import MODEL, PATIENCE, finished
+from tabs import imported
 
 from solver import load_path
 from solver.presets import preset
@@ -68,7 +69,7 @@ def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
 @pytest.mark.thorough
 def test_tour_question_on_a_soft_drive_matches_the_solver(look):
     page = look("?view=hero")
-    page.evaluate("import(new URL('./app/static/js/tour.js', document.baseURI)).then((tour) => tour.openTour(7))")
+    imported(page, "tour").evaluate("modules.tour.openTour(7)")
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="after a longer pull, at the same force").click()

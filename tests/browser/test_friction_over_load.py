@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from served import PATIENCE
+from tabs import imported
 
 from solver import Scene, load_path
 
@@ -39,7 +40,7 @@ def cleared(look, address):
     A point names the one parameter that differs from those of the run before: here several do.
     """
     page = look(f"?{ADDRESS}&E=50&phi_ratio=0.9")
-    page.evaluate("import(new URL('./app/static/js/slips.js', document.baseURI)).then(({ clear }) => clear())")
+    imported(page, "slips").evaluate("modules.slips.clear()")
     return look(address)
 
 

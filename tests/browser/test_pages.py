@@ -4,6 +4,7 @@ import re
 
 import pytest
 from served import PATIENCE, PLAYING, faults_at, finished, found_by_axe, laid_out
+from tabs import imported
 
 from app.pages import listed
 from solver import Scene, load_path
@@ -382,13 +383,7 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     page = look(f"?page=regimes&{TINY}")
     page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
     before = page.evaluate("(({ delta_bar, phi_ratio }) => [delta_bar, phi_ratio])(punch.status.values)")
-    frame = page.evaluate(
-        """async () => {
-            const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-            const [{ figures }, { frameBox }] = [await of("figures"), await of("bokeh")]
-            return frameBox(figures.regimes_map)
-        }"""
-    )
+    frame = imported(page, "figures", "bokeh").evaluate("modules.bokeh.frameBox(modules.figures.figures.regimes_map)")
     box = page.locator("#regimes .view").bounding_box()
     x, y = box["x"] + frame["left"] + 0.7 * frame["width"], box["y"] + frame["top"] + 0.3 * frame["height"]
     page.mouse.move(x, y)

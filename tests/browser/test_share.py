@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from served import PATIENCE, finished, laid_out
+from tabs import imported
 
 from solver.cli import main as command_line
 
@@ -119,10 +120,9 @@ def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
 
 def test_a_picture_saved_while_a_new_run_begins_is_that_on_screen(sheet):
     """The new run then has fewer frames than the one on screen had."""
-    words = sheet.evaluate(
-        """async () => {
-            const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-            const [{ svg }, { Run }] = await Promise.all(["share", "run"].map(of)), { run } = punch
+    words = imported(sheet, "share", "run").evaluate(
+        """() => {
+            const { share: { svg }, run: { Run } } = modules, { run } = punch
             const begun = new Run(run.number, run.head)
             begun.takeOver(run, 0)
             punch.run = begun

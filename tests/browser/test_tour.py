@@ -2,11 +2,12 @@
 
 import pytest
 from served import PATIENCE, laid_out
+from tabs import imported
 
 
 def opened(page, stop):
     """The tour at one of its stops, as `?tour=` opens it."""
-    page.evaluate(f"import(new URL('./app/static/js/tour.js', document.baseURI)).then((tour) => tour.openTour({stop}))")
+    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
     return page
 
 
@@ -49,10 +50,9 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
     page.get_by_role("button", name="Previous").wait_for(timeout=PATIENCE)
-    page.evaluate(
-        """async () => {  // from now on every run fails
-            const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-            const [{ take }, { heard }] = [await of("channel"), await of("status")]
+    imported(page, "channel", "status").evaluate(
+        """() => {  // from now on every run fails
+            const { channel: { take }, status: { heard } } = modules
             take("status", (status) => heard({ ...status, state: "failed", why: "It fluttered." }))
         }"""
     )

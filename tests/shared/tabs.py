@@ -54,13 +54,13 @@ class Tabs:
         assert not [url for url in self.asked if not own.match(url)]
 
 
-# A browser may drop a pending import() of evaluated code ("promise was garbage collected"): repeated until it is there
-MODULES = """() => {
-    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
-    Promise.all(["address", "pages", "player"].map(of)).then(([address, pages, player]) => {
-        window.modules ??= { address, pages, player }
-    })
-    return Boolean(window.modules)
+MODULES = """(names) => {
+    window.modules ??= {}
+    for (const name of names) {
+        const script = import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+        script.then((module) => { modules[name] = module })
+    }
+    return names.every((name) => name in modules)
 }"""
 # As a page that was just opened with `search`, at rest after its run: what a test may have changed by the controls of
 # the page is changed back, then the scene is restored as that of a link.
@@ -106,6 +106,16 @@ AS_FRESH = """() => {
 }"""
 
 
+def imported(page, *names):
+    """The page, with scripts of it as `modules.NAME`.
+
+    A busy browser may drop a pending import() of evaluated code ("promise was garbage collected"): it is repeated
+    until the script is there.
+    """
+    page.wait_for_function(MODULES, arg=names)
+    return page
+
+
 class SharedTab:
     """One tab for many tests, as loading the page costs more than most of them: `show` brings it to any address."""
 
@@ -118,7 +128,7 @@ class SharedTab:
             if self.page is None:
                 self.page = self.tabs.open()
                 finished(self.page)
-                self.page.wait_for_function(MODULES)
+                imported(self.page, "address", "pages", "player")
             return self._brought_to(query)
         except Exception:
             self.close()  # whatever state it is in

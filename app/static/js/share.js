@@ -225,7 +225,8 @@ export function open() {
       + "Python and the data have the whole path.")
   if (me.lost) sentences.push("The server does not answer: it is needed for Python, NPZ and JSON.")
   for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
-  if (me.lost) by("share-python").value = ""
+  by("share-python").value = "" // of the run before, until the server answers
+  by("share-qr").hidden = true
   if (!me.run?.whole) sentences.push("The run is still being computed: CSV and pictures hold what there is.")
   say(sentences.join(" "))
   order("share", { link })
