@@ -46,7 +46,7 @@ class Stress:
     above: tuple = ("", "", "")
 
 
-NODES = {  # of the punch; run.js assigns the states
+NODES = {  # of the punch; frames.js assigns the states
     "repulsive": Node("touching", "dot repulsive", "circle", 5, "--repulsive"),
     "adhering": Node("attracted", "wedge", "inverted_triangle", 5, "--adhering"),
     "free": Node("free", "dot free", "circle", 3, "--free", WEAK),

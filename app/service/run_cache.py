@@ -37,5 +37,5 @@ def fill(run_cache, pool, scenes, later):
     compute_next()
 
 
-run_cache = Cache(CAPACITY)  # Frames by Scene, or by a key of one visitor
+run_cache = Cache(CAPACITY)  # Frames by Scene
 metrics.gauge("run_cache_bytes", "bytes of the finished runs in the cache", lambda: run_cache.currsize)

@@ -14,7 +14,7 @@ import segno
 from app.service import packing, worker
 from app.service.packing import Frames
 from app.service.skeletons import pickled
-from solver import NotConverged, ProfileError, advance, carried_path, read_profile
+from solver import LIMITS, NotConverged, ProfileError, advance, carried_path, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
@@ -198,8 +198,9 @@ def measured_curve(text, scene):
 def made_up_scene(scene, seed):
     """Return the Scene of example data."""
     change = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, 2)
-    delta_bar = scene.delta_bar + 0.1 * change[1]
-    return scene.changed(path="shear", delta_bar=delta_bar, phi_ratio=scene.phi_ratio * APART ** change[0])
+    values = {"delta_bar": scene.delta_bar + 0.1 * change[1], "phi_ratio": scene.phi_ratio * APART ** change[0]}
+    within = {name: float(np.clip(value, LIMITS[name].low, LIMITS[name].high)) for name, value in values.items()}
+    return scene.changed(path="shear", **within)
 
 
 def made_up_curve(scene, seed):

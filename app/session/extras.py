@@ -37,16 +37,17 @@ class Film(Requests):
 class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
-    def request(self, **asked):
-        """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
+    def request(self, frame=None, **asked):
+        """Send the table for the run on screen, or one frame of it: {rows, modes, depth (nm) of the last row}.
 
         A browser repeats its request while it waits. That must not start the work again.
         """
         run = self.session.run
         if run is None:
             return
-        scene, rows = run.scene, int(min(max(asked["rows"], ROWS[0]), ROWS[1]))
-        modes = int(min(max(asked["modes"], MODES[0]), MODES[1], run.scene.nodes // 2))
+        scene = run.scene if frame is None else run.up_to(frame)[-1][0]
+        rows = int(min(max(asked["rows"], ROWS[0]), ROWS[1]))
+        modes = int(min(max(asked["modes"], MODES[0]), MODES[1], scene.nodes // 2))
         depth = min(max(asked["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
         head = {"asked": asked, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
         call = tasks.layer_table, scene, depth, rows, modes

@@ -89,7 +89,8 @@ ORDERS = {
     "pin": Order("pinned.request", {"pin": is_whole, "values": is_address}),
     "file": Order("read_file", {"entry": FILES.__contains__, "text": is_content}),
     "film": Order("film.request", {"run": is_whole, "frame": is_whole}),
-    "layer": Order("layer.request", {"rows": is_number, "modes": is_number, "depth": is_number}),
+    # frame: of the run on screen, whose layer may differ from that of the frames after it
+    "layer": Order("layer.request", {"rows": is_number, "modes": is_number, "depth": is_number}, {"frame": is_whole}),
     "share": Order("share.sheet", {"link": is_link}),
     "export": Order("share.export", {"kind": FORMATS.__contains__}),
     "page": Order("pages.open", {"page": is_text}),

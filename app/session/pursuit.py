@@ -19,7 +19,7 @@ from concurrent.futures import CancelledError
 from functools import partial
 from math import isfinite
 
-from cachetools import FIFOCache
+from cachetools import LRUCache
 
 from app.limits import increments_of
 from app.service import metrics
@@ -48,7 +48,7 @@ class Pursuit:
 
     def __init__(self, session):
         self.session = session
-        self.run, self.runs = None, FIFOCache(RUNS)  # the last run, and all by number
+        self.run, self.runs = None, LRUCache(RUNS)  # the last run, and all by number
         self.requested = None  # the newest RunRequest, while `task` is in flight
         self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
         self.held = False  # whether a slider is held
@@ -105,13 +105,13 @@ class Pursuit:
     def pause(self):
         """Submit no further slice until `resume`."""
         if self.run and self.run.state in ("running", "warming") and not self.run.refines:
-            self.run.state = "paused"
+            self.run.pause(time.monotonic())
             self.session.publish()
 
     def resume(self):
         """Continue a paused run."""
         if self.run and self.run.state == "paused":
-            self.run.state = "running"
+            self.run.resume(time.monotonic())
             self._slice(BUDGET)
             self.session.publish()
 
@@ -126,6 +126,8 @@ class Pursuit:
             self.abandon()
             self.run.state = "skipped"
             self._end()
+            if self.requested is not None:
+                return self._start_newest()
             self.session.publish()
 
     # one call in flight
@@ -262,11 +264,10 @@ class Pursuit:
         """After a run: compare it with the last picture, follow from it, and search the marks of the sliders."""
         run = self.run
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive)
-        if run.state == "finished":
-            if self.shown == run.scene:
-                call = (compared, self.skeleton, whole.blocks)
-                self.comparison.ask(call, partial(self._compared, run.scene), rank=LATER)
-            self.session.marks.seek(run.scene, whole.skeleton)
+        if run.state == "finished" and self.shown == run.scene:
+            call = (compared, self.skeleton, whole.blocks)
+            self.comparison.ask(call, partial(self._compared, run.scene), rank=LATER)
+        self.session.marks.seek(run.scene, whole.skeleton)
         self.skeleton, self.shown = whole.skeleton, None
 
     def _compared(self, scene, off):

@@ -34,6 +34,7 @@ class Run:
     total: int  # expected number of frames
     state: str
     started: float  # s, monotonic
+    paused: float = 0.0  # s, monotonic: when it was paused last
     checkpoint: bytes | None = None  # state of the last slice, for the next
     history: tuple = ()  # ((Scene, frames), ...) of the runs that this one continues
     after: tuple = ()  # (number of a run, frame) from which this one continues, in the browser's count
@@ -51,6 +52,14 @@ class Run:
         limit = worker.SLOW if self.heavy else worker.QUICK
         call = worker.compute, self.scene, self.checkpoint, budget, self.history, limit
         return call, {"rank": rank, "seconds": worker.APPROACH * budget}
+
+    def pause(self, now):
+        """Stop until `resume`; now: s, monotonic. The time between is not counted."""
+        self.state, self.paused = "paused", now
+
+    def resume(self, now):
+        """Continue a paused run."""
+        self.state, self.started = "running", self.started + now - self.paused
 
     def add(self, piece, now):
         """Add a Slice; now: s, monotonic."""

@@ -114,6 +114,7 @@ class Session:
         """Return the (run, frame) to continue from, or None with a note if the scene must start from the beginning."""
         run = self.pursuit.runs.get(after[0])
         if not run or after[1] >= run.frames:
+            self.notes += ["The run to continue is no longer there: this one starts from the beginning."]
             return None
         if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
             self.notes += ["A run continues only with the same surface and path: this one starts from the beginning."]

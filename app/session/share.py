@@ -32,9 +32,10 @@ class Share(Requests):
     def export(self, kind):
         """Let a worker write the file of the run: `kind` is npz or json."""
         call = (tasks.file_of_run, self.session.pursuit.legs, kind)
-        self.ask(call, lambda made: self._made(made or b"", kind), rank=LATER, seconds=LONG)
+        self.add_one(call, lambda made: self._made(made, kind), rank=LATER, seconds=LONG)
 
-    def _made(self, body, kind):
+    def _made(self, made, kind):
+        body = b"" if isinstance(made, Exception) else made
         why = LARGE if len(body) > LARGEST else "" if body else SLOW
         self.session.send("file", ending=kind, why=why, body=b"" if why else body)
 

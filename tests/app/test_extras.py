@@ -103,6 +103,29 @@ def test_exported_files_larger_than_the_limit_are_rejected(page, monkeypatch):
         assert file["kind"] == "file" and file["why"] == why and (len(file["body"]) > 1000) == (not why)
 
 
+def test_two_files_asked_for_at_once_both_come(page):
+    kinds = ["npz", "json"]
+    for kind in kinds:
+        page.order("export", kind=kind)
+    while len(page.messages) < 2:
+        page.calls.get(timeout=PATIENCE)()
+    assert sorted(file["ending"] for file in page.messages) == sorted(kinds)
+    assert all(file["body"] and not file["why"] for file in page.messages)
+
+
+def test_table_of_a_layer_is_that_of_the_frame_asked_for(session):
+    """In a run that went on with another height, the page asked for the table of an earlier frame again and again."""
+    sent = messages(session)
+    before, scene = Scene(), Scene(height=2.0)
+    session.pursuit.run = Run(2, scene, 500, "finished", 0.0, history=((before, 200),), frames=400)
+    for frame, height in ((None, 2.0), (150, 1.0), (250, 2.0)):
+        say(session, {"do": "layer", "rows": 20, "modes": 32, "depth": 300.0, "frame": frame})
+        (call,) = session.layer.waiting
+        assert call[1].height == height
+        session.layer._answered(call, ((1, 2, 3), 1.0, b""))
+        assert sent[-1]["geometry"][1] == height and sent[-1]["asked"] == {"rows": 20, "modes": 32, "depth": 300.0}
+
+
 @pytest.mark.slow
 def test_only_a_run_that_starts_from_nothing_is_stored_for_all(page):
     page.order("hello")

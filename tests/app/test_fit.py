@@ -37,6 +37,12 @@ def page(session):
     return session.pages.page
 
 
+def test_example_data_stay_within_the_ranges_of_the_parameters():
+    for scene in (SMALL.changed(delta_bar=-1.0), SMALL.changed(phi_ratio=100.0)):
+        for seed in range(20):
+            tasks.made_up_scene(scene, seed)  # SceneError for half of the seeds
+
+
 def test_a_measurement_is_plotted_in_its_own_unit_and_fitted(session, page):
     order(session, "ask", what="example")
     answer(session)

@@ -11,6 +11,7 @@ from app.service.pool import EXACT, LATER, SCREEN
 from app.service.requests import shared_requests
 from app.session import pursuit
 from app.session.pursuit import OFF
+from app.session.run import Run
 from solver import Scene
 
 SCENE = Scene(u_x_max=16.0)  # slips three times
@@ -235,6 +236,41 @@ def test_a_long_exact_run_is_ended_for_the_newest_position(page, monkeypatch):
     page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 0.0))
     (task,) = page.pool.waiting(following.followed)
     assert task.call[2].delta_bar == 0.04
+
+
+def test_skip_starts_the_newest_position_that_waits(page):
+    """It was forgotten: the picture stayed that of the run skipped."""
+    page.order("scene", phi_ratio=0.5)
+    (task,) = page.pool.waiting(worker.compute)
+    task.set_running_or_notify_cancel()
+    page.order("scene", phi_ratio=0.6)
+    page.order("skip")
+    assert page.pool.waiting(worker.compute)[-1].call[1].phi_ratio == 0.6
+    assert page.session.run.scene.phi_ratio == 0.6
+
+
+def test_marks_of_the_sliders_are_those_of_the_scene_also_after_a_run_that_was_skipped(page):
+    page.order("scene", phi_ratio=0.5)
+    page.order("skip")
+    assert page.status()["state"] == "skipped"
+    assert all(call[1].phi_ratio == 0.5 for call in page.session.marks.waiting)
+
+
+def test_the_origin_of_a_movement_stays_however_many_runs_continue_it(page):
+    page.order("scene", phi_ratio=0.5)  # run 2 continues nothing
+    for k in range(pursuit.RUNS + 2):
+        say(page.session, {"do": "scene", "values": {"E": 100.0 + k}, "after": [1, 100], "n": k})
+        page.order("skip")
+    assert page.status()["after"] == (1, 100) and page.status()["notes"] == []
+    assert 1 in page.session.pursuit.runs and 2 not in page.session.pursuit.runs
+
+
+def test_a_pause_does_not_count_as_time_of_the_run(monkeypatch):
+    run = Run(1, SCENE, 600, "running", started=10.0)
+    run.pause(12.0)
+    run.resume(72.0)
+    run.add(next(slices(SCENE, 0.0)), 73.0)
+    assert run.seconds == 3.0
 
 
 def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):

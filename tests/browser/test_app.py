@@ -108,6 +108,32 @@ def test_playback_can_be_paused_and_stepped(visit):
     page.wait_for_function("punch.playing")
 
 
+def test_a_status_from_before_another_experiment_was_chosen_ends_nothing(look):
+    """The experiment chosen was not shown as it was computed, but at an increment of the run before."""
+    followed = imported(look(), "status").evaluate(
+        """() => [[{ n: 1e9, what: "restore", at: performance.now() }], []].map((waiting) => {
+            Object.assign(punch, { waiting, following: true })
+            modules.status.heard({ ...punch.status })
+            return punch.following
+        })"""
+    )
+    assert followed == [True, False]
+
+
+def test_a_run_that_fails_behind_a_picture_says_why(look):
+    page = imported(look(), "status")
+    page.evaluate(
+        """() => {
+            window.kept = punch.status
+            punch.run.followed = true
+            modules.status.heard({ ...kept, state: "failed", why: "It fluttered." })
+        }"""
+    )
+    page.wait_for_function("!punch.fresh")
+    assert page.inner_text("#status").split()[:3] == ["failed", "It", "fluttered."]
+    page.evaluate("() => { punch.run.followed = false; modules.status.heard({ ...kept }) }")
+
+
 def test_help_lists_the_keys_and_opens_by_keyboard_and_mouse(look):
     page = look()
     help_ = page.get_by_role("dialog", name="Keys")

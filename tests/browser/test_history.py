@@ -56,6 +56,19 @@ def test_browser_back_and_forward_undo_and_redo_changes_and_pages(visit):
     page.wait_for_url("**preset=fig7-case2**")
 
 
+def test_undo_after_reset_restores_the_parameter_that_was_changed_last(visit):
+    page = visit()
+    finished(page)
+    enter(page, "E", "80")
+    values_are(page, E=80)
+    page.wait_for_url("**E=80**")
+    page.get_by_role("button", name="Reset", exact=True).click()
+    values_are(page, E=70)
+    page.wait_for_function("!location.search.includes('E=')")
+    page.get_by_role("button", name="Undo").click()
+    values_are(page, E=80)
+
+
 @pytest.mark.thorough
 def test_undo_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")

@@ -124,8 +124,12 @@ def test_a_long_run_shows_its_remaining_time_and_can_be_skipped(visit):
     assert page.locator("#skip").is_hidden() and "what was computed stays" in said.inner_text()
     frames = page.evaluate("punch.run.length")
     assert frames == page.evaluate("punch.status.frames")
+    page.wait_for_function("!punch.playing || !punch.following")  # it can be played
     page.locator("body").press("End")
     page.wait_for_function(f"punch.drawn === {frames - 1}")
+    page.locator("body").press(" ")
+    page.wait_for_function(f"punch.drawn < {frames - 1}")  # from the beginning
+    page.locator("body").press(" ")
     page.select_option("#preset", "fig6")  # and the server is free for what comes next
     finished(page, run=2)
     assert page.evaluate("punch.run.length") == page.evaluate("punch.status.total")

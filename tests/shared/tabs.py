@@ -97,7 +97,7 @@ AS_OPENED = """([search, wanted]) => {
     const text = (one) => JSON.stringify(Object.entries(one).toSorted())
     const k = new URLSearchParams(search).get("k")
     if (text(scene) !== text(punch.status.address) || k !== null || Object.keys(punch.status.errors ?? {}).length)
-        address.restore(scene, k && Number(k))
+        address.goBackTo(scene, k && Number(k))
 }"""
 AS_FRESH = """() => {
     if (punch.following) window.modules.player.goto(Infinity)

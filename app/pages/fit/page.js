@@ -4,7 +4,7 @@ import { ask, order, sendFile } from "../../static/js/channel.js"
 import { set } from "../../static/js/bokeh.js"
 import { by, make, minus, on } from "../../static/js/dom.js"
 import { extent, figures, fill } from "../../static/js/figures.js"
-import { leaveBehind } from "../../static/js/store.js"
+import { leaveBehind, me } from "../../static/js/store.js"
 
 const ROOM = 0.08 // of a curve, above and below it
 // parameters of the scene; the others belong to the axes
@@ -54,6 +54,7 @@ function row(name, i) {
 
 function show() {
   leaveBehind()
+  me.move = { name: "" } // one step of Undo
   const own = OWN.filter((name) => name in fitted.values)
   order("scene", { values: Object.fromEntries(own.map((name) => [name, `${fitted.values[name]}`])) })
 }

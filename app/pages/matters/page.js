@@ -1,12 +1,12 @@
 // The page "What matters": a bar for each parameter, and below the punch how much each node holds until the first slip.
 
 import { frameBox } from "../../static/js/bokeh.js"
-import { order } from "../../static/js/channel.js"
 import { by, make, makeButton, minus, on } from "../../static/js/dom.js"
 import { figures } from "../../static/js/figures.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
-import { leaveBehind, me, redrawCanvases } from "../../static/js/store.js"
+import { enter } from "../../static/js/steer.js"
+import { me, redrawCanvases } from "../../static/js/store.js"
 import { inWords } from "../../static/js/words.js"
 
 const MORE = 1.05 // times the value, after a click
@@ -44,9 +44,8 @@ function drawBars() {
 
 function raise(name) {
   const now = Number(me.status.values[name])
-  leaveBehind()
   const wanted = now === 0 ? OF_ZERO : now + Math.abs(now) * (MORE - 1)
-  order("scene", { values: { [name]: `${Number(wanted.toPrecision(5))}` } })
+  enter({ [name]: `${Number(wanted.toPrecision(5))}` })
 }
 
 // Below the punch, with every frame: how much each node holds

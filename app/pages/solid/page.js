@@ -27,7 +27,7 @@ export function frame(run, k) {
   const scene = run.headOf(k).scene, half = figures.punch.x_range.end
   const depth = Math.min(half, scene.height * scene.width)
   const quantity = by("solid-quantity").value, key = [run.number, k, half, quantity, theme()].join()
-  const table = key !== drawn && tableFor(scene, { rows: ROWS, modes: Math.min(MODES, scene.nodes >> 1), depth })
+  const table = key !== drawn && tableFor(scene, { rows: ROWS, modes: Math.min(MODES, scene.nodes >> 1), depth }, k)
   if (!table) return
   drawn = key
   const image = FIELDS[quantity]((weights) => sumsIn(run, k, table, middles(COLUMNS, half), weights), scene)

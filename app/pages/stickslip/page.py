@@ -95,7 +95,7 @@ class Page(Sheet):
 
     def order(self, values):
         """Show the scene of a click on the map, or cancel."""
-        if values.keys() >= {"E", "phi_t"}:
+        if values.keys() >= {"E", "phi_t"} and self.own is not None:
             scene = flat(self.session.scene)
             E = float(np.clip(float(values["E"]), *MODULI))
             ratio = float(np.clip(float(values["phi_t"]), *STRENGTHS)) / scene.phi_n

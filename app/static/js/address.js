@@ -1,9 +1,9 @@
 // The address of the page: it brings scene, increment and page back, and each settled change is an entry of the
 // browser's history, so that Back undoes. While a page is open Back closes it.
 
-import { order } from "./channel.js"
 import { by, lastSearch, on, readdress } from "./dom.js"
 import { goto } from "./player.js"
+import { restore } from "./steer.js"
 import { leaveBehind, me, view } from "./store.js"
 
 const REST = 250 // ms for which an increment must be looked at before the address names it
@@ -15,6 +15,7 @@ let entry = history.state?.entry ?? 0, top = entry // number of this entry of th
 let resting = 0
 let undoing = false // Back was asked for by Undo, not by the browser's button
 let wanted = asked() // the increment to go to once the run is there
+let wantedOf = me.move // unless parameters have been changed since
 
 function asked() {
   const text = new URLSearchParams(location.search).get("k")
@@ -71,12 +72,11 @@ function tellHistory() {
 }
 
 // Show the scene of parameters {name: text} as an address has them, and an increment of it
-export function restore(scene, k = null) {
+export function goBackTo(scene, k = null) {
   leaveBehind()
-  me.entered = null
-  me.move = { name: "" }
+  restore(scene)
   wanted = k
-  order("restore", { values: scene })
+  wantedOf = me.move
 }
 
 // beside the scene: going back leaves them as they are
@@ -98,7 +98,7 @@ function popped(event) {
   })
   if (!same && !closing) {
     written = null
-    restore(sceneOf(location.search), k)
+    goBackTo(sceneOf(location.search), k)
   }
   tellHistory()
 }
@@ -117,11 +117,11 @@ function tellIncrement() {
 
 // Once the run is whole: to the increment that was asked for, and then what else there was beside the run
 export function goToAsked() {
-  if (!me.run?.length || !["finished", "failed"].includes(me.status.state)) return
+  if (!me.run?.length || !["finished", "skipped", "failed"].includes(me.status.state)) return
   const k = wanted, texts = pinned
   wanted = null
   pinned = []
-  if (k !== null) goto(k)
+  if (k !== null && wantedOf === me.move) goto(k)
   if (texts.length) import("./later/pins.js").then(({ fromLink }) => fromLink(texts))
 }
 

@@ -63,7 +63,7 @@ function openAnew() {
   let wanted = { ...me.status.address }
   for (const { what, values } of me.waiting) {
     if (what === "scene") Object.assign(wanted, values)
-    else wanted = { ...values } // of "preset" and "restore"; "reset" has none
+    else wanted = { ...values }
   }
   if (me.status.values) {
     for (const name of ["preset", "profile", "k", ...Object.keys(me.status.values)]) address.searchParams.delete(name)

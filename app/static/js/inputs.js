@@ -2,13 +2,13 @@
 
 import { redo, undo } from "./address.js"
 import { onEvent } from "./bokeh.js"
-import { order, sendFile } from "./channel.js"
+import { sendFile } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
-import { enter, letGo, steer } from "./steer.js"
+import { enter, letGo, restore, steer } from "./steer.js"
 import { declared, exact, leaveBehind, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, project, useTools } from "./view.js"
 
@@ -108,7 +108,7 @@ const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 function choosePreset(preset) {
   leaveBehind(false)
   set({ following: true, preview: null, place: null, at: 0 })
-  order("restore", { values: { preset } })
+  restore({ preset })
   if (!reduced) play(true)
 }
 

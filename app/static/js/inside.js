@@ -37,13 +37,13 @@ export function tableOf({ body, ...table }) {
 
 const keyOf = (geometry, { rows, modes, depth }) => JSON.stringify([geometry, rows, modes, depth])
 
-// The table of a scene, {rows, modes, depth (nm)}, once it is there
-export function tableFor(scene, wanted) {
+// The table {rows, modes, depth (nm)} of a scene, that of the run on screen or of one frame of it, once it is there
+export function tableFor(scene, wanted, frame = null) {
   const key = keyOf(GEOMETRY.map((name) => scene[name]), wanted), table = tables.get(key), now = performance.now()
   if (!table && (!asked || now - since > LOST)) {
     asked = key
     since = now
-    order("layer", wanted)
+    order("layer", { ...wanted, frame })
   }
   return table
 }

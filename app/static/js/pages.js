@@ -13,7 +13,6 @@ const SETTLE = 120 // ms; of pages picked in quick succession the last one count
 let slots = {} // figure: where it goes
 let sheet = { open: "", figures: [] } // the last message of the server on the open page
 let picking = 0
-export const slot = (name) => slots[name]
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
 export function connect(given) {

@@ -5,7 +5,7 @@ import { by, fixed, newtons } from "./dom.js"
 import { paceAt } from "./pace.js"
 import { Picture } from "./picture.js"
 import { Run } from "./run.js"
-import { sendNext } from "./steer.js"
+import { restore, sendNext } from "./steer.js"
 import { exact, me, now, reduced, set, touch, view } from "./store.js"
 
 let coming = null // the run that takes the place of what is on screen once it is whole
@@ -45,7 +45,7 @@ function replaced(chunk) {
 export function follow(message) {
   heard(message.acknowledged)
   sendNext()
-  if (!me.run?.length) return
+  if (!me.run?.length || me.waiting.some(({ what }) => what !== "scene")) return // another experiment was chosen
   const picture = new Picture(message, me.run)
   begin(picture)
   set({ at: picture.shown, following: false })
@@ -99,7 +99,7 @@ function advance(passed) {
   me.clock += passed
   const speed = seen === run.number ? me.speed : paceAt(run, me.at, me.speed)
   me.at += (passed * speed) / size
-  const ended = run.stored || ["finished", "skipped"].includes(me.status.state)
+  const ended = run.stored || ["finished", "skipped", "failed"].includes(me.status.state)
   if (ended && me.at > run.length - 1 + me.speed / size) { // after a second at the end
     seen = run.number
     me.at = run.beginning
@@ -132,7 +132,7 @@ export const toSlip = (way) => me.run && goto(me.run.nextSlip(Math.floor(me.at),
 
 export function goto(k) {
   if (me.playing) play(false)
-  set({ following: false, preview: null, at: Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1)) })
+  set({ following: false, preview: null, place: null, at: Math.max(0, Math.min(k, (me.run?.length ?? 1) - 1)) })
   if (me.run?.curves.slip[now()]) summarise("Slip")
   else by("announcement").textContent = "" // what was announced at another increment is not true of this one
 }
@@ -153,7 +153,7 @@ function summarise(what) {
 export function reset() {
   const plain = by("speed").querySelector("[selected]")
   by("speed").value = plain.value
-  set({ ghost: null, behind: null, anchor: null, following: true, preview: null, playing: !reduced,
+  set({ ghost: null, behind: null, anchor: null, following: true, preview: null, place: null, playing: !reduced,
     speed: Number(plain.value) })
-  order("restore", { values: {} })
+  restore({})
 }

@@ -174,7 +174,7 @@ async function copy(field, what) {
 function showFile({ why, ending, body }) {
   if (why) say(why)
   else download(new Blob([body]), `.${ending}`)
-  for (const button of document.querySelectorAll("[data-file]")) button.disabled = false
+  document.querySelector(`[data-file=${ending}]`).disabled = false
 }
 
 function showSheet({ link, qr, python }) {

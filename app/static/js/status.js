@@ -11,6 +11,8 @@ import { declared, me, view } from "./store.js"
 import { explain } from "./terms.js"
 import { inWords, symbol } from "./words.js"
 
+const ENDED = ["finished", "skipped", "failed"] // states of a run that goes no further
+
 export function connect() {
   on("skip", "click", () => order("skip"))
   setInterval(() => { if (me.status.state === "running") tellState() }, 1000)
@@ -25,9 +27,10 @@ export function heard(status) {
   me.status = status
   acknowledged(me.status.acknowledged)
   sendNext()
+  if (me.waiting.length) return // it was sent before the server heard of another scene
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
   const { state, frames } = me.status
-  if (state === "finished" && me.run && frames === me.run.length) {
+  if (ENDED.includes(state) && me.run && frames === me.run.length) {
     by("scrub").max = me.run.length - 1
     if (me.following && me.playing) me.at = me.run.beginning
     me.following = false
@@ -130,7 +133,7 @@ function gettingReady() {
 
 function tellState() {
   const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
-  const { followed, stored } = me.run ?? {}
+  const { stored } = me.run ?? {}, followed = me.run?.followed && (state !== "failed" || me.dragging)
   if (stored && state !== "failed") return tellStored(state)
   if (!state) return
   const shown = followed ? "followed" : state === "finished" && !me.playing ? "paused" : state

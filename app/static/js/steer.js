@@ -45,6 +45,13 @@ export function sendNext(held = me.dragging) {
   me.entered = null
 }
 
+// Another scene, that of an address {name: text}: whatever a hand has moved before is no part of it
+export function restore(values) {
+  me.entered = null
+  me.move = { name: "" }
+  order("restore", { values })
+}
+
 // A hand moves parameters {name: text}, and will let go; their controls follow
 export function steer(values) {
   for (const name in values) {

@@ -13,7 +13,7 @@ const fields = {
   origin: null, // the run that a change carries on from
   pins: [], // see later/pins.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
-  picture: null, // {run, k, own: whether of the run on screen} as drawn last
+  picture: null, // {run, k} as drawn last
   film: null, // {run, k, paused}: a state of a slow motion, drawn in place of the frame
   playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
   status: {}, waiting: [], // the last message of the server; {n, what, values, at} of orders without an answer

@@ -69,7 +69,7 @@ const SAID = { // what is drawn on a page, where its label is not what it is cal
   several: "another experiment", law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8",
   onsets: "onset", exact: "exact",
 }
-const MARKS = "●■▲◆★" // of the series on the page Area laws (app/views/arealaws.py)
+const MARKS = "●■▲◆★" // of the series on the page Area laws (app/pages/arealaws/page.py)
 const called = (label) => SAID[label]
   ?? label.replace(/^(line|points|beyond)(\d)$/, (_, what, k) =>
     `${MARKS[k]} ${{ line: "Eq. 9", points: "runs", beyond: "beyond the fit" }[what]}`)

@@ -7,6 +7,7 @@ import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
 import { firstSlip } from "./sentence.js"
+import { restore } from "./steer.js"
 import { cover, exact, me, set, view } from "./store.js"
 import { explain } from "./terms.js"
 import { PICTURES } from "./tour/pictures.js"
@@ -54,7 +55,7 @@ function begin() {
   chosen = null
   unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : null
   choose(stop.curve)
-  order("restore", { values: { preset: stop.preset } })
+  restore({ preset: stop.preset })
   const values = wanted()
   if (Object.keys(values).length) order("scene", { values })
   write()

@@ -1,6 +1,6 @@
 // Pinned runs: kept in this browser, drawn behind the run on screen, shown as chips. Loaded with the first pin.
 
-import { restore, sceneOf } from "../address.js"
+import { goBackTo, sceneOf } from "../address.js"
 import { style } from "../beside.js"
 import { order, take } from "../channel.js"
 import { by, make, makeButton, makeShape, readdress } from "../dom.js"
@@ -47,7 +47,7 @@ function remove(slot) {
 }
 
 // Back on the screen, at an increment of it
-export const load = ({ scene }, k = null) => restore(scene, k)
+export const load = ({ scene }, k = null) => goBackTo(scene, k)
 
 const button = (text, label, onclick, more) => makeButton({ title: label, "aria-label": label, onclick, ...more }, text)
 
@@ -103,10 +103,15 @@ function receive(chunk) {
   run.add(chunk)
   if (!run.whole) return
   delete coming[chunk.pin]
-  change(chunk.pin, { run })
+  answered(chunk.pin, { run })
+}
+
+// Only a pin that waits: it may have been removed, and another have its place
+function answered(slot, values) {
+  if (me.pins.some((pin) => pin.slot === slot && !pin.run)) change(slot, values)
 }
 
 take("pinned", receive, unpackLater)
 // The chip of a run that failed stays, with the reason, until the user removes it
-take("pinned failed", ({ pin, why }) => change(pin, { failure: why }))
+take("pinned failed", ({ pin, why }) => answered(pin, { failure: why }))
 view(["pins", "look"], () => { if (me.pins.length || by("chips")?.children.length) tell() })
