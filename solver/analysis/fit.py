@@ -18,6 +18,7 @@ from ..continuation.state import OutOfTime
 from ..scene import Scene
 from .measurement import JUMP, Measurement
 from .partial import DRIVE, continuous
+from .prediction import AHEAD
 from .trial import AXES, NO_RUN, Model, TimeUp, Trial
 
 APART = 0.99  # correlation beyond which two parameters count as one: each has 7 times the error it has alone
@@ -100,6 +101,8 @@ def fit(scene: Scene, measured: Measurement, free: Sequence[str], options: FitOp
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
             raise ValueError(f"--free {name}: allowed, once each: {', '.join(allowed)}{first}")
     longest = max(float(measured.U_x[-1]), scene.u_x_max)
+    if {"offset_U", "scale_U"} & set(free):  # points move along the curve
+        longest *= AHEAD
     base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + options.limit
     best = _best(Model(base, measured, tuple(free), options.run_limit, end), options)
     if measured.slips and not _fits(best.trial) and perf_counter() < end:  # slips may be missed, or be none

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..run.frame import contact_area
 from .sensitivities import Sensitivities
 
 Floats = NDArray[np.float64]
@@ -107,11 +108,35 @@ class Predicted:
         branch, period = self.branches[index], self.skeleton.period or 0.0
         if branch.branch.periodic:
             turns = np.floor(U_x / period)
-        curve = (_to_a_fold if branch.branch.slip else _without_end)(branch, U_x - turns * period, names)
+        loads = U_x - turns * period
+        curve = (_to_a_fold if branch.branch.slip else _without_end)(branch, loads, names)
+        if branch.values[3].min() <= 0.0 < branch.values[3].max():
+            self._set_area(curve, branch, loads, names)
         if "width" in names:  # it stretches the period
             stretched = turns * self.skeleton.sites / self.skeleton.scene.nodes
             curve.by[names.index("width")] -= curve.slopes * stretched
         return curve
+
+    def _set_area(self, curve, branch, loads, names):
+        """A_bar of a Curve on a branch where contact ends: it has a kink there, which no polynomial follows.
+
+        It is that of interpolated states; derivatives are interpolated linearly, and zero without contact.
+        """
+        states, start, end = branch.branch, branch.branch.start, branch.branch.end
+        before, after = (np.clip(loads + way * BESIDE * (end - start), start, end) for way in (-1.0, 1.0))
+        area = self._area(states, loads)
+        curve.values[2] = area
+        change = self._area(states, after) - self._area(states, before)
+        curve.slopes[2] = np.divide(change, after - before, out=np.zeros(loads.size), where=after > before)
+        t, at = states.position(states.loads), states.position(loads)
+        for i, name in enumerate(names):
+            by = np.interp(at, t, branch.by[name][3]) - curve.slopes[2] * np.interp(at, t, branch.by[name][0])
+            curve.by[i, 2] = np.where(area > 0.0, by, 0.0)
+
+    def _area(self, states, loads):
+        """A_bar (k,) at loads (k,) on a branch."""
+        T = self.skeleton.tractions(states.unknowns(loads, self.skeleton.nodes))
+        return np.array([contact_area(self.skeleton.scene, T_at) for T_at in T])
 
     def slips(self, most: int, names: tuple[str, ...]) -> Slips:
         """The first visible Slips, `most` at most, with derivatives of their loads by the parameters `names`."""

@@ -122,9 +122,16 @@ class Skeleton:
         return Equilibrium(contact, sideways(1.0, -self.scene.delta if self.held is None else 0.0), self.pressure)
 
     def unknowns(self, U_x: ArrayLike) -> NDArray[np.float64]:
-        """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm."""
+        """The unknowns (k, size) at loads U_x (k,) nm: u_x, u_z of the patch and, under a held load, U_z, nm.
+
+        Raises ValueError for loads that the run did not reach.
+        """
         U_x = np.atleast_1d(np.asarray(U_x, float))
-        ends = np.array([branch.end for branch in self.branches])
+        ends, step = np.array([branch.end for branch in self.branches]), self.scene.du_x * self.scene.delta_t
+        first, last = self.branches[0].start, np.inf if self.sites else max(ends[-1], self.scene.u_x_max)
+        if (outside := U_x[(U_x < first - step) | (U_x > last + step)]).size:
+            allowed = f"allowed for this run: {first:g} .. {last:g} nm"
+            raise ValueError(f"U_x = {outside[0]:g}: {allowed}; choose another, or compute a run of larger u_x_max")
         shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.sites else 0.0 * U_x
         index = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
         v = np.empty((U_x.size, self.branches[0].states[0].v.size))

@@ -79,6 +79,27 @@ def test_a_fit_recovers_the_scale_of_the_force(skeleton):
     assert result.values["scale_F"] == pytest.approx(1.3, abs=4.0 * result.errors["scale_F"])
 
 
+def test_a_contact_area_that_vanishes_and_comes_back_is_fitted():
+    """It has kinks there. Interpolated over them it was wrong by a tenth of its largest value, and phi_n by 0.1 %."""
+    scene = Scene(nodes=256, width=625.0, radius=0.6, delta_bar=-0.04, u_x_max=12.0, du_x=0.2)
+    skeleton, U_x = skeleton_of(scene), np.linspace(0.1, 12.0, 120)
+    F, L, A = skeleton.curve(U_x)
+    assert (A == 0.0).any() and A.max() > 0.02
+    result = fit(scene.changed(phi_n=2.1), Measurement.of(U_x, {"F_bar": F, "L_bar": L, "A_bar": A}), ["phi_n"])
+    assert result.values["phi_n"] == pytest.approx(2.0, rel=2e-5) and result.reached
+
+
+def test_a_free_offset_moves_points_along_a_curve_that_is_long_enough():
+    """Points beyond u_x_max were compared with its end."""
+    scene = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=3.0)
+    U_x = np.linspace(0.7, 3.6, 60)
+    F = skeleton_of(scene.changed(u_x_max=4.0)).curve(U_x)[0]
+    data = Measurement.of(U_x - 0.6, {"F_bar": F})
+    result = fit(scene.changed(E=80.0), data, ["E", "offset_U"])
+    assert result.values["E"] == pytest.approx(70.0, rel=1e-3)
+    assert result.values["offset_U"] == pytest.approx(-0.6, abs=1e-3)
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.012])
 def test_slips_show_at_eight_points_a_period(noise):
     """2.44 nm a period, every third increment of the default: each slip lies in one interval between points."""

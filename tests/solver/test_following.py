@@ -306,6 +306,20 @@ def test_a_run_not_described_by_its_skeleton_is_rejected():
         skeleton_from(SMALL, checkpoint._replace(state=checkpoint.state._replace(trace=wrong)))
 
 
+def test_a_curve_is_refused_where_the_run_did_not_come():
+    short = skeleton_of(Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=3.0))
+    for U_x in (5.0, -1.0):
+        with pytest.raises(ValueError, match=rf"U_x = {U_x:g}: allowed for this run: 0 \.\. 3 nm"):
+            short.curve([1.0, U_x])
+
+
+def test_a_run_that_repeats_itself_has_a_curve_without_an_end(skeleton):
+    period = skeleton.period
+    assert skeleton.curve(1e3 * period + 10.0)[0] == pytest.approx(skeleton.curve(10.0)[0], rel=1e-6)
+    with pytest.raises(ValueError, match=r"\.\. inf nm"):
+        skeleton.curve(-5.0)
+
+
 def test_frames_of_a_skeleton_carry_their_residuals(skeleton):
     (frame,) = skeleton.frames([5.03])
     assert 0.0 < frame.residual < 1e-3  # interpolated between states 0.5 nm apart
