@@ -3,8 +3,9 @@
 import argparse
 import sys
 from typing import Any
+from zlib import crc32
 
-from . import plots
+from . import __version__, plots
 from .analysis import regimes
 from .analysis.maps import REGIMES, Axis, Map, Point, explored
 from .analysis.maps.point import QUANTITIES
@@ -30,7 +31,7 @@ def add_map(commands: Any) -> None:
     text = "Computes the first slip over two parameters. Each point is continued from a neighbour, or is a run."
     epilog = (
         "Columns: i, j, the parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites, reattached, L_min, branches,"
-        " followed, evaluations, reason. docs/files.md defines them."
+        " followed, evaluations, reason, scene, version. docs/files.md defines them."
     )
     parser = add_command(commands, "map", mapped, "first slips over two parameters", text, epilog)
     form = "NAME=LOW:HIGH:COUNT[:log]"
@@ -69,7 +70,7 @@ def mapped(scene: Scene, arguments: argparse.Namespace) -> int:
         remedy = "run again with --resume to finish" if arguments.column is None else "run again"
         print(f"Interrupted; {remedy}", file=sys.stderr)
         code = INTERRUPTED
-    table = grid.table(points)
+    table = grid.table(points).assign(**_origin(grid))
     write(arguments.csv, _write, table, arguments.column, grid)
     write(arguments.html, plots.save, plots.first_slips, table, grid.x.name, grid.y.name, arguments.column)
     print(_described(points))
@@ -90,6 +91,14 @@ def flats(scene: Scene, arguments: argparse.Namespace) -> int:
     return NOT_CONVERGED if without else 0
 
 
+def _origin(grid):
+    """{column: text} of what every point of a map shares: the parameters that differ from the default, the version."""
+    values = {name: value for name, value in grid.scene.differences().items() if name not in (grid.x.name, grid.y.name)}
+    if grid.scene.measured:
+        values["profile"] = f"{crc32(grid.scene.measured.heights):08x}"  # a checksum of its heights
+    return {"scene": " ".join(f"{name}={value}" for name, value in values.items()), "version": __version__}
+
+
 def _resumed(file, grid):
     """The Points of an earlier file that have a result; raises InputError unless it is of this map."""
     from pandas import read_csv  # takes longer to import than the solver
@@ -99,12 +108,18 @@ def _resumed(file, grid):
         points = [Point.from_row(row) for row in rows.to_dict("records")]
         axes = [grid.x.name, grid.y.name]
         same = rows[axes].astype(float).equals(grid.table(points)[axes])
+        others = rows[list(_origin(grid))].drop_duplicates().to_dict("records")
     except FileNotFoundError:
         return []
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         same = False
     if not same:
         raise InputError(f"--resume {file!r}: allowed: a file of all columns of this map; leave --resume out")
+    for other in others:
+        if other != (own := _origin(grid)):
+            held, here = (f"scene '{each['scene']}', version {each['version']}" for each in (other, own))
+            message = f"--resume {file!r}: is of {held}; allowed: {here}"
+            raise InputError(f"{message}; leave --resume out, or name another file")
     return [point for point in points if not point.reason]
 
 

@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from solver import NotConverged, NotFollowed, Scene, SceneError, SlipEvent, load_path, summarize
+from solver import NotConverged, NotFollowed, Scene, SceneError, SlipEvent, load_path, mapping, summarize
 from solver.analysis.friction_laws import critical_modulus
 from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Tile, points_of
 from solver.analysis.maps import grid as grids
@@ -263,7 +263,7 @@ def test_map_command_resumes_from_its_rows_and_writes_tables(tmp_path, capsys):
     file, table = tmp_path / "map.csv", tmp_path / "table.csv"
     assert main(["map", *AXES, "--csv", str(file)]) == 0
     rows = list(csv.DictReader(file.open()))
-    assert len(rows) == 6 and set(rows[0]) == {*COLUMNS, "delta_bar", "phi_ratio"}
+    assert len(rows) == 6 and set(rows[0]) == {*COLUMNS, "delta_bar", "phi_ratio", "scene", "version"}
     assert {(row["delta_bar"], row["regime"]) for row in rows} >= {("-0.85", "never touches")}
     lines = file.read_text().splitlines()
     file.write_text("\n".join(lines[:-2]) + "\n")
@@ -288,3 +288,34 @@ def test_a_file_of_another_map_is_not_resumed(tmp_path, capsys):
     (tmp_path / "map.csv").write_text("a,b\n1,2\n")
     assert main(["map", *AXES, "--resume", "--csv", str(tmp_path / "map.csv")]) == 2
     assert "--resume" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("changed", "held"),
+    [
+        (("E=20",), "is of scene 'width=80.0 nodes=32', version"),
+        (("law=xu-needleman",), "allowed: scene 'law=xu-needleman width=80.0 nodes=32'"),
+        (("phi_ratio=0.7",), ""),
+    ],
+)
+def test_a_map_of_another_scene_is_not_resumed(tmp_path, capsys, changed, held):
+    """The file keeps its points. The value that the scene has of an axis does not matter."""
+    file = tmp_path / "map.csv"
+    assert main(["map", *AXES, "--csv", str(file)]) == 0
+    before = file.read_text()
+    assert main(["map", *AXES, *changed, "--resume", "--csv", str(file)]) == (2 if held else 0)
+    assert held in capsys.readouterr().err and file.read_text() == before
+
+
+def test_a_map_of_another_version_or_profile_is_not_resumed(tmp_path, capsys, monkeypatch):
+    file, profiles = tmp_path / "map.csv", []
+    for height in (1.0, 2.0):
+        profiles.append(tmp_path / f"{height}.csv")
+        profiles[-1].write_text("".join(f"{x},{height * np.cos(np.pi * x / 40)}\n" for x in range(81)))
+    axes = [*AXES[:-1], "du_z=1"]
+    assert main(["map", *axes, f"profile={profiles[0]}", "--csv", str(file)]) == 0
+    assert main(["map", *axes, f"profile={profiles[1]}", "--resume", "--csv", str(file)]) == 2
+    assert "profile=" in capsys.readouterr().err
+    monkeypatch.setattr(mapping, "__version__", "0.0")
+    assert main(["map", *axes, f"profile={profiles[0]}", "--resume", "--csv", str(file)]) == 2
+    assert "version 0.0; leave --resume out" in capsys.readouterr().err
