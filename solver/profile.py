@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .scene import LIMITS
 from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
-from .tables import read_table
+from .tables import SHOWN, read_table
 from .text import UNITS, counted
 
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
@@ -71,9 +71,12 @@ def _points(source):
     if table.width != 2:
         count = "one column" if table.width == 1 else f"{table.width} columns"
         raise ProfileError(f"{count}, two are needed: x, z in nm", table.rows[0][0])
-    units = (2 * [column.unit for column in table.columns if column.unit in UNITS["nm"]] or ["nm", "nm"])[:2]
+    units = (2 * [column.unit for column in table.columns if column.unit] or ["nm", "nm"])[:2]
     lines, columns, left_out = table.numbers({"x": 0, "z": 1})
     for name, unit in zip("xz", units, strict=True):
+        if unit not in UNITS["nm"]:
+            allowed = f"allowed units: {', '.join(UNITS['nm'])}"
+            raise ProfileError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
         columns[name] = columns[name] * UNITS["nm"][unit]
         large = np.flatnonzero(np.abs(columns[name]) > LARGEST)
         if large.size:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
+from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,7 +165,12 @@ def _columns(line):
     cells = [" ".join(cell.split()).strip(' "') for cell in cells]
     matches = ((cell, HEADING.fullmatch(cell)) for cell in cells)
     named = (match.groups() if match else (cell, "") for cell, match in matches)
-    return [Column(name, (unit or "").replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")) for name, unit in named]
+    return [Column(name, _unit(unit or "")) for name, unit in named]
+
+
+def _unit(text):
+    """A unit with one sign for micro and one for Angstrom, each of which Unicode has twice."""
+    return normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
 
 
 def _all_numbers(line):

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from typing import Any
+from unicodedata import normalize
 
 from .scene import LIMITS, PARAMETERS, Scene, SceneError
 from .schema import Range, name_remedy
@@ -11,7 +12,7 @@ from .surfaces import Profile
 NUMBER = re.compile(r"(?P<mantissa>[+-]?(?:\d+[.,]?\d*|[.,]\d+|inf))(?P<exponent>(?:[eE][+-]?\d+)?) ?(?P<unit>.*)")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # 1,234 may mean 1234 or 1.234; 0,123 is unambiguous
 UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
-    "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1, "m": 1e9},
+    "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1, "mm": 1e6, "m": 1e9},
     "GPa": {"GPa": 1.0, "MPa": 1e-3, "TPa": 1e3, "Pa": 1e-9},
     "N/m": {"N/m": 1.0, "J/m²": 1.0, "J/m2": 1.0, "mN/m": 1e-3, "mJ/m²": 1e-3, "mJ/m2": 1e-3},
     "MPa/nm": {"MPa/nm": 1.0, "GPa/nm": 1e3},
@@ -32,7 +33,7 @@ def number_from_text(
     limits: a Range to name in messages, narrower than that of Scene. whole: the length in nm that the parameter is a
     fraction of; the text may then give a length, '4 nm' of 10 nm for 0.4. Raises SceneError.
     """
-    given = " ".join(str(text).split()).translate(SAME)  # split: at thin spaces as well
+    given = normalize("NFC", " ".join(str(text).split())).translate(SAME)  # split: at thin spaces; NFC: one sign Å
     limits = limits or LIMITS[name]
     match = NUMBER.fullmatch(given)
     units = UNITS.get(limits.unit, {limits.unit: 1.0})

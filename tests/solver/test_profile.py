@@ -13,6 +13,7 @@ from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
 from solver.surfaces import LENGTHS
 from solver.tables import MOST_BYTES
+from solver.text import number_from_text
 
 X = np.linspace(0.0, 640.0, 257)
 HILLS = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # two whole waves: highest at x = 0, 320, 640
@@ -60,6 +61,21 @@ def test_units_in_the_heading_are_used_and_reported(heading):
 
 def test_a_single_unit_in_the_heading_applies_to_both_columns():
     assert read_profile(table(X / 1000.0, HILLS / 1000.0, heading="x, z (µm)\n")).length == pytest.approx(640.0)
+
+
+@pytest.mark.parametrize(
+    ("unit", "nm"), [("\N{ANGSTROM SIGN}", 0.1), ("A\N{COMBINING RING ABOVE}", 0.1), ("Å", 0.1), ("mm", 1e6)]
+)
+def test_heights_in_angstrom_and_millimetres_are_converted(unit, nm):
+    read = read_profile(table(X, HILLS / nm, heading=f"x (nm),z ({unit})\n"))
+    assert read.z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-9)
+    assert number_from_text("width", f"20 {unit}") == pytest.approx(20.0 * nm)
+
+
+@pytest.mark.parametrize("heading", ["x (nm),z (A)", "x,z [inch]", "x (pm),z (nm)", "x/ft z/ft"])
+def test_a_profile_in_an_unknown_unit_is_refused_with_the_known_ones(heading):
+    with pytest.raises(ProfileError, match=r"^heading: [xz] in '.*'; allowed units: nm, µm, .*mm, m; correct or"):
+        read_profile(table(X, HILLS, heading=f"{heading}\n"))
 
 
 def test_a_file_in_micrometres_without_a_heading_is_refused_with_the_likely_reason():
