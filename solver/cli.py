@@ -196,12 +196,15 @@ def described(report: dict[str, Any], increments: int) -> str:
         value = report[key]
         return f"{name} = " + ("none" if value is None or value != value else f"{value * factor:.4g} {unit}")
 
-    first = "the contact sticks"
     if report["U_s"] is not None:
         first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', force, 'N/m')}"
         first += f", {shown('A', 'A_s', width, 'nm')}"
     elif "L_min" in report:
-        first = f"pull-off at {shown('L', 'L_min', force, 'N/m')}"
+        first = f"least load of the retraction: {shown('L', 'L_min', force, 'N/m')}"
+    elif report["slips"]:
+        first = "none along U_x"
+    else:
+        first = "the run ended early" if report["failure"] else "the contact sticks or slides smoothly"
     state = "converged" if report["converged"] else "NOT converged"
     cost = f"{report['evaluations']} force evaluations, {report['seconds']:.3g} s"
     lines = [f"{report['method']}: {increments} increments, {state}, {cost}"]

@@ -17,7 +17,7 @@ from .continuation.state import NotConverged
 from .following.from_run import skeleton_of
 from .following.skeleton import Skeleton
 from .isolated import Lost, outcomes
-from .run.frame import Frame, kind, slips_in
+from .run.frame import Frame, moving, slides_in
 from .run.load_steps import abscissa, load_steps_of, place
 from .run.loadpath import load_path
 from .run.summary import fields_of
@@ -115,12 +115,12 @@ class Result:
     def _repr_html_(self) -> str:
         """What differs from the default, the first slip, and F over the path as a small curve."""
         changed = ", ".join(f"{name} = {value}" for name, value in self.scene.differences().items()) or "the default"
-        sliding = self.slips[self.slips["stage"].map(kind).eq("shear") & (self.slips["kind"] != "control")]
-        slipping = "no slip"
+        sliding = self.slips[self.slips["stage"].map(moving).eq("U_x") & (self.slips["kind"] != "control")]
+        count = int((self.slips["stage"] != "approach").sum())
+        slipping = f"{counted(count, 'slip')}, none along U_x" if count else "no slip"
         if len(sliding):
             first = sliding.iloc[0]
             slipping = f"first slip at U_x = {first['load (nm)']:.2f} nm: F = {first['F (N/m)']:.4g} N/m"
-            count = int((self.slips["stage"] != "approach").sum())
             slipping += f", A = {first['A (nm)']:.4g} nm; {counted(count, 'slip')}"
         lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
         return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self.scene, self._after)
@@ -199,7 +199,7 @@ def first_slip(scene: Scene) -> dict[str, Any]:
             if frame.stage == "approach":
                 continue
             row.setdefault("A_0 (nm)", frame.A_bar * scene.width)
-            if kind(frame.stage) == "shear" and (slips := slips_in(frame)):
+            if slips := slides_in(frame):
                 numbers = _slip(frame, slips[0])
                 slip = {f"{name}_s ({unit})": numbers[f"{name} ({unit})"] for name, unit in FORCES}
                 return row | {"U_s (nm)": slips[0].load, "outcome": "slips"} | slip

@@ -165,6 +165,11 @@ def slips_in(run) -> list[SlipEvent]:
     return [event for event in run.slips if event.kind != "control"]
 
 
+def slides_in(frame) -> list[SlipEvent]:
+    """The SlipEvents of a Frame of a stage that moves U_x, without the "control" jump; none where delta alone moves."""
+    return slips_in(frame) if moving(frame.stage) == "U_x" else []
+
+
 def forces(scene, T) -> tuple[Any, Any]:
     """(F_bar, L_bar): tangential and normal force over w E, of T (..., 2, m), GPa; attraction is negative."""
     unit = _count(scene, T) * scene.E

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
 from ..scene import PARAMETERS, Scene
-from .frame import Frame, kind, largest_safe_damping, slips_in
+from .frame import Frame, kind, largest_safe_damping, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
 from .loadpath import ALL, RULES
 
@@ -49,18 +49,18 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """Describes a run in a few numbers, as `run --json` writes them.
 
     Parameters: scene: that of the end of the run; frames: all of them, in order.
-    Returns a dict: A_0 and the number of slips after the approach, U_s (nm), F_s and A_s at the first slip in shear,
-    None where it does not exist. Forces are over w E of their own increment.
+    Returns a dict: A_0 and the number of slips after the approach, U_s (nm), F_s and A_s at the first slip of a stage
+    that moves U_x, None where it does not exist. Forces are over w E of their own increment.
 
     Example: `summarize(Scene(), simulate(Scene()).frames)["U_s"]`
 
-    A jump where a held load takes over ("control") counts among the slips, but
-    is not the first one. L_min, the least load during retraction, exists only with path 'unload'. In a run with changed
-    parameters `events` name them, `E_s` is the E of F_s, and `changes` lists the increments where they change.
+    A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min, the least
+    load of a retraction, exists only with a stage 'unload'. In a run with changed parameters `events` name them, `E_s`
+    is the E of F_s, and `changes` lists the increments where they change.
     """
     names = changing(frames)
     events = [event.as_dict() | _values(f, names) for f in frames for event in f.slips]
-    sliding = (e.as_dict() | _values(f, names) for f in frames if kind(f.stage) == "shear" for e in slips_in(f))
+    sliding = (e.as_dict() | _values(f, names) for f in frames for e in slides_in(f))
     first: dict[str, Any] = next(sliding, {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {

@@ -174,6 +174,22 @@ def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
     assert "0 slips" in out
 
 
+@pytest.mark.parametrize(
+    ("settings", "last"),
+    [
+        (("path=points", "points=0,-1;0,.1;10,.2"), "2 slips; first slip at U_x = 4.54 nm: F = 77.56 N/m"),
+        (("path=points", "points=0,-1;0,.1;-10,.1"), "slips; first slip at U_x = -"),
+        (("path=points", "points=0,-1;0,.2;0,.1"), "0 slips; least load of the retraction: L = "),
+        (("path=points", "points=0,-1;0,.2;0,.3"), "0 slips; the contact sticks or slides smoothly"),
+        (("path=points", "points=0,-1;0,-.9;0,.3", "E=5"), "1 slip; none along U_x"),
+        (("delta_bar=-.1", "hold=load", "width=312.5", "nodes=128", "radius=20"), "0 slips; the run ended early"),
+    ],
+)
+def test_the_last_line_names_the_first_slip_of_any_stage_or_why_there_is_none(call, settings, last):
+    _, out, _ = call("run", "--set", "nodes=64", "width=160", "radius=0.6", "u_x_max=10", *settings)
+    assert last in out.splitlines()[-1]
+
+
 def test_infinite_damping_is_read_and_written_as_text(call, tmp_path):
     code, *_ = call("run", "--set", "nodes=64", "width=160", "u_x_max=1", "damping=inf", "--json", tmp_path / "j")
     assert code == 0 and strict(tmp_path / "j")["scene"]["damping"] == "inf"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from plain_gfmd import Plain
 
-from solver import Axis, Map, Scene, SceneError, load_path, simulate, sweep
+from solver import Axis, Map, Scene, SceneError, load_path, simulate, summarize, sweep
 from solver.analysis.energy_balance import work_of
 from solver.run.carry import carry_on
 from solver.run.load_steps import load_steps_of, position
@@ -145,6 +145,16 @@ def test_the_first_slip_of_a_sweep_is_that_of_the_shear_among_the_points():
     assert points["outcome"] == shear["outcome"] == "slips"
     assert points["U_s (nm)"] == pytest.approx(shear["U_s (nm)"], abs=1e-6)
     assert "first slip at" in simulate(through(SPELT["shear"]))._repr_html_()
+
+
+@pytest.mark.parametrize("points", ["0,-1; 0,0.2; -8,0.2", "0,-1; 0,0.2; 8,0.3"], ids=["back", "oblique"])
+def test_the_first_slip_of_a_path_is_of_any_line_along_U_x(points):
+    """`simulate`, `summarize` and `sweep` name the same one."""
+    run = simulate(through(points))
+    event = next(event for frame in run.frames if frame.stage != "approach" for event in frame.slips)
+    assert summarize(run.scene, run.frames)["U_s"] == event.load
+    assert sweep(run.scene, phi_ratio=[1.0])["U_s (nm)"][0] == event.load
+    assert f"first slip at U_x = {event.load:.2f} nm" in run._repr_html_()
 
 
 def test_a_map_of_a_path_through_points_is_refused():
