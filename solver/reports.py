@@ -14,7 +14,7 @@ from .command import (
     write,
 )
 from .files import write_json
-from .scene import Scene
+from .scene import Scene, SceneError
 
 
 def add_accuracy(commands: Any) -> None:
@@ -33,6 +33,10 @@ def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     from .validation.accuracy import measure  # imported here because `run` does not need them
     from .validation.accuracy_report import data, document
 
+    for name, only in (("path", "shear"), ("hold", "delta")):
+        if (value := getattr(scene, name)) != only:
+            allowed = f"allowed with `accuracy`: {only}, which every method knows"
+            raise SceneError(name, value, allowed, f"use {name}={only}")
     with progress(100, "%") as bar:
         for done, so_far in measure(scene, arguments.quick, arguments.slips):
             bar.update(int(100 * done) - bar.n)

@@ -1,6 +1,7 @@
 """Scenes as text: the one reader of numbers for the command line, the page's address and the entries of the app."""
 
 import re
+import shlex
 from collections.abc import Mapping
 from typing import Any
 from unicodedata import normalize
@@ -75,6 +76,6 @@ def counted(count: int, noun: str) -> str:
 
 
 def changes(scene: Scene) -> str:
-    """'name=value ...' of what differs from the default, as `--set` takes it; a measured profile as profile=FILE."""
+    """'name=value ...' of what differs from the default, quoted for a shell; a measured profile as profile=FILE."""
     values = scene.differences() | ({"profile": "FILE"} if scene.measured else {})
-    return " ".join(f"{name}={value}" for name, value in values.items())
+    return shlex.join(f"{name}={value}" for name, value in values.items())

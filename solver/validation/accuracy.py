@@ -41,7 +41,7 @@ QUICK = Effort(1, 4.0, {"tolerance": (1e-4, 1e-6)})
 class Report:
     """Work and precision of a scene: `points` so far, against the reference."""
 
-    scene: Scene  # as asked for
+    scene: Scene  # as measured: with path shear at given delta, up to its own u_x_max
     quick: bool
     slips: int  # the runs end beyond so many
     reference: Scene  # that of the reference
@@ -59,12 +59,14 @@ class Report:
 def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iterator[tuple[float, Report | None]]:
     """Yield (progress 0..1, Report so far or None) after each run; raises NotConverged, SceneError.
 
+    The path is shear at given delta, which every method knows, whatever path the scene has.
     slips: runs end just beyond so many slips (default 2, quick 1), or at the scene's u_x_max.
     """
     yield 0.0, None
     effort = QUICK if quick else FULL
     slips = slips or effort.slips
-    short = shortened(scene.changed(path="shear", hold="delta"), slips)  # every method knows these
+    scene = scene.changed(path="shear", hold="delta")
+    short = shortened(scene, slips)
     right = landings(short, 2.0 * effort.longest)
     best = reference(short, right.states)
     judged = compare(Point("tolerance", "gfmd", right.scene.tolerance), right, best, best)

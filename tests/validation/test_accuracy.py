@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import shlex
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,10 +14,12 @@ import pytest
 
 import solver.cli as cli
 from solver import Scene, load_path
+from solver.command import scene_of
 from solver.continuation.gfmd import Gfmd
 from solver.files import plain
+from solver.validation import accuracy
 from solver.validation.accuracy import SWEEPS, measure
-from solver.validation.accuracy_report import branches, choice, data, document, notes, sentence
+from solver.validation.accuracy_report import branches, choice, command, data, document, notes, sentence
 from solver.validation.compare import Point, compare, perform, reference, refined
 from solver.validation.landings import SHORT, landings
 from solver.validation.methods import SERIES
@@ -247,6 +250,28 @@ def test_bad_input_is_rejected_in_one_line(capsys):
     assert "--slips: 0: allowed: 1 or more" in capsys.readouterr().err
     assert cli.main(["accuracy", "--html", "/nowhere/a.html"]) == 2
     assert "--html: '/nowhere/a.html'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (("path=loop",), "path = 'loop': allowed with `accuracy`: shear, which every method knows; use path=shear"),
+        (("hold=load",), "hold = 'load': allowed with `accuracy`: delta, which every method knows; use hold=delta"),
+    ],
+)
+def test_accuracy_refuses_a_path_or_hold_that_it_does_not_measure(capsys, settings, message):
+    assert cli.main(["accuracy", "--quick", "--set", *SETTINGS, *settings]) == 2
+    assert capsys.readouterr().err.splitlines() == [message]
+
+
+def test_the_report_has_the_scene_that_was_measured_in_a_command_for_a_shell(monkeypatch):
+    monkeypatch.setitem(accuracy.SWEEPS, "tolerance", (1e-4,))
+    scene = SMALL.changed(u_x_max=0.4, hold="load", path="loop", points="0,-1; 0,0.2; 5,0.2")
+    asked = scene.changed(hold="delta", path="shear")
+    *_, (_, report) = measure(scene, quick=True)
+    assert report.scene == asked
+    words = shlex.split(command(report))
+    assert scene_of(words[words.index("--set") + 1 :]) == asked
 
 
 @pytest.mark.slow
