@@ -11,7 +11,7 @@ from typing import Any
 from .plots import BACKENDS
 from .presets import preset
 from .profile import ProfileError, read_profile
-from .scene import PARAMETERS, Scene
+from .scene import PARAMETERS, Scene, SceneError
 from .text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
@@ -92,10 +92,16 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     Prints how ambiguous numbers were read. Raises SceneError, PresetError or InputError.
     """
     start = preset(named).scene.differences() if named else {}
-    texts = {name: str(value) for name, value in start.items()} | settings(pairs)
+    given = settings(pairs)
+    texts = {name: str(value) for name, value in start.items()} | given
     file, profile = texts.pop("profile", None), None
     notes: list[str] = []
     if file is not None:
+        if given.get("surface", "measured") != "measured":
+            raise SceneError(
+                "surface", given["surface"], "allowed with profile=FILE: measured", "leave one of them out"
+            )
+        texts["surface"] = "measured"  # in place of the preset's
         width = number_from_text("width", texts["width"]) if "width" in texts else None
         try:
             profile = read_profile(Path(file), width)

@@ -18,8 +18,9 @@ from numba.core.event import install_listener
 
 import solver.cli as cli
 from app import console
-from solver import LIMITS, NotConverged, Profile, Scene, __version__, load_path, read_profile
+from solver import LIMITS, NotConverged, Profile, Scene, SceneError, __version__, load_path, read_profile
 from solver.__main__ import CLOSED_PIPE, CompilingNotice
+from solver.command import scene_of
 from solver.continuation.gfmd import Gfmd, GfmdOptions
 from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
@@ -284,6 +285,19 @@ def test_a_measured_profile_is_read_reported_and_written(call, tmp_path):
         surface="measured", measured=read_profile(file), width=160.0, nodes=64, du_z=0.5, du_x=0.5, u_x_max=2.0
     )
     assert call("run", "--set", *settings, "width=80", "nodes=32")[0] == 0
+
+
+def test_a_profile_replaces_the_surface_of_a_preset_but_not_one_that_is_named(tmp_path):
+    file = tmp_path / "hills.csv"
+    file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
+    small = [f"profile={file}", "width=160", "nodes=64"]
+    scene = scene_of(small, "rough")
+    assert scene.surface == "measured" and scene.measured == read_profile(file)
+    assert scene_of([*small, "surface=measured"]).surface == "measured"
+    with pytest.raises(
+        SceneError, match="surface = 'wave': allowed with profile=FILE: measured; leave one of them out"
+    ):
+        scene_of([*small, "surface=wave"])
 
 
 @pytest.mark.parametrize(("text", "reason"), [("x,z\n1,2\n1,3\n", "line 3: x = 1 after 1"), (None, "is not a file")])
