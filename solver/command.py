@@ -15,6 +15,7 @@ from .scene import PARAMETERS, Scene, SceneError
 from .text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
+SETTABLE = (*PARAMETERS, "profile")  # by --set
 LISTS = "`python -m solver parameters` and `python -m solver presets` list what --set and --preset accept."
 
 
@@ -113,13 +114,15 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     return scene
 
 
-def settings(pairs: Sequence[str]) -> dict[str, str]:
-    """{'name': 'text'} of NAME=VALUE arguments; raises InputError."""
+def settings(
+    pairs: Sequence[str], option: str = "--set", form: str = "NAME=VALUE", names: Iterable[str] = SETTABLE
+) -> dict[str, str]:
+    """{'name': 'text'} of the NAME=VALUE arguments of an option; raises InputError, which lists `names`."""
     texts = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals:
-            raise InputError(f"--set {pair}: give NAME=VALUE, NAME one of {', '.join([*PARAMETERS, 'profile'])}")
+            raise InputError(f"{option} {pair}: give {form}, NAME one of {', '.join(names)}")
         texts[name.strip()] = text.strip()
     return texts
 

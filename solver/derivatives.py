@@ -10,6 +10,7 @@ from .analysis import sensitivities as analysis
 from .analysis import spread as spreads
 from .analysis.fit import USUAL, FitOptions
 from .analysis.measurement import read_measurement
+from .analysis.partial import continuous
 from .analysis.spread import SLIP, deviations
 from .analysis.trial import AXES
 from .command import (
@@ -65,7 +66,7 @@ def sensitivities(scene: Scene, arguments: argparse.Namespace) -> int:
             shares = "".join(f"{share:10.4f}" for share in change["per_cent"].values())
             print(f"{name:12}{shares if getattr(scene, name) else '  is 0: --csv has its derivatives'}")
     else:
-        print("The contact slides smoothly: it has no slip to differentiate")
+        print(f"The run has no slip up to u_x_max = {scene.u_x_max:g} nm: there is none to differentiate")
     heading = ["slip", "U_x", "parameter", "value", *(f"d{name}" for name in SLIP)]
     write(arguments.csv, write_rows, [*heading, *(f"{name} % per %" for name in SLIP)], rows)
     write(arguments.json, write_json, {"slips": slips})
@@ -126,7 +127,7 @@ def add_spread(commands: Any) -> None:
 def spread(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes the band, prints the interval of each slip; returns the exit code."""
     try:
-        of = deviations(scene, settings(arguments.of))
+        of = deviations(scene, settings(arguments.of, "--of", "NAME=SHARE", continuous(scene)))
     except ValueError as error:
         raise InputError(str(error)) from None
     result = spreads.spread(skeleton_of(scene), of, arguments.draws)

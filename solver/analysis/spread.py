@@ -51,9 +51,9 @@ class Spread:
 
     def sentences(self) -> list[str]:
         """The intervals of the first slip, by the derivatives and by the draws if there are any."""
-        if not self.slips:
-            return ["The contact slides smoothly, without a slip"]
         scene, lines = self.sensitivities.skeleton.scene, []
+        if not self.slips:
+            return [f"The run has no slip up to u_x_max = {scene.u_x_max:g} nm"]
         force = scene.width * scene.E
         units = dict(zip(SLIP, ((1.0, "nm"), (force, "N/m"), (force, "N/m"), (scene.width, "nm")), strict=True))
         for name in SLIP:
@@ -90,7 +90,10 @@ class Spread:
 
 
 def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
-    """{parameter: standard deviation} of {'phi_n': '10%'} or {'phi_n': '0.2'}; raises ValueError."""
+    """{parameter: standard deviation} of {'phi_n': '10%'} or {'phi_n': '0.2'}; raises ValueError.
+
+    A share of a parameter that is 0 is refused: its deviation would be 0.
+    """
     result = {}
     for name, text in texts.items():
         if name not in continuous(scene):
@@ -103,6 +106,8 @@ def deviations(scene: Scene, texts: Mapping[str, str]) -> dict[str, float]:
             raise ValueError(
                 f"--of {name}={text}: give a standard deviation above 0, as 10% or in the parameter's unit"
             )
+        if text.rstrip().endswith("%") and not getattr(scene, name):
+            raise ValueError(f"--of {name}={text}: {name} is 0; give its standard deviation in the parameter's unit")
         result[name] = 0.01 * value * abs(getattr(scene, name)) if text.rstrip().endswith("%") else value
     return result
 
