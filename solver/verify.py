@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import Frame, Profile, Scene, SceneError, __version__, carried_path, load_path, summarize
+from . import METHODS, Frame, Profile, Scene, SceneError, __version__, carried_path, load_path, summarize
 from .command import NOT_CONVERGED, InputError
 from .files import SCHEMA, commit, plain
 from .results import collected
@@ -28,7 +28,7 @@ class Recorded(NamedTuple):
     legs: list[tuple[Scene, int | None]]
     method: str
     origin: str
-    values: dict[str, Any]
+    values: dict[str, np.ndarray]
     fields: bool  # whether these are arrays of curves and fields, or the numbers of a summary
 
 
@@ -87,13 +87,17 @@ def read(file: str) -> Recorded:
         if report["schema"] > SCHEMA:
             raise InputError(f"{file!r}: schema {report['schema']}; allowed: up to {SCHEMA}; use a newer version")
         origin = f"schema {report['schema']}, version {report['version']}, commit {report['commit'] or 'unknown'}"
-        legs = _legs(report)
-        return Recorded(legs, report["method"], origin, values if fields else numbers_of(report), fields)
+        if report["method"] not in METHODS:
+            method, allowed = report["method"], ", ".join(METHODS)
+            raise InputError(f"{file!r}: method {method!r}; allowed: {allowed}; use the version that wrote the file")
+        values = values if fields else numbers_of(report)
+        values = {name: np.asarray(numbers, float) for name, numbers in values.items()}
+        return Recorded(_legs(report), report["method"], origin, values, fields)
     except InputError:
         raise
     except OSError as error:
         raise InputError(f"{file!r}: {error.strerror}; {HOLDS}") from None
-    except (KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
         raise InputError(f"{file!r}: not a run ({type(error).__name__}: {error}); {HOLDS}") from None
 
 
@@ -122,8 +126,8 @@ def fields_and_curves(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
 
 
 def _difference(name, recorded, computed):
-    """The Difference of two lists or arrays; None and nan are equal to each other only."""
-    a, b = np.array(recorded, float), np.array(computed, float)
+    """The Difference of an array and a list or another array; None and nan are equal to each other only."""
+    a, b = recorded, np.array(computed, float)
     if a.shape != b.shape:
         return Difference(f"{name}: count", a.size, b.size, inf)
     if a.size == 0:

@@ -85,6 +85,23 @@ def test_verify_rejects_other_files_in_one_line(tmp_path, capsys, content, words
     assert words in err and len(err.splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"method": "foo"}, "method 'foo'; allowed: fast, gfmd; use the version that wrote the file"),
+        ({"scene": []}, "not a run"),
+        ({"changes": [1]}, "not a run"),
+        ({"events": [1]}, "not a run"),
+        ({"F_s": "large"}, "not a run"),
+    ],
+)
+def test_verify_rejects_a_file_with_a_wrong_field_in_one_line(files, tmp_path, capsys, changed, words):
+    (tmp_path / "file").write_text(json.dumps(json.loads(files["json"].read_text()) | changed))
+    assert cli.main(["verify", str(tmp_path / "file")]) == 2
+    err = capsys.readouterr().err
+    assert words in err and len(err.splitlines()) == 1
+
+
 def test_verify_names_a_file_of_a_later_version(tmp_path, capsys):
     (tmp_path / "file").write_text('{"schema": 99}')
     assert cli.main(["verify", str(tmp_path / "file")]) == 2
