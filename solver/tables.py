@@ -51,10 +51,14 @@ class Table:
     rows: list[tuple[int, list[str]]]
     error: type[TableError]
 
-    def where(self, name: str, text: str) -> "Table":
-        """The rows with this text in the column of this name; all of them if there is no such column."""
+    def texts(self, name: str) -> list[str]:
+        """The texts in the column of this name, one per row; none if there is no such column."""
         k = next((k for k, column in enumerate(self.columns) if column.name == name), None)
-        return self if k is None else replace(self, rows=[row for row in self.rows if row[1][k] == text])
+        return [] if k is None else [cells[k] for _, cells in self.rows]
+
+    def where(self, name: str, text: str) -> "Table":
+        """The rows with this text in the column of this name."""
+        return replace(self, rows=[row for row, here in zip(self.rows, self.texts(name), strict=True) if here == text])
 
     def numbers(self, columns: Mapping[str, int]) -> Rows:
         """The rows with a finite number in each of the columns {name: index}, the first of which must ascend."""

@@ -8,8 +8,9 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ..run.frame import kind
 from ..scene import Scene
-from ..tables import SHOWN, TableError, read_table
+from ..tables import LISTED, SHOWN, TableError, read_table
 from ..text import UNITS
 from .outputs import NAMES
 
@@ -123,7 +124,8 @@ def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Meas
     """Reads a CSV with a heading: U_x (nm), F_bar or F (N/m), and optionally L_bar or L, A_bar.
 
     Forms of the file: as of `read_table`. Units of the heading are converted, as in U_x (um). Other columns are left
-    out, and rows without all numbers. In a file with a column `stage`, as `run --csv` writes, only the shear counts.
+    out, and rows without all numbers. In a file with a column `stage`, as `run --csv` writes, only the shear counts: it
+    must have one. L in N/m is left out beside F_bar, as w E may be a free parameter.
 
     Parameters: source: the name of a file, or an open one; scene: gives w E, over which forces in N/m are taken.
     Returns a Measurement, its noise estimated.
@@ -134,12 +136,29 @@ def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Meas
     content = Path(source) if isinstance(source, (str, PathLike)) else source.read()
     table = read_table(content, MeasurementError, NEEDED, lambda names: "U_x" in names and bool({"F", "F_bar"} & names))
     of = {column.name: k for k, column in enumerate(table.columns)}
-    _, columns, notes = table.where("stage", "shear").numbers({name: of[name] for name in UNIT_OF if name in of})
+    notes: tuple[str, ...] = ()
+    if {"F_bar", "L"} <= of.keys():
+        del of["L"]
+        notes = ("L in N/m is left out beside F_bar; give L_bar, or F in place of F_bar.",) * ("L_bar" not in of)
+    _, columns, left_out = _sheared(table).numbers({name: of[name] for name in UNIT_OF if name in of})
     columns = {name: column * _factor(*table.columns[of[name]]) for name, column in columns.items()}
     unit = None if "F_bar" in columns else scene.width * scene.E
     if unit:
         columns |= {f"{name}_bar": columns[name] / unit for name in ("F", "L") if name in columns}
-    return Measurement.of(columns.pop("U_x"), {n: columns[n] for n in NAMES if n in columns}, unit=unit, notes=notes)
+    values = {name: columns[name] for name in NAMES if name in columns}
+    return Measurement.of(columns["U_x"], values, unit=unit, notes=(*notes, *left_out))
+
+
+def _sheared(table):
+    """The rows of the stage of shear, if the file names stages; raises MeasurementError unless there is one."""
+    stages = list(dict.fromkeys(table.texts("stage")))
+    shears = [stage for stage in stages if kind(stage) == "shear"]
+    if not stages:
+        return table
+    if len(shears) == 1:
+        return table.where("stage", shears[0])
+    found = ", ".join(repr(stage[:SHOWN]) for stage in (shears or stages)[:LISTED])
+    raise MeasurementError(f"stage: {found}; needed: rows of one stage of shear; keep those, or run with path=shear")
 
 
 def _factor(name, unit):

@@ -221,6 +221,38 @@ def test_rows_without_a_number_are_left_out_and_reported():
     assert data.notes == ("2 rows without all numbers left out (line 4, 5).",)
 
 
+def staged(*stages):
+    """A file of ROWS in each of these stages."""
+    return StringIO("\n".join(["U_x,F,stage", *(f"{x},{F},{stage}" for stage in stages for x, F in ROWS)]))
+
+
+@pytest.mark.parametrize("stages", [("shear", "back", "forth"), ("2 shear", "3 unload")])
+def test_only_the_shear_of_a_run_is_read(stages):
+    assert read_measurement(staged(*stages), SMALL).U_x == pytest.approx([x for x, _ in ROWS])
+
+
+@pytest.mark.parametrize(
+    ("stages", "found"),
+    [(("unload", "reload"), "'unload', 'reload'"), (("2 shear", "3 back", "4 shear"), "'2 shear', '4 shear'")],
+)
+def test_a_run_without_one_stage_of_shear_is_refused(stages, found):
+    with pytest.raises(MeasurementError, match=f"^stage: {found}; needed: rows of one stage of shear; keep those, or"):
+        read_measurement(staged(*stages), SMALL)
+
+
+@pytest.mark.parametrize(
+    ("heading", "names", "notes"),
+    [
+        ("U_x,F_bar,L (N/m)", ["F_bar"], ["L in N/m is left out beside F_bar; give L_bar, or F in place of F_bar."]),
+        ("U_x,F_bar,L_bar", ["F_bar", "L_bar"], []),
+        ("U_x,F,L (N/m)", ["F_bar", "L_bar"], []),
+    ],
+)
+def test_a_load_that_is_not_used_is_reported(heading, names, notes):
+    data = read_measurement(StringIO("\n".join([heading, *(f"{x},{F},{-F}" for x, F in ROWS)])), SMALL)
+    assert (list(data.values), list(data.notes)) == (names, notes)
+
+
 @pytest.mark.parametrize("text", ["\x01\x02rubbish\x7f,b\n", "U_x,F\n1,\x01\x02\n", "PK\0\0"])
 def test_binary_content_is_rejected_and_not_echoed(text):
     with pytest.raises(MeasurementError) as refused:
