@@ -11,7 +11,7 @@ from typing import Any
 from .plots import BACKENDS
 from .presets import preset
 from .profile import ProfileError, read_profile
-from .scene import PARAMETERS, Scene, SceneError
+from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from .text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
@@ -90,7 +90,7 @@ def _writable(file):
 def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     """The Scene of NAME=VALUE arguments, over a preset if one is named; profile=FILE reads a measured surface.
 
-    Prints how ambiguous numbers were read. Raises SceneError, PresetError or InputError.
+    Prints how ambiguous numbers were read, and which are not used. Raises SceneError, PresetError or InputError.
     """
     start = preset(named).scene.differences() if named else {}
     given = settings(pairs)
@@ -109,7 +109,8 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
         except ProfileError as error:
             raise InputError(f"profile = {file!r}: {error}") from None
     scene = scene_from_text(texts, profile, notes)
-    for note in notes:
+    unused = [name for name in SET_BY_POINTS if scene.legs and name in given]
+    for note in [*notes, *(f"{name} is not used with path=points: the points set it." for name in unused)]:
         print(note)
     return scene
 

@@ -21,7 +21,7 @@ from .run.frame import Frame, moving, slides_in
 from .run.load_steps import abscissa, load_steps_of, place
 from .run.loadpath import load_path
 from .run.summary import fields_of
-from .scene import PARAMETERS, Scene
+from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from .text import counted
 from .threads import one_thread
 
@@ -165,7 +165,8 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
     Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s, A_0
     (nm), and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
-    Raises ValueError for a name that is no parameter, SceneError for a value outside its range.
+    Raises ValueError for a name that is no parameter, or values that are no list; SceneError for a value outside its
+    range, and for one that path 'points' does not use.
 
     With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
 
@@ -173,11 +174,7 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     """
     import pandas as pd
 
-    unknown = [name for name in values if name not in PARAMETERS]
-    if unknown:
-        raise ValueError(f"{unknown[0]} is no parameter of a Scene; allowed: {', '.join(PARAMETERS)}")
-    combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
-    scenes = [(scene or Scene()).changed(**combination) for combination in combinations]
+    combinations, scenes = _swept(scene or Scene(), values)
     if workers > 1:
         first = dict(outcomes(first_slip, scenes, workers))
     else:
@@ -185,6 +182,22 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     rows = [first[k] if isinstance(first[k], dict) else {"outcome": _lost(first[k])} for k in range(len(scenes))]
     columns = [*values, "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)", "A_0 (nm)", "outcome"]
     return pd.DataFrame([given | row for given, row in zip(combinations, rows, strict=True)], columns=columns)
+
+
+def _swept(scene, values):
+    """(the combinations of {name: values}, the Scene of each); raises as `sweep`."""
+    for name, listed in values.items():
+        if name not in PARAMETERS:
+            raise ValueError(f"{name} is no parameter of a Scene; allowed: {', '.join(PARAMETERS)}")
+        if isinstance(listed, str) or not isinstance(listed, Iterable):
+            raise ValueError(f"{name} = {listed!r}: allowed: a list of values; write {name}=[{listed!r}]")
+    combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
+    scenes = [scene.changed(**combination) for combination in combinations]
+    for name in SET_BY_POINTS:
+        if name in values and any(each.legs for each in scenes):
+            why = "not used with path 'points', whose points set it"
+            raise SceneError(name, values[name], why, "sweep points instead")
+    return combinations, scenes
 
 
 def _lost(lost: Lost) -> str:

@@ -41,6 +41,7 @@ POINTS = Points(
     "points of the path; U_x (nm) and delta_bar of each, with semicolons between them",
     LOADING,
 )
+SET_BY_POINTS = "delta_bar", "u_x_max"  # parameters without effect on path 'points'
 HOLDS = {"delta": "the indentation", "load": "the normal load reached by the approach; the indentation follows"}
 
 
@@ -142,6 +143,7 @@ class Scene:
             yield "hold", f"allowed with path {self.path!r}: delta", "choose path 'shear' or 'loop'"
         if self.path == "points" and not self._approaches():
             above = "two points or more, the first at delta_bar -1, the second at the same U_x: the approach"
+            above += "; none the same as the one before"
             yield "points", f"allowed with path 'points': {above}", "write them as 0,-1; 0,0.2; 8,0.2"
         if self.hold == "load" and self.drive_n != inf:
             yield "drive_n", "allowed with hold 'load', where no spring acts: inf", "use drive_n=inf or hold=delta"

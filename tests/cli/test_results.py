@@ -74,6 +74,18 @@ def test_a_sweep_rejects_a_name_that_is_no_parameter():
         sweep(SMALL, stiffness=[1.0])
 
 
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"delta_bar": 0.2}, r"delta_bar = 0.2: allowed: a list of values; write delta_bar=\[0.2\]"),
+        ({"surface": "flat"}, r"surface = 'flat': allowed: a list of values; write surface=\['flat'\]"),
+    ],
+)
+def test_a_sweep_rejects_a_value_that_is_no_list(values, message):
+    with pytest.raises(ValueError, match=message):
+        sweep(SMALL, **values)
+
+
 def test_the_plot_is_saved_as_html_and_other_suffixes_are_rejected(result, tmp_path):
     result.save(tmp_path / "run.html")
     assert "bokeh" in (tmp_path / "run.html").read_text(encoding="utf-8").lower()

@@ -9,6 +9,7 @@ from plain_gfmd import Plain
 
 from solver import Axis, Map, Scene, SceneError, load_path, simulate, summarize, sweep
 from solver.analysis.energy_balance import work_of
+from solver.command import scene_of
 from solver.run.carry import carry_on
 from solver.run.load_steps import load_steps_of, position
 
@@ -80,7 +81,7 @@ def test_positions_grow_along_the_path_from_the_end_of_the_approach():
         ("", "two points or more"),
         ("0,0; 0,1", "the first at delta_bar -1"),
         ("0,-1; 1,0", "the second at the same U_x"),
-        ("0,-1; 0,0.2; 0,0.2", "two points or more"),
+        ("0,-1; 0,0.2; 0,0.2", "none the same as the one before"),
         ("0,-1; 0,x", "points = '0,x': allowed: pairs of numbers; write them as 0,-1; 0,0.2; 8,0.2"),
         ("0,-1; 0", "allowed: pairs of numbers"),
         ("0,-1; 0,200", "points = 200.0: allowed: -1 .. 100"),
@@ -155,6 +156,21 @@ def test_the_first_slip_of_a_path_is_of_any_line_along_U_x(points):
     assert summarize(run.scene, run.frames)["U_s"] == event.load
     assert sweep(run.scene, phi_ratio=[1.0])["U_s (nm)"][0] == event.load
     assert f"first slip at U_x = {event.load:.2f} nm" in run._repr_html_()
+
+
+@pytest.mark.parametrize("values", [{"delta_bar": [0.0, 0.2]}, {"u_x_max": [1.0, 2.0]}])
+def test_a_sweep_refuses_a_parameter_that_the_points_set(values):
+    (name,) = values
+    with pytest.raises(SceneError, match=rf"{name} = \[.*\]: not used with path 'points', .*; sweep points instead"):
+        sweep(through(SPELT["shear"]), **values)
+
+
+def test_the_command_line_reports_a_parameter_that_the_points_set(capsys):
+    pairs = ["path=points", f"points={SPELT['shear']}"]
+    scene_of(pairs)
+    assert capsys.readouterr().out == ""
+    assert scene_of([*pairs, "delta_bar=0.5"]).delta_bar == 0.2
+    assert capsys.readouterr().out == "delta_bar is not used with path=points: the points set it.\n"
 
 
 def test_a_map_of_a_path_through_points_is_refused():
