@@ -90,12 +90,14 @@ def fit(scene: Scene, measured: Measurement, free: Sequence[str], options: FitOp
     Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
     `read_measurement`; free: names of continuous parameters, or of AXES; options: how it searches.
     Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine.
-    Raises ValueError for names that cannot be free; NotFollowed, NotConverged or SceneError where no start has a run,
-    OutOfTime where none has one in time.
+    Raises ValueError for names that cannot be free, or none; NotFollowed, NotConverged or SceneError where no start
+    has a run, OutOfTime where none has one in time.
 
     Example: `fit(Scene(), read_measurement("measured.csv", Scene()), ["phi_n"]).values`
     """
     allowed = (*continuous(scene), *AXES)
+    if isinstance(free, str) or not free:
+        raise ValueError(f"free = {free!r}: allowed: a list of names, one or more; write [{free or allowed[0]!r}]")
     for name in free:
         if name not in allowed or list(free).count(name) > 1:
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)

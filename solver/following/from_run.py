@@ -53,7 +53,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     Example: `skeleton_from(Scene(), advance(Scene(), budget=60.0)[1])`
     """
     if scene.path != "shear":
-        raise NotFollowed(f"path {scene.path!r} is computed")
+        raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
     trace = checkpoint.state.trace if checkpoint.state else None
     if (
         trace is None

@@ -272,6 +272,12 @@ def test_names_that_cannot_be_free_are_rejected(skeleton):
         fit(SMALL, measured(skeleton), ("nodes",))
 
 
+@pytest.mark.parametrize(("free", "write"), [("phi_n", r"\['phi_n'\]"), ([], r"\['delta_bar'\]")])
+def test_a_fit_needs_a_list_of_names(skeleton, free, write):
+    with pytest.raises(ValueError, match=rf"free = .*: allowed: a list of names, one or more; write {write}"):
+        fit(SMALL, measured(skeleton), free)
+
+
 @pytest.mark.thorough
 def test_the_linear_spread_agrees_with_random_draws(skeleton):
     of = deviations(SMALL, {"phi_n": "2%", "E": "0.3"})

@@ -249,6 +249,14 @@ def test_an_impossible_axis_is_rejected_by_name(text, named):
     assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
 
 
+@pytest.mark.parametrize("count", [2.0, "3", 2.5])
+def test_an_axis_has_a_whole_number_of_values(count):
+    with pytest.raises(
+        SceneError, match=r"delta_bar = .*: allowed: 2 \.\. 400 values, a whole number; give such a COUNT"
+    ):
+        Axis("delta_bar", 0.0, 0.1, count)
+
+
 def test_the_two_axes_differ():
     with pytest.raises(SceneError, match="two different"):
         Map(SMALL, PRESS, PRESS)

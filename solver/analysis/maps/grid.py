@@ -68,8 +68,9 @@ class Axis:
             PARAMETERS[self.name].checked(self.name, value)
         if not np.isfinite(self.low) or not np.isfinite(self.high) or self.low == self.high:
             raise SceneError(self.name, f"{self.low:g}:{self.high:g}", "allowed: two finite values", "give two values")
-        if not COUNT[0] <= self.count <= COUNT[1]:
-            raise SceneError(self.name, self.count, f"allowed: {COUNT[0]} .. {COUNT[1]} values", "give such a COUNT")
+        if not isinstance(self.count, int | np.integer) or not COUNT[0] <= self.count <= COUNT[1]:
+            allowed = f"allowed: {COUNT[0]} .. {COUNT[1]} values, a whole number"
+            raise SceneError(self.name, self.count, allowed, "give such a COUNT")
         if self.log and min(self.low, self.high) <= 0.0:
             raise SceneError(self.name, min(self.low, self.high), "allowed with log: above 0", "raise it, or omit log")
 
