@@ -68,7 +68,8 @@ class SlipEvent:
         """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
         load = moving(self.stage)
         numbers = {"F_bar": self.F_bar, "L_bar": self.L_bar, "A_bar": self.A_bar}
-        return {"stage": self.stage, load: self.load} | numbers | {"kind": self.kind, "located": self.located}
+        flags = {"kind": self.kind, "located": self.located, "sensitive": self.sensitive}
+        return {"stage": self.stage, load: self.load} | numbers | flags
 
 
 @dataclass(frozen=True, eq=False)

@@ -201,7 +201,7 @@ def test_every_end_of_a_branch_is_an_event_with_its_kind_and_load(call, tmp_path
     call("run", "--set", "du_x=0.5", "u_x_max=12", "--json", tmp_path / "j")
     events = strict(tmp_path / "j")["events"]
     assert {e["stage"] for e in events} == {"approach", "shear"}
-    assert all(e["kind"] == "fold" and e["located"] is True for e in events)
+    assert all(e["kind"] == "fold" and e["located"] is True and e["sensitive"] is False for e in events)
     assert all(("delta" if e["stage"] == "approach" else "U_x") in e and e["F_bar"] is not None for e in events)
 
 
