@@ -125,7 +125,7 @@ def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Meas
 
     Forms of the file: as of `read_table`. Units of the heading are converted, as in U_x (um). Other columns are left
     out, and rows without all numbers. In a file with a column `stage`, as `run --csv` writes, only the shear counts: it
-    must have one. L in N/m is left out beside F_bar, as w E may be a free parameter.
+    must have one. Of L and L_bar only that in the form of the friction counts, as w E may be a free parameter.
 
     Parameters: source: the name of a file, or an open one; scene: gives w E, over which forces in N/m are taken.
     Returns a Measurement, its noise estimated.
@@ -137,9 +137,10 @@ def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Meas
     table = read_table(content, MeasurementError, NEEDED, lambda names: "U_x" in names and bool({"F", "F_bar"} & names))
     of = {column.name: k for k, column in enumerate(table.columns)}
     notes: tuple[str, ...] = ()
-    if {"F_bar", "L"} <= of.keys():
-        del of["L"]
-        notes = ("L in N/m is left out beside F_bar; give L_bar, or F in place of F_bar.",) * ("L_bar" not in of)
+    force, other, load = ("F_bar", "L", "L_bar") if "F_bar" in of else ("F", "L_bar", "L")
+    if other in of:
+        del of[other]
+        notes = (f"{other} is left out beside {force}; give {load}: w E may be free.",) * (load not in of)
     _, columns, left_out = _sheared(table).numbers({name: of[name] for name in UNIT_OF if name in of})
     columns = {name: column * _factor(*table.columns[of[name]]) for name, column in columns.items()}
     unit = None if "F_bar" in columns else scene.width * scene.E

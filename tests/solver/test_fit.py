@@ -243,7 +243,8 @@ def test_a_run_without_one_stage_of_shear_is_refused(stages, found):
 @pytest.mark.parametrize(
     ("heading", "names", "notes"),
     [
-        ("U_x,F_bar,L (N/m)", ["F_bar"], ["L in N/m is left out beside F_bar; give L_bar, or F in place of F_bar."]),
+        ("U_x,F_bar,L (N/m)", ["F_bar"], ["L is left out beside F_bar; give L_bar: w E may be free."]),
+        ("U_x,F,L_bar", ["F_bar"], ["L_bar is left out beside F; give L: w E may be free."]),
         ("U_x,F_bar,L_bar", ["F_bar", "L_bar"], []),
         ("U_x,F,L (N/m)", ["F_bar", "L_bar"], []),
     ],
