@@ -35,6 +35,7 @@ def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
 
     Example: `skeleton_of(Scene()).slips`
     """
+    _refuse_path(scene)  # before it is computed
     spent, checkpoint = 0, Checkpoint()
     for frame, checkpoint in until(scene, lambda frame: frame.repeated, limit):  # noqa: B007  the last one counts
         spent += frame.evaluations
@@ -52,8 +53,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
 
     Example: `skeleton_from(Scene(), advance(Scene(), budget=60.0)[1])`
     """
-    if scene.path != "shear":
-        raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
+    _refuse_path(scene)
     trace = checkpoint.state.trace if checkpoint.state else None
     if (
         trace is None
@@ -67,6 +67,11 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     skeleton = moved(guess, scene, spent)
     _compare(skeleton, passed, guess)
     return replace(skeleton, evaluations=spent[0])
+
+
+def _refuse_path(scene):
+    if scene.path != "shear":
+        raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
 
 
 def _guess(scene, first, trace: Trace, jumps):

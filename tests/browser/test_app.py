@@ -120,6 +120,14 @@ def test_a_status_from_before_another_experiment_was_chosen_ends_nothing(look):
     assert followed == [True, False]
 
 
+def test_a_place_that_a_run_is_to_reach_is_given_up_by_scrubbing(look):
+    """A run that grew jumped there later, away from where one had scrubbed."""
+    place = imported(look(), "player").evaluate(
+        "() => { punch.place = punch.run.place(300); modules.player.goto(200); return punch.place }"
+    )
+    assert place is None
+
+
 def test_a_run_that_fails_behind_a_picture_says_why(look):
     page = imported(look(), "status")
     page.evaluate(

@@ -247,6 +247,11 @@ def test_a_run_on_another_path_has_no_skeleton():
         skeleton_from(scene, Checkpoint())
 
 
+def test_a_path_that_cannot_be_followed_is_refused_before_it_is_computed():
+    with pytest.raises(NotFollowed, match="path = 'loop' cannot be followed: use path=shear"):
+        skeleton_of(SMALL.changed(path="loop"), limit=0.0)
+
+
 def test_the_run_for_a_skeleton_ends_at_its_limit_of_time():
     with pytest.raises(OutOfTime, match="the run takes more than 0 s"):
         skeleton_of(SMALL, 0.0)

@@ -5,7 +5,7 @@
 import { silence } from "./channel.js"
 import { by } from "./dom.js"
 import { warn } from "./opening.js"
-import { me, now } from "./store.js"
+import { declared, me, now } from "./store.js"
 import { keepForTab, takeFromTab } from "./storage.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
@@ -61,6 +61,8 @@ const pause = (time) => new Promise((go) => {
 function openAnew() {
   const address = new URL(location.href)
   let wanted = { ...me.status.address }
+  // a picture is newer than the status
+  if (me.run?.followed) for (const name in declared.positions) wanted[name] = me.run.scene[name]
   for (const { what, values } of me.waiting) {
     if (what === "scene") Object.assign(wanted, values)
     else wanted = { ...values }

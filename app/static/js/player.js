@@ -144,8 +144,9 @@ const spoken = (force) => newtons(force).replace("mN/m", "millinewtons per metre
 function summarise(what) {
   const { run } = me, k = now()
   if (k < 0) return
-  const { U_x, F, L, A } = run.values(k)
-  by("announcement").textContent = `${what} at a displacement of ${fixed(U_x, 1)} nanometres: `
+  const { U_x, F, L, A, slip, slip_at } = run.values(k)
+  const at = slip && !run.normal && !run.approaching(k) ? slip_at : U_x // as the sentence says it
+  by("announcement").textContent = `${what} at a displacement of ${fixed(at, 1)} nanometres: `
     + `friction ${spoken(F)}, load ${spoken(L)}, `
     + (run.head.flat ? "all in contact." : `contact ${fixed(A, 0)} nanometres wide.`)
 }
