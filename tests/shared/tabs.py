@@ -75,6 +75,7 @@ AS_OPENED = """([search, wanted]) => {
     play(false)
     by("find").value = ""
     all("dialog[open]").forEach((dialog) => dialog.close())
+    all(":popover-open").forEach((popover) => popover.hidePopover())
     const tour = all("#tour-card:not([hidden]) button")
     tour.find(({ textContent }) => textContent === "End tour")?.click()
     all(".chip [aria-label^=Remove]").forEach((remove) => remove.click())
