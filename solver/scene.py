@@ -162,18 +162,7 @@ class Scene:
                 remedy = "give x and z of the profile in nm, or change nodes"
             spacing = f"node spacing width/nodes = {self.spacing:.4g} nm must lie within"
             yield "nodes", f"{spacing} {low:g} .. {high:g} nm", remedy
-        least, most = self.attainable, LIMITS["tolerance"].high
-        soft = "drive_t, drive_n or E" if any(self.drive_compliance) else "E"
-        if least > most:
-            compliant = f"too compliant a layer: by round-off alone the residual is {least:.1g} nm"
-            yield (
-                "E",
-                f"{compliant}, more than any tolerance allowed",
-                f"enlarge {soft}, or lower height",
-            )
-        if self.tolerance < least:
-            allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
-            yield "tolerance", allowed, f"enlarge it, or {soft}"
+        yield from self._beyond_round_off()
         steps_of = ("du_x", self.shear_increments), ("du_z", self.approach_increments)
         if self.path == "points":
             steps_of = (("du_x", sum(leg.increments for leg in self.legs)),)
@@ -181,6 +170,17 @@ class Scene:
             if steps > LARGEST_RUN:
                 allowed = f"the run would take {steps} increments, at most {LARGEST_RUN} are allowed"
                 yield name, allowed, f"enlarge {name} or shorten the run"
+
+    def _beyond_round_off(self):
+        """The refusal, as of `_refusals`, of residuals smaller than round-off, if these are asked for."""
+        least, most = self.attainable, LIMITS["tolerance"].high
+        soft = "drive_t, drive_n or E" if any(self.drive_compliance) else "E"
+        if least > most:
+            compliant = f"too compliant a layer: by round-off alone the residual is {least:.1g} nm"
+            yield "E", f"{compliant}, more than any tolerance allowed", f"enlarge {soft}, or lower height"
+        if self.tolerance < least:
+            allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
+            yield "tolerance", allowed, f"enlarge it, or {soft}"
 
     @property
     def attainable(self) -> float:
