@@ -22,8 +22,8 @@ LOOSE = 2.0
 # Share of the drive in the compliance to a uniform traction from which single precision is too coarse for an inverse
 SOFT = 0.999
 ALIKE = 1e-5  # units between nodes that count as alike: what the solves of followed states leave
-# Active nodes up to which an inverse is formed, as it takes the cube of their number: with all 1024 of the preset wave
-# at E = 20, a run took fourteen times as long
+# Active nodes up to which an inverse is formed, as it takes the cube of their number: with 1200, the run of
+# `python -m solver run --preset wave --set E=20` took fourteen times as long
 FORMED = 512
 BLOCK = 64  # columns that LAPACK inverts at a time; with 3, scipy's default, it takes twice as long
 
