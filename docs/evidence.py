@@ -78,6 +78,13 @@ COMMANDS = {
         "A map of first slips against exact runs at 60 of its points.",
         (BENCH + "map.py",),
     ),
+    "stability": Entry(
+        "Robustness",
+        "Stiff and extreme scenes",
+        "Every eleventh of 2,000 scenes with extreme parameters, rechecked in long double and by dense spectra; closed"
+        " forms; round-off of each formula.",
+        ("tests/validation/stability.py", "--quick"),
+    ),
     "jumps": Entry(
         "Robustness",
         "Jumps without an event",

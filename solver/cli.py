@@ -30,7 +30,7 @@ from .derivatives import add_fit, add_sensitivities, add_spread
 from .files import write_csv, write_json, write_npz
 from .mapping import add_flats, add_map
 from .presets import PresetError, presets
-from .reports import add_accuracy, add_stability
+from .reports import add_accuracy
 from .results import with_progress
 from .run.summary import account
 from .scene import CHOICES, LIMITS, PARAMETERS
@@ -216,7 +216,6 @@ COMMANDS = (
     add_run,
     add_verify,
     add_accuracy,
-    add_stability,
     add_map,
     add_flats,
     add_sensitivities,

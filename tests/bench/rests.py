@@ -15,11 +15,14 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from math import inf
+from pathlib import Path
 
 import numpy as np
 
 from solver import Scene, SceneError, advance
-from solver.validation.spectrum import growth
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "validation"))
+from spectrum import growth
 
 HELD = ("shear", "back", "forth")
 WEAK = 0.4  # damping, over critical, below which the shares are counted apart

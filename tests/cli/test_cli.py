@@ -255,7 +255,7 @@ def test_bad_settings_give_one_line_and_exit_code_two(call, setting, named):
 
 
 @pytest.mark.parametrize(
-    "arguments", [("run", "--method", "magic"), ("run", "--st"), ("walk",), (), ("stability", "--limit", "0.5")]
+    "arguments", [("run", "--method", "magic"), ("run", "--st"), ("walk",), (), ("accuracy", "--slips", "0")]
 )
 def test_bad_arguments_give_one_line_and_exit_code_two(call, arguments):
     code, out, err = call(*arguments)

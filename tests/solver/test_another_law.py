@@ -2,14 +2,14 @@
 
 from itertools import pairwise
 
+import extended
 import numpy as np
 import pytest
 from plain_gfmd import run
+from spectrum import growth
 
 from solver import CHOICES, Scene, load_path, simulate
 from solver.mechanics.cohesive_law import tangent, traction
-from solver.validation import extended
-from solver.validation.spectrum import growth
 
 XN = Scene(law="xu-needleman")
 SMALL = XN.changed(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x_max=6.0)

@@ -7,6 +7,7 @@ from itertools import islice, pairwise
 import numpy as np
 import pytest
 from helpers import same, stage
+from spectrum import growth
 
 from solver import (
     Scene,
@@ -24,7 +25,6 @@ from solver.mechanics.equilibrium import Equilibrium
 from solver.run import loadpath
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import Run
-from solver.validation.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2)
 

@@ -5,7 +5,9 @@ from math import inf
 import numpy as np
 import plain_gfmd
 import pytest
+from recheck import recheck
 from scipy.optimize import brentq
+from spectrum import growth
 
 from solver import Scene, SceneError, load_path, simulate
 from solver.analysis.energy_balance import work_of
@@ -22,8 +24,6 @@ from solver.run.frame import slips_in
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import with_remedy
 from solver.text import number_from_text
-from solver.validation.recheck import recheck
-from solver.validation.spectrum import growth
 
 FLAT = Scene(surface="flat", nodes=64, width=156.25, height=16.0, phi_ratio=0.1, damping=inf, tolerance=1e-11)
 PUNCH = Scene(nodes=128, width=312.5, radius=1.0, height=2.0, u_x_max=40.0, du_z=0.5, tolerance=1e-11)

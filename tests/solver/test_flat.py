@@ -5,6 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
+from spectrum import growth
 
 from solver import Scene, load_path
 from solver.continuation.quasistatic import QuasiStatic
@@ -14,7 +15,6 @@ from solver.mechanics.contact import Contact
 from solver.mechanics.layer import Modes
 from solver.mechanics.surface import closed_stiffness
 from solver.run.load_steps import load_steps_of
-from solver.validation.spectrum import growth
 
 
 class OneNode:

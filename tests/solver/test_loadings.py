@@ -6,13 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers import same, stage
+from spectrum import growth
 
 from solver import NotConverged, Scene, SceneError, advance, load_path
 from solver.mechanics.cohesive_law import traction
 from solver.mechanics.layer import Modes
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import ALL
-from solver.validation.spectrum import growth
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2, u_x_max=8.0)
 PATHS = [

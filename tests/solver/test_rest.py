@@ -5,13 +5,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import spectrum
 
 from solver import Scene, SceneError
 from solver.cautions import flutter
 from solver.continuation.rest import Judge, rate
 from solver.continuation.state import Crowded
 from solver.run.loadpath import Checkpoint, Run, load_path
-from solver.validation import accuracy_report, spectrum
+from solver.validation import accuracy_report
 
 SOFT = Scene(E=10.0, delta_bar=0.6, phi_ratio=0.3, u_x_max=22.4)
 FLUTTER = 22.2718524  # nm, its first slip; the fold of the branch lies at 22.4396

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from helpers import first_slip
 from plain_gfmd import Plain
+from spectrum import growth
 
 from solver import NotConverged, Scene, load_path, whole_surface
 from solver.run.loadpath import Checkpoint, Run
-from solver.validation.spectrum import growth
 
 CASES = [{}, {"delta_bar": -0.15}, {"delta_bar": 0.4, "phi_ratio": 0.1}]
 SMALL = {"nodes": 128, "width": 312.5}

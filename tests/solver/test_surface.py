@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
 
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text
 from solver.analysis.peeling import edges, peel_asymmetry
 from solver.mechanics.contact import patch
 from solver.run.loadpath import ALL, BULGE
 from solver.surfaces import averaged
-from solver.validation.adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
 
 ROUGH = Scene(surface="rough")
 SMALL_ROUGH = Scene(surface="rough", nodes=256, width=625.0, rms_slope=0.06, cut_off=0.1, seed=2, du_z=0.2, du_x=0.2)

@@ -1,16 +1,16 @@
 """Closed forms, and where floating point itself limits; `python -m solver stability` prints both as tables."""
 
+import extended
 import mpmath
 import numpy as np
 import pytest
+from adhesion import PULL_OFF_JKR, adhesion, load_maugis, pull_off_maugis, repulsive_jkr
+from closed_forms import PROBLEMS
+from conditioning import conditioning
+from extended import displacement, springs
 
 from solver import Scene
 from solver.mechanics.layer import compliance, stiffness
-from solver.validation import extended
-from solver.validation.adhesion import PULL_OFF_JKR, adhesion, load_maugis, pull_off_maugis, repulsive_jkr
-from solver.validation.closed_forms import PROBLEMS
-from solver.validation.conditioning import conditioning
-from solver.validation.extended import displacement, springs
 
 
 @pytest.mark.slow

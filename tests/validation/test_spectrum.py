@@ -5,11 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from extended import displacement, springs
 from scipy.optimize import brentq
-
-from solver import Scene, load_path
-from solver.validation.extended import displacement, springs
-from solver.validation.spectrum import (
+from spectrum import (
     exponents,
     friction,
     growth,
@@ -18,6 +16,8 @@ from solver.validation.spectrum import (
     stiffness,
     tangent,
 )
+
+from solver import Scene, load_path
 
 
 def frame_of(scene, ux, uz, nodes=None):

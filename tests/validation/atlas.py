@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..scene import LIMITS, Scene, SceneError
+from solver.scene import LIMITS, Scene, SceneError
 
 # name: values tried one at a time; the first and the last are the extremes. `spacing` is a/delta_t, `normal` is
 # delta_n/delta_t, `step` is du over 0.1 (its default), for both du_z and du_x.

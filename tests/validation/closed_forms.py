@@ -3,16 +3,16 @@
 from math import inf
 
 import numpy as np
+from adhesion import adhesion
+from extended import displacement, springs
+from form import Form, relative
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from ..mechanics import cohesive_law
-from ..mechanics.layer import Convolution, Modes, compliance, stiffness
-from ..run.loadpath import ALL, load_path
-from ..scene import Scene
-from .adhesion import adhesion
-from .extended import displacement, springs
-from .form import Form, relative
+from solver.mechanics import cohesive_law
+from solver.mechanics.layer import Convolution, Modes, compliance, stiffness
+from solver.run.loadpath import ALL, load_path
+from solver.scene import Scene
 
 
 def closed_forms() -> list[Form]:

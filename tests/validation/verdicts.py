@@ -1,4 +1,4 @@
-"""`python -m solver stability`: the verdict on each stiff or extreme scene, its frames rechecked in long double."""
+"""The verdict on each stiff or extreme scene, its frames rechecked in long double."""
 
 import os
 import warnings
@@ -9,16 +9,16 @@ from traceback import extract_tb
 from typing import NamedTuple
 
 import numpy as np
+from atlas import Case
+from recheck import Recheck, recheck
+from spectrum import growth
 
-from ..continuation.state import NotConverged, PulledOff
-from ..isolated import Lost, outcomes
-from ..run.frame import Frame
-from ..run.load_steps import load_steps_of
-from ..run.loadpath import load_path
-from ..scene import Scene, SceneError
-from .atlas import Case
-from .recheck import Recheck, recheck
-from .spectrum import growth
+from solver.continuation.state import NotConverged, PulledOff
+from solver.isolated import Lost, outcomes
+from solver.run.frame import Frame
+from solver.run.load_steps import load_steps_of
+from solver.run.loadpath import load_path
+from solver.scene import Scene, SceneError
 
 GOOD = ("converged", "refused", "gave up")  # acceptable verdicts on a scene
 BAD = ("wrong", "non-finite", "warning", "error", "crash", "hang")

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..run.frame import Frame
-from ..scene import Scene
+from solver.run.frame import Frame
+from solver.scene import Scene
 
 LONG = np.longdouble  # 64 bits of mantissa on x86; where it has 53, the checks are as exact as the solver
 HALF_PLANE = 40.0  # q h, beyond which the quotients are constant: exp(-2 q h) (q h)^2 < 1e-31

@@ -12,10 +12,10 @@ half-width a, p* = pi E* A/lambda, alpha^2 = 2 lambda w_a/(pi E* A)^2, p/p* = si
 from typing import NamedTuple
 
 import numpy as np
+from form import Form
 
-from ..run.loadpath import load_path
-from ..scene import Scene
-from .form import Form
+from solver.run.loadpath import load_path
+from solver.scene import Scene
 
 E, NU, PHI_N = 7.0, 0.4999, 2.0  # GPa, 1, N/m
 STIFF = E / (1.0 - NU**2)

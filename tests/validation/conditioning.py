@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
+from extended import inverse, springs, stiffness
+from recheck import EPS, ROUNDING
 
-from ..mechanics import layer
-from ..mechanics.cohesive_law import traction
-from ..scene import Scene
-from .extended import inverse, springs, stiffness
-from .recheck import EPS, ROUNDING
+from solver.mechanics import layer
+from solver.mechanics.cohesive_law import traction
+from solver.scene import Scene
 
 # name: nu, height (nm), wavenumbers (1/nm), E (GPa); together q h from 1e-3 to 5000, nu from 0 to the largest allowed
 WAVES = {
@@ -37,7 +37,7 @@ class Limit:
 
 
 def conditioning() -> list[Limit]:
-    """Every Limit; the reference is `extended` (tests/validation/test_closed_forms.py compares that with mpmath)."""
+    """Every Limit; the reference is `extended` (test_closed_forms.py compares that with mpmath)."""
     return [limit for name, wave in WAVES.items() for limit in _layer(name, *wave)] + [_overclosure(n) for n in DEPTHS]
 
 

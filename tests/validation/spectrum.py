@@ -7,11 +7,11 @@ grows where mu lies outside the parabola Im(mu)^2 = -gamma^2 Re(mu): in a fold t
 complex pair. Overdamped: lambda is mu. Layer and springs are those of `extended`.
 """
 
+import extended
 import numpy as np
 
-from ..run.frame import Frame
-from ..scene import Scene
-from . import extended
+from solver.run.frame import Frame
+from solver.scene import Scene
 
 
 def growth(scene: Scene, frame: Frame, held: bool = False) -> float:

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from extended import LONG, displacement, patch_of, springs
 
-from ..run.frame import Frame
-from ..scene import Scene
-from .extended import LONG, displacement, patch_of, springs
+from solver.run.frame import Frame
+from solver.scene import Scene
 
 EPS = float(np.finfo(float).eps)
 ROUNDING = 64.0  # roundings of one evaluation that may add up: some ten per exponential, log2(nodes) per transform
