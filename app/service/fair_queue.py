@@ -1,12 +1,16 @@
 """Tasks for workers, and a queue that serves the owners of tasks in turn."""
 
 from collections import OrderedDict, deque
+from collections.abc import Iterator
 from concurrent.futures import Future
+from time import monotonic
+from typing import Any
 
 PATIENCE = 20.0  # s beyond a task's own limit; then its process is killed. A busy server is slow
 NOBODY = "the server"  # owner of the tasks that no visitor waits for
 # Purpose of a task: the screen; the exact run of a picture; an expensive one for the screen; anything else
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
+AGEING = 2.0  # s of waiting that equal one rank: while sliders are dragged all the time, slow runs still get turns
 
 
 class Task(Future):
@@ -16,39 +20,61 @@ class Task(Future):
     the kind is "error". `slot` is the slot that runs or ran it; `abandoned` is true when nobody waits for it.
     """
 
-    def __init__(self, call, owner=None, rank=SCREEN, limit=PATIENCE):
+    def __init__(
+        self, call: tuple[Any, ...], owner: object = None, rank: int = SCREEN, limit: float = PATIENCE
+    ) -> None:
         super().__init__()
         self.call, self.owner, self.rank, self.limit = call, owner, rank, limit
         self.slot, self.abandoned = None, False
+        self.due = monotonic() + AGEING * rank  # s: of two waiting tasks, the one with the earlier time is first
 
 
 class FairQueue:
-    """Waiting tasks: lower ranks come first, and the owners take turns in each rank."""
+    """Waiting tasks: lower ranks come first unless a higher one has waited long; owners take turns in each rank.
 
-    def __init__(self):
-        self._of = tuple(OrderedDict() for _ in range(RANKS))  # {owner: deque of tasks}, by rank
+    An owner whose tasks were removed keeps its turn until it comes: a newer task may have taken their place.
+    """
 
-    def __iter__(self):
+    def __init__(self) -> None:
+        self._of: tuple[OrderedDict[object, deque[Task]], ...] = tuple(OrderedDict() for _ in range(RANKS))
+
+    def __iter__(self) -> Iterator[Task]:
         return (task for owners in self._of for tasks in owners.values() for task in tasks)
 
-    def add(self, task):
+    def add(self, task: Task) -> None:
         """Append a task to the tasks of its owner."""
         self._of[task.rank].setdefault(task.owner, deque()).append(task)
 
-    def take(self, most=LATER):
+    def remove(self, task: Task) -> None:
+        """Remove a task that was cancelled; it need not be here."""
+        tasks = self._of[task.rank].get(task.owner, ())
+        if task in tasks:
+            tasks.remove(task)
+
+    def take(self, most: int = LATER) -> Task | None:
         """Remove and return the next task of this rank or a lower one, or None."""
-        owners = next(filter(None, self._of[: most + 1]), None)
-        if owners is None:
+        first = [tasks[0] for owners in self._of[: most + 1] if (tasks := self._next(owners))]
+        if not first:
             return None
-        owner, tasks = next(iter(owners.items()))
-        owners.move_to_end(owner)
-        task = tasks.popleft()
-        if not tasks:
-            del owners[owner]
+        task = min(first, key=lambda task: task.due)
+        owners = self._of[task.rank]
+        owners[task.owner].popleft()
+        owners.move_to_end(task.owner)
+        if not owners[task.owner]:
+            del owners[task.owner]
         return task
 
-    def position(self, task):
-        """Number of tasks before this one; None if it does not wait here."""
+    def _next(self, owners):
+        """Return the tasks of the owner whose turn it is; owners without tasks lose their turn."""
+        while owners:
+            owner, tasks = next(iter(owners.items()))
+            if tasks:
+                return tasks
+            del owners[owner]
+        return ()
+
+    def position(self, task: Task) -> int | None:
+        """Number of tasks before this one, unless a later one has waited longer; None if it does not wait here."""
         owners = self._of[task.rank]
         tasks = owners.get(task.owner, ())
         if task not in tasks:

@@ -108,8 +108,11 @@ class Pool:
         return task
 
     def abandon(self, task):
-        """Cancel a task, or ignore its result if it runs."""
-        if not task.cancel():
+        """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once."""
+        if task.cancel():
+            with self._lock:
+                self._queue.remove(task)
+        else:
             task.abandoned = True
 
     def position(self, task):

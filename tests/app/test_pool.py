@@ -128,6 +128,39 @@ def test_owners_take_turns_in_the_queue():
     assert queue.take() is None and queue.position(tasks["a", 1]) is None
 
 
+def test_a_cancelled_task_takes_no_turn_and_counts_before_nobody():
+    queue = FairQueue()
+    old, new, one, two = Task((), "a"), Task((), "a"), Task((), "b"), Task((), "b")
+    for task in (old, one, two, new):
+        queue.add(task)
+    queue.remove(old)
+    assert [queue.position(task) for task in (new, one, two, old)] == [0, 1, 2, None]
+    assert [queue.take() for _ in range(4)] == [new, one, two, None]
+
+
+def test_many_cancelled_tasks_of_an_owner_leave_nothing_in_the_queue():
+    queue = FairQueue()
+    for _ in range(1000):
+        task = Task((), "a", LATER)
+        queue.add(task)
+        queue.remove(task)
+    assert list(queue) == [] and queue.take() is None
+
+
+def test_a_slow_run_gets_a_turn_while_sliders_are_dragged_all_the_time(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("app.service.fair_queue.monotonic", lambda: now[0])
+    queue = FairQueue()
+    slow = Task((), "a", HEAVY)
+    queue.add(slow)
+    served = []
+    while slow not in served and now[0] < 60.0:
+        queue.add(Task((), "b", SCREEN))  # the queue never gets empty
+        now[0] += 0.1
+        served.append(queue.take())
+    assert 3.5 < now[0] < 4.5 and served.count(slow) == 1  # HEAVY is two ranks, of 2 s each, above SCREEN
+
+
 def test_cache_keeps_the_most_recently_used_runs_within_its_capacity():
     one = size_of(Frames((bytes(60), bytes(40)), 1, 1, 0.0))
     run_cache = Cache(capacity=2.5 * one)
