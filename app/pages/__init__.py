@@ -103,10 +103,10 @@ class Pages:
         self.name, self.page, self.closed = "", None, {}  # closed: {name: page} of those that stay
 
     def open(self, page):
-        """Show the page of this name instead of the open one; '' shows none."""
+        """Show the page of this name instead of the open one, '' for none; return whether there is such a page."""
         self._leave()
         if page not in listed():
-            return
+            return page == ""
         self.name, self.page = page, self.closed.pop(page, None) or self._made(page)
         with self.session.doc.models.freeze():  # Bokeh then collects the models once
             for slot, view in self.page.views.items():
@@ -114,6 +114,7 @@ class Pages:
         self.page.start()
         self._publish(self.page, {})
         log.info("a visitor opened the page %s", page)
+        return True
 
     def _made(self, name):
         figures = listed()[name].compose() if listed()[name].FIGURES else []

@@ -7,7 +7,9 @@ from app.service import marks, tasks, worker
 from app.service.packing import Frames
 from app.service.pool import LATER
 from app.service.requests import Requests
+from app.session import orders
 from app.session.controls import scene_from_address
+from app.session.orders import order
 
 MOST_PINNED = 4
 LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
@@ -19,6 +21,7 @@ ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser 
 class Film(Requests):
     """The transient during a slip of the run on screen."""
 
+    @order("film", run=orders.is_whole, frame=orders.is_whole)
     def request(self, run, frame):
         """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
         self.cancel()
@@ -37,7 +40,8 @@ class Film(Requests):
 class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
-    def request(self, frame=None, **asked):
+    @order("layer", rows=orders.is_number, modes=orders.is_number, depth=orders.is_number, frame=orders.is_whole)
+    def request(self, rows, modes, depth, frame=None):
         """Send the table for the run on screen, or one frame of it: {rows, modes, depth (nm) of the last row}.
 
         A browser repeats its request while it waits. That must not start the work again.
@@ -46,9 +50,10 @@ class Layer(Requests):
         if run is None:
             return
         scene = run.scene if frame is None else run.up_to(frame)[-1][0]
-        rows = int(min(max(asked["rows"], ROWS[0]), ROWS[1]))
-        modes = int(min(max(asked["modes"], MODES[0]), MODES[1], scene.nodes // 2))
-        depth = min(max(asked["depth"], DEPTH[0]), DEPTH[1], scene.height * scene.width)
+        asked = {"rows": rows, "modes": modes, "depth": depth}
+        rows = int(min(max(rows, ROWS[0]), ROWS[1]))
+        modes = int(min(max(modes, MODES[0]), MODES[1], scene.nodes // 2))
+        depth = min(max(depth, DEPTH[0]), DEPTH[1], scene.height * scene.width)
         head = {"asked": asked, "depth": depth, "geometry": [getattr(scene, name) for name in GEOMETRY]}
         call = tasks.layer_table, scene, depth, rows, modes
         if len(self.waiting) >= TABLES and call not in self.waiting:
@@ -68,6 +73,7 @@ class Pinned(Requests):
         super().__init__(session, self._made)
         self.pins = {}  # {call: pins that show its run}
 
+    @order("pin", pin=orders.is_whole, values=orders.is_address)
     def request(self, pin, values):
         """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
         if 0 < pin <= MOST_PINNED:

@@ -10,7 +10,6 @@ import asyncio
 import json
 import logging
 from contextlib import suppress
-from time import monotonic, thread_time
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
@@ -24,9 +23,6 @@ from app.session.session import VISITORS, visitors
 
 log = logging.getLogger("app")
 LONGEST = 2 * orders.SMALL  # characters of a text in a message, such as an order without its file
-AT_ONCE = 0.5  # s of the event loop that a visitor may use before messages wait: enough to open a few pages
-LONGEST_WAIT = 5.0  # s; a page counts its connection as lost after a longer time
-SHARE = 0.5  # fraction of the loop's time for all visitors beyond AT_ONCE
 PARTS = 5  # of a message: header, metadata, content; for a file also its header and bytes
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
@@ -51,7 +47,6 @@ class MessageFilter(NamedHost, WSHandler):
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
         self.parts, self.name, self.rejected = 0, None, False
-        self.spent, self.since = 0.0, monotonic()
 
     def open(self, *where, **named):
         """Accept a browser with the token of its page, unless the server is full."""
@@ -110,23 +105,15 @@ class MessageFilter(NamedHost, WSHandler):
                 given = _orders(message)
         except Exception as error:
             return self._reject(error)
-        begun = thread_time()  # time of the loop alone: other processes may be busy
         if message is not None and self._session is not None:
             with suppress(WebSocketClosedError):  # it has left
                 await self._answer(message, given)
-        await asyncio.sleep(self._wait(thread_time() - begun))  # 0 s, too, lets other visitors run
+        await asyncio.sleep(0)  # Tornado awaits this for its whole buffer: other visitors have a turn
 
     async def send_message(self, message):
         """Send a message, unless the browser has left meanwhile. Bokeh would log a warning for each one that waits."""
         with suppress(WebSocketClosedError):
             await message.send(self)
-
-    def _wait(self, seconds):
-        """Return the wait before the next message, s, after one that took `seconds`: AT_ONCE is free, then a share."""
-        share, now = SHARE / max(1, len(connected)), monotonic()
-        self.spent = max(0.0, self.spent - share * (now - self.since)) + seconds
-        self.since = now
-        return min(LONGEST_WAIT, max(0.0, self.spent - AT_ONCE) / share)
 
     async def _answer(self, message, given):
         session = self._session

@@ -1,8 +1,10 @@
-"""Orders of a browser, {"do": name, "n": number, field: value, ...}: their fields, and what they do for a visitor."""
+"""Orders of a browser, {"do": name, "n": number, field: value, ...}: how a method declares one, and how it is read."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from inspect import Parameter, signature
+from typing import Any, NamedTuple
 
-from bokeh.core.properties import Any
+from bokeh.core import properties
 from bokeh.model import DataModel
 
 from app.session.controls import FOR_SERVER, PARAMETERS
@@ -15,7 +17,7 @@ FILES, FORMATS = ("profile", "measurement"), ("npz", "json")
 class Wire(DataModel):
     """The model through which a browser gives its orders."""
 
-    order = Any(default=None)
+    order = properties.Any(default=None)
 
 
 class Refused(ValueError):
@@ -28,90 +30,91 @@ class Refused(ValueError):
 # tests of the value of a field
 
 
-def is_number(value):
+def is_number(value: Any) -> bool:
     return type(value) in (int, float) and abs(value) < 1e15  # false for nan
 
 
-def is_whole(value):
+def is_whole(value: Any) -> bool:
     return type(value) is int and 0 <= value < 1e9
 
 
-def is_increment(value):
+def is_increment(value: Any) -> bool:
     """Whether it is [number of a run, frame]."""
     return isinstance(value, list) and len(value) == 2 and all(map(is_whole, value))
 
 
-def is_text(value, most=64):
+def is_text(value: Any, most: int = 64) -> bool:
     return isinstance(value, str) and len(value) <= most
 
 
-def is_link(value):
+def is_link(value: Any) -> bool:
     return is_text(value, 5000)
 
 
-def is_content(value):
+def is_content(value: Any) -> bool:
     return isinstance(value, str)
 
 
-def is_flag(value):
+def is_flag(value: Any) -> bool:
     return isinstance(value, bool)
 
 
-def are_entries(values):
+def are_entries(values: Any) -> bool:
     """Whether it is {parameter: as it was entered}."""
     named = isinstance(values, dict) and values.keys() <= PARAMETERS.keys()
     return named and all(is_text(value, SMALL) or is_number(value) for value in values.values())
 
 
-def is_address(values):
+def is_address(values: Any) -> bool:
     named = isinstance(values, dict) and values.keys() <= FOR_SERVER
     return named and all(is_text(value, SMALL) for value in values.values())
 
 
 class Order(NamedTuple):
-    """What the Session does, the tests of the fields that the order must have, and of those that it may have."""
+    """The name of an order, the tests of the fields that it must have, and of those that it may have."""
 
-    method: str
-    needs: dict = {}  # noqa: RUF012 (never changed)
-    takes: dict = {}  # noqa: RUF012
-
-
-ORDERS = {
-    "hello": Order("hello"),  # the page is ready
-    # held: a slider is moving; at: U_x (nm) on screen; after: the increment to continue from
-    "scene": Order("change", {"values": are_entries}, {"held": is_flag, "at": is_number, "after": is_increment}),
-    "release": Order("pursuit.release"),
-    "skip": Order("pursuit.skip"),
-    "pause": Order("pursuit.pause"),
-    "resume": Order("pursuit.resume"),
-    "step": Order("pursuit.step"),
-    "restore": Order("restore", {"values": is_address}),
-    "pin": Order("pinned.request", {"pin": is_whole, "values": is_address}),
-    "file": Order("read_file", {"entry": FILES.__contains__, "text": is_content}),
-    "film": Order("film.request", {"run": is_whole, "frame": is_whole}),
-    # frame: of the run on screen, whose layer may differ from that of the frames after it
-    "layer": Order("layer.request", {"rows": is_number, "modes": is_number, "depth": is_number}, {"frame": is_whole}),
-    "share": Order("share.sheet", {"link": is_link}),
-    "export": Order("share.export", {"kind": FORMATS.__contains__}),
-    "page": Order("pages.open", {"page": is_text}),
-    "ask": Order(  # values of the open page's controls
-        "pages.order",
-        takes={
-            **dict.fromkeys(("what", "of", "x", "y"), is_text),
-            **dict.fromkeys(("E", "phi_t", "series"), is_number),
-            "free": is_link,
-        },
-    ),
-}
+    name: str
+    needs: dict[str, Callable[[Any], bool]]
+    takes: dict[str, Callable[[Any], bool]]
 
 
-def read(given):
-    """Return (the method of a Session, {field: value}) for an order that a browser has given; raises Refused."""
-    order = ORDERS.get(str(given.get("do")))
+def order(name: str, /, **tests: Callable[[Any], bool]) -> Callable[[Callable], Callable]:
+    """Declare a method as an order of the browser; tests: {field: whether a value is valid}.
+
+    A field may be missing if the method has a default for it, or takes any fields (`**values`).
+    """
+
+    def declare(method: Callable) -> Callable:
+        parameters = signature(method).parameters
+        must = {field for field in tests if field in parameters and parameters[field].default is Parameter.empty}
+        needs = {field: test for field, test in tests.items() if field in must}
+        method.order = Order(name, needs, {field: test for field, test in tests.items() if field not in must})  # type: ignore[attr-defined]
+        return method
+
+    return declare
+
+
+def declared(owner: type) -> dict[str, str]:
+    """Return {order: method} of a class."""
+    methods = {name: getattr(owner, name) for name in dir(owner)}
+    return {method.order.name: name for name, method in methods.items() if hasattr(method, "order")}
+
+
+def orders_of(*owners: object) -> dict[str, Callable]:
+    """Return {order: bound method} of some objects."""
+    return {name: getattr(owner, method) for owner in owners for name, method in declared(type(owner)).items()}
+
+
+def read(given: dict[str, Any], methods: dict[str, Callable]) -> tuple[Callable, dict[str, Any]]:
+    """Return (method, {field: value}) for an order that a browser has given; raises Refused."""
+    method = methods.get(str(given.get("do")))
     values = {name: value for name, value in given.items() if name not in ("do", "n") and value is not None}
-    tests = order.needs | order.takes if order else {}
-    if not order or not order.needs.keys() <= values.keys() <= tests.keys():
+    if method is None:
+        raise Refused
+    _, needs, takes = method.order  # type: ignore[attr-defined]
+    tests = needs | takes
+    if not needs.keys() <= values.keys() <= tests.keys():
         raise Refused
     if not all(tests[name](value) for name, value in values.items()):
         raise Refused
-    return order.method, values
+    return method, values

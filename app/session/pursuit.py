@@ -26,6 +26,7 @@ from app.service import metrics
 from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
 from app.service.pool import LATER, SCREEN
 from app.service.requests import Requests
+from app.session.orders import order
 from app.session.run import ERROR, Run
 from solver.cautions import cautions
 
@@ -96,18 +97,21 @@ class Pursuit:
             self.session.doc.add_timeout_callback(partial(self._time_out, self.task), round(1000 * PATIENCE))
             self.session.publish()  # acknowledges the order: the browser then sends the newest position
 
+    @order("release")
     def release(self):
         """Compute the exact run of the picture on screen: the visitor released the slider."""
         self.held = False
         if self.task is None and self.shown is not None:
             self._begin(self.shown, refines=True)
 
+    @order("pause")
     def pause(self):
         """Submit no further slice until `resume`."""
         if self.run and self.run.state in ("running", "warming") and not self.run.refines:
             self.run.pause(time.monotonic())
             self.session.publish()
 
+    @order("resume")
     def resume(self):
         """Continue a paused run."""
         if self.run and self.run.state == "paused":
@@ -115,11 +119,13 @@ class Pursuit:
             self._slice(BUDGET)
             self.session.publish()
 
+    @order("step")
     def step(self):
         """Compute one further increment of a paused run."""
         if self.run and self.run.state == "paused":
             self._slice(0.0)
 
+    @order("skip")
     def skip(self):
         """End the run and keep its frames."""
         if self.run and self.run.state == "running":

@@ -2,7 +2,6 @@
 
 import logging
 import os
-from operator import attrgetter
 
 from bokeh.document.events import MessageSentEvent
 
@@ -15,7 +14,7 @@ from app.service.run_cache import run_cache as shared_run_cache
 from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.extras import Film, Layer, Marks, Pinned
-from app.session.orders import Wire
+from app.session.orders import Wire, order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import RunRequest
 from app.session.share import Share
@@ -45,6 +44,7 @@ class Session:
         self.status = {}  # as sent last
         self.reading = Requests(self)  # reads an uploaded profile
         self.closed = False
+        self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer, self.pinned)
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
@@ -80,8 +80,8 @@ class Session:
         if orders.is_number(given.get("n")):
             self.acknowledged = given["n"]
         try:
-            method, values = orders.read(given)
-            attrgetter(method)(self)(**values)
+            method, values = orders.read(given, self.orders)
+            method(**values)
             pictured = values.get("held") and self.pursuit.state == "following"
         except orders.Refused as refused:
             metrics.count("rejected_messages")
@@ -91,10 +91,12 @@ class Session:
         if not pictured:
             self.publish()
 
+    @order("hello")
     def hello(self):
         """Start the first run: the page is ready."""
         self.pursuit.request(RunRequest(self.scene))
 
+    @order("scene", values=orders.are_entries, held=orders.is_flag, at=orders.is_number, after=orders.is_increment)
     def change(self, values, after=None, held=False, at=0.0):
         """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
 
@@ -129,6 +131,7 @@ class Session:
             return None
         return after
 
+    @order("file", entry=orders.FILES.__contains__, text=orders.is_content)
     def read_file(self, entry, text):
         """Read a CSV: a profile, whose surface is then on screen, or a measured curve for the open page."""
         if entry == "profile":
@@ -149,6 +152,7 @@ class Session:
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
         self.pursuit.request(RunRequest(scene))
 
+    @order("restore", values=orders.is_address)
     def restore(self, values):
         """Show the scene of an address {name: text}; an empty one means the default preset."""
         scene, preset, notes = controls.scene_from_address({name: [text.encode()] for name, text in values.items()})
@@ -159,6 +163,22 @@ class Session:
         self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
         self.pursuit.request(RunRequest(scene))
+
+    @order("page", page=orders.is_text)
+    def open_page(self, page):
+        """Open the page of this name; '' closes the open one. A note names an unknown page."""
+        if not self.pages.open(page):
+            self.notes = [f"There is no page “{page}”: Menu lists all. The experiment is shown."]
+
+    @order(
+        "ask",
+        **dict.fromkeys(("what", "of", "x", "y"), orders.is_text),
+        **dict.fromkeys(("E", "phi_t", "series"), orders.is_number),
+        free=orders.is_link,
+    )
+    def ask(self, **values):
+        """Pass the values of a page's own controls to the open page."""
+        self.pages.order(**values)
 
     @property
     def run(self):

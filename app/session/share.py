@@ -6,6 +6,8 @@ from math import inf
 from app.service import tasks
 from app.service.pool import LATER
 from app.service.requests import Requests
+from app.session import orders
+from app.session.orders import order
 from solver import Scene
 
 SCANNED = 1200  # characters of a link; with more, a QR code is too fine for a phone at the back of a classroom
@@ -22,6 +24,7 @@ class Share(Requests):
         super().__init__(session)
         self.code = Requests(session)
 
+    @order("share", link=orders.is_link)
     def sheet(self, link):
         """Send the Python lines of the run on screen, then the QR code of a link, which a worker draws."""
         send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.legs))
@@ -29,6 +32,7 @@ class Share(Requests):
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
 
+    @order("export", kind=orders.FORMATS.__contains__)
     def export(self, kind):
         """Let a worker write the file of the run: `kind` is npz or json."""
         call = (tasks.file_of_run, self.session.pursuit.legs, kind)

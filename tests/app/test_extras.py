@@ -79,9 +79,9 @@ def test_pinned_runs_are_sent_beside_the_run_on_screen(page):
         {"do": "share", "link": "x" * 6000},
     ],
 )
-def test_invalid_orders_to_restore_pin_and_export_are_rejected(given):
+def test_invalid_orders_to_restore_pin_and_export_are_rejected(session, given):
     with pytest.raises(orders.Refused):
-        orders.read(given)
+        orders.read(given, session.orders)
 
 
 def test_share_dialog_has_a_qr_code_unless_the_link_is_too_long(page):

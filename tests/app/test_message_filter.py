@@ -6,9 +6,9 @@ import gzip
 import inspect
 import json
 import logging
+import re
 from concurrent.futures import ThreadPoolExecutor
-from inspect import signature
-from operator import attrgetter
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -21,11 +21,13 @@ from tornado import locks
 from tornado.websocket import WebSocketClosedError
 from visitor import NoPool, say
 
+from app import pages
 from app.pages import Pages
 from app.service.cache import Cache
 from app.session import message_filter, orders
 from app.session.session import Session
 
+SCRIPTS = list(Path(pages.__file__).parents[1].rglob("*.js"))
 HELLO = {"do": "hello", "n": 0}
 
 
@@ -47,7 +49,6 @@ class Visit:
         self.session, self.obeyed, self.closed = session, [], []
         self.filter = message_filter.MessageFilter.__new__(message_filter.MessageFilter)
         self.filter.parts, self.filter.name, self.filter.rejected = 0, None, False
-        self.filter.spent, self.filter.since = 0.0, 0.0
         self.filter.receiver = Receiver(Protocol())
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
         self.filter.connection = SimpleNamespace(session=server)
@@ -104,7 +105,8 @@ def test_a_file_arrives_as_bytes_with_its_order(visit):
     content, table = json.dumps(visit.patch({"type": "map", "entries": entries})), b"x,z\n" * 100_000
     (given,) = visit.parts(head, "{}", content, '{"id": "b"}', table)
     assert given == {"do": "file", "n": 5, "entry": "profile", "text": table.decode()}
-    assert orders.read(given) == ("read_file", {"entry": "profile", "text": table.decode()})
+    fields = {"entry": "profile", "text": table.decode()}
+    assert orders.read(given, visit.session.orders) == (visit.session.read_file, fields)
     (given,) = visit.parts(head, "{}", content, '{"id": "b"}', table * 6)
     assert given["text"] == ""  # too large: read as empty
     content = json.dumps(visit.patch({"type": "map", "entries": [[f"{k}", file] for k in range(250)]}))
@@ -224,20 +226,6 @@ def test_other_visitors_are_served_during_a_flood_of_messages(visit):
     assert len(turns) >= 150 and {*turns} >= {*range(1, 50)}
 
 
-def test_rate_limit_scales_with_active_visitors(visit, monkeypatch):
-    now = [1000.0]
-    monkeypatch.setattr(message_filter, "monotonic", lambda: now[0])
-    for others in (1, 10):
-        message_filter.connected.clear()
-        message_filter.connected.update(range(others))
-        visit.filter.spent, visit.filter.since = 0.0, now[0]
-        assert visit.filter._wait(message_filter.AT_ONCE) == 0.0  # a visitor who opens pages is not slowed
-        wait = visit.filter._wait(0.1)
-        assert wait == pytest.approx(0.1 * others / message_filter.SHARE)
-        now[0] += wait
-        assert visit.filter._wait(0.0) == pytest.approx(0.0, abs=1e-9)
-
-
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
 
 
@@ -316,15 +304,30 @@ def test_malformed_messages_close_the_connection_and_are_logged_in_one_line(visi
         "{}",
     ],
 )
-def test_orders_with_undeclared_fields_or_wrong_types_are_rejected(text):
+def test_orders_with_undeclared_fields_or_wrong_types_are_rejected(session, text):
     with pytest.raises(orders.Refused):
-        orders.read(json.loads(text))
+        orders.read(json.loads(text), session.orders)
 
 
-@pytest.mark.parametrize("name", orders.ORDERS)
-def test_every_order_names_a_method_of_a_session_with_its_fields(session, name):
-    order = orders.ORDERS[name]
-    signature(attrgetter(order.method)(session)).bind(**dict.fromkeys(order.needs | order.takes))
+def test_a_field_of_an_order_may_be_missing_only_if_its_method_has_a_default():
+    class Part:
+        @orders.order("move", far=orders.is_number, held=orders.is_flag)
+        def shift(self, far, held=False):
+            return far, held
+
+    methods = orders.orders_of(Part())
+    for given, expected in (({"far": 2}, (2, False)), ({"far": 2, "held": True}, (2, True))):
+        method, values = orders.read({"do": "move", "n": 1} | given, methods)
+        assert method(**values) == expected
+    for given in ({}, {"held": True}, {"far": "2"}, {"far": 2, "n": 3, "fast": True}):
+        with pytest.raises(orders.Refused):
+            orders.read({"do": "move"} | given, methods)
+
+
+def test_every_order_that_the_scripts_give_is_declared(session):
+    scripts = "".join(path.read_text(encoding="utf-8") for path in SCRIPTS)
+    given = set(re.findall(r'\border\((?:on \? )?"(\w+)"', scripts)) | {"pause", "resume"}
+    assert given <= session.orders.keys() and len(given) > 12
 
 
 @pytest.mark.parametrize("text", ['{"do":"close","n":7}', '{"do":"film","run":-1,"n":7}'])
@@ -351,7 +354,7 @@ def test_every_order_is_acknowledged(session):
 
 def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog, monkeypatch):
     say(session, HELLO)
-    monkeypatch.setattr(Session, "change", lambda *_, **values: 1 / 0)
+    monkeypatch.setattr("app.session.controls.changed_scene", lambda *_: 1 / 0)
     say(session, '{"do":"scene","values":{"E":"80"}}')
     assert "ZeroDivisionError" in caplog.text and "Traceback" in caplog.text
     why = session.status["why"]

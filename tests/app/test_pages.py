@@ -52,10 +52,12 @@ def test_closed_pages_cause_no_tasks_and_no_messages(session):
     )
 
 
-def test_an_unknown_page_opens_nothing(session):
+def test_an_unknown_page_is_named_in_a_note(session):
+    order(session, "hello")
     sent = messages(session)
     order(session, "page", page="secret")
-    assert session.pages.page is None and {message["kind"] for message in sent} <= {"status"}
+    assert session.pages.page is None and {message["kind"] for message in sent} == {"status"}
+    assert "no page “secret”" in session.status["notes"][0]
 
 
 def test_interface_law_matches_the_solver_and_follows_the_scene(session):

@@ -23,6 +23,10 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from client import Server, Tab, summary, tell
 
 from app.session import orders
+from app.session.extras import Film, Layer, Pinned
+from app.session.pursuit import Pursuit
+from app.session.session import Session
+from app.session.share import Share
 
 LONGEST = 60.0  # s of an attack: the server lets its messages wait
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
@@ -42,10 +46,14 @@ FITTING = {  # by the test of a field: values of which some pass
 }
 
 
+PARTS = Session, Pursuit, Share, Film, Layer, Pinned
+ORDERS = {name: getattr(part, method).order for part in PARTS for name, method in orders.declared(part).items()}
+
+
 def order(dice, odd=0.3):
     """An order that exists, with its fields; each value is an odd one with probability `odd`."""
-    name = dice.choice([*orders.ORDERS, "close"] if odd else [*orders.ORDERS])
-    kind = orders.ORDERS.get(name, orders.ORDERS["page"])
+    name = dice.choice([*ORDERS, "close"] if odd else [*ORDERS])
+    kind = ORDERS.get(name, ORDERS["page"])
     tests = kind.needs | kind.takes
     fields = {field: dice.choice(ODD if dice.random() < odd else FITTING[test]) for field, test in tests.items()}
     made = {"do": name, "n": dice.choice([*ODD, 7]) if dice.random() < odd else dice.randrange(10**6)}

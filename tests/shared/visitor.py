@@ -12,7 +12,6 @@ from app.service import packing, worker
 from app.service.cache import Cache
 from app.service.pool import Task
 from app.service.run_cache import CAPACITY
-from app.session import orders
 from app.session.session import Session
 from solver import Scene
 
@@ -117,5 +116,5 @@ def send_file(session, entry, text):
 
 def order(session, what, /, n=1, **values):
     """Give an order with these fields, or with these values of a scene."""
-    of_scene = "values" in orders.ORDERS[what].needs
+    of_scene = "values" in session.orders[what].order.needs
     say(session, {"do": what, "n": n} | ({"values": values} if of_scene else values))

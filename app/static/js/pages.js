@@ -30,7 +30,10 @@ export function connect(given) {
 export function openAsked() {
   const asked = new URLSearchParams(location.search).get("page")
   if (by(asked)?.classList.contains("sheet")) show(asked)
-  else if (asked) readdress((now) => now.delete("page"))
+  else if (asked) {
+    readdress((now) => now.delete("page"))
+    order("page", { page: asked.slice(0, 64) }) // the server names it in a note
+  }
 }
 
 const shown = () => document.querySelector(".page").dataset.page
