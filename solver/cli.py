@@ -5,12 +5,10 @@ import sys
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from textwrap import wrap
 from time import perf_counter
 from typing import Any, NamedTuple, NoReturn
-
-import numpy as np
 
 from . import METHODS, Frame, NotConverged, NotFollowed, Scene, SceneError, __version__, load_path, plots, summarize
 from .cautions import cautions
@@ -45,7 +43,6 @@ WARM_UP = [
     Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0),
 ]
 COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
-NO_FIELD = np.empty((2, 0))
 
 
 class Parser(argparse.ArgumentParser):
@@ -133,7 +130,7 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    frames, failure, code = compute(scene, arguments.method, fields_too=bool(arguments.npz or arguments.html))
+    frames, failure, code = compute(scene, arguments.method)
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
     caution(
         sentence
@@ -161,13 +158,11 @@ class Computed(NamedTuple):
     code: int = 0
 
 
-def compute(scene: Scene, method: str, fields_too: bool) -> Computed:
-    """The whole load path. u and T are kept only if asked for: those of a long run may not fit into memory."""
+def compute(scene: Scene, method: str) -> Computed:
+    """Computes the whole load path, up to its end, a failure or an interrupt."""
     frames: list[Frame] = []
     try:
         for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
-            if frames and not fields_too:  # `account` reads the last ones
-                frames[-1] = replace(frames[-1], u=NO_FIELD, T=NO_FIELD)
             frames.append(frame)
     except NotConverged as error:
         return Computed(frames, str(error), NOT_CONVERGED)

@@ -55,37 +55,52 @@ class Caller:
     def call(
         self, function: Callable, *arguments: Any, limit: float = inf, hear: Callable[[Any], Any] | None = None
     ) -> Any:
-        """function(*arguments), computed in the process. Raises Lost; except for kind 'error' the process has ended.
+        """function(*arguments), computed in the process.
 
         Function, arguments and result must be picklable. limit: s until the result arrives. If the function returns a
         generator, hear(item) is called in this process with each item, and the result is the generator's return value.
+        Raises Lost; except for kind 'error' the process has ended. Raises what `hear` raises; then it has ended, too.
         """
-        due = monotonic() + limit
+        if not self.alive():  # its pipe may still hold the rest of an answer
+            raise self._crash()
         try:
-            with suppress(BrokenPipeError, ConnectionError):  # _answer reports it
+            with suppress(BrokenPipeError, ConnectionError):  # `_answer` reports it
                 self._pipe.send((function, arguments))
-            while True:
-                kind, value = self._answer(due, limit)
-                if kind == "result":
-                    return value
-                if kind == "error":
-                    raise Lost("error", value)
-                if hear is not None:
-                    hear(value)
-        except Lost:
-            raise
-        except (EOFError, OSError):  # the process ended, maybe in the middle of an answer
-            self.end()
-            raise Lost("crash", f"the process ended with exit code {self.process.exitcode}") from None
         except Exception:  # function or arguments cannot be pickled
             raise Lost("error", format_exc(limit=TRACEBACK)) from None
+        try:
+            return self._result(monotonic() + limit, limit, hear)
+        except Lost:
+            raise
+        except BaseException:  # `hear` failed or was interrupted: the rest of this answer would answer the next call
+            self.end()
+            raise
+
+    def _result(self, due, limit, hear):
+        while True:
+            kind, value = self._answer(due, limit)
+            if kind == "result":
+                return value
+            if kind == "error":
+                raise Lost("error", value)
+            if hear is not None:
+                hear(value)
 
     def _answer(self, due, limit):
         ready = wait([self._pipe, self.process.sentinel], None if due == inf else max(0.0, due - monotonic()))
-        if ready:
+        if not ready:
+            self.end()
+            raise Lost("hang", f"no answer within {limit:g} s")
+        try:
             return self._pipe.recv()
-        self.end()
-        raise Lost("hang", f"no answer within {limit:g} s")
+        except (EOFError, OSError):  # the process ended, maybe in the middle of an answer
+            self.end()
+            raise self._crash() from None
+        except Exception:  # the answer cannot be unpickled
+            raise Lost("error", format_exc(limit=TRACEBACK)) from None
+
+    def _crash(self):
+        return Lost("crash", f"the process ended with exit code {self.process.exitcode}")
 
     def end(self) -> None:
         """Kill the process, whatever it does; a call in progress raises Lost."""

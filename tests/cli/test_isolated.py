@@ -1,0 +1,49 @@
+"""A call in another process gets its own answer, whatever happened to the call before."""
+
+import pytest
+
+from solver.isolated import Caller, Lost
+
+
+def news(count):
+    """A generator of `count` items, whose value is another word."""
+    yield from range(count)
+    return "end"
+
+
+def twice(number):
+    return 2 * number
+
+
+@pytest.fixture
+def caller():
+    one = Caller()
+    yield one
+    one.end()
+
+
+def test_items_are_heard_and_the_value_of_the_generator_is_the_result(caller):
+    heard = []
+    assert caller.call(news, 3, hear=heard.append) == "end" and heard == [0, 1, 2]
+    assert caller.call(twice, 21) == 42
+
+
+@pytest.mark.parametrize("failure", [ValueError, OSError, KeyboardInterrupt])
+def test_a_listener_that_fails_ends_the_process_so_that_no_later_call_gets_that_answer(caller, failure):
+    def hear(item):
+        raise failure(item)
+
+    with pytest.raises(failure):
+        caller.call(news, 3, hear=hear)
+    assert not caller.alive()
+    with pytest.raises(Lost) as lost:
+        caller.call(twice, 21)
+    assert lost.value.kind == "crash"
+
+
+@pytest.mark.parametrize(("function", "argument"), [(twice, None), (lambda x: x, 1), (twice, lambda: 0)])
+def test_a_call_that_fails_or_cannot_be_pickled_leaves_the_process_to_the_next_one(caller, function, argument):
+    with pytest.raises(Lost) as lost:
+        caller.call(function, argument)
+    assert lost.value.kind == "error"
+    assert caller.call(twice, 21) == 42
