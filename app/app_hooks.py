@@ -10,7 +10,7 @@ from threading import Thread
 import numpy as np
 from tornado.ioloop import IOLoop, PeriodicCallback
 
-from app import server_log, web
+from app import routes, server_log
 from app.page import shared
 from app.service import metrics, worker
 from app.service.pool import LATER, NOBODY, pool
@@ -23,7 +23,7 @@ from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
-web.install()
+routes.install()
 shared(f"/{Path(__file__).parent.name}")
 
 

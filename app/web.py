@@ -1,7 +1,7 @@
 """Handlers of HTTP requests: the page, scripts and styles, metrics, and liveness, with their headers.
 
-Undocumented in Bokeh 3.9: the patterns and handlers of `bokeh.server.urls` from which every server is made, the
-`application_context` of an application's handlers, and the functions that make a session's token (Panel uses all).
+Undocumented in Bokeh 3.9: the `application_context` of an application's handlers, and the functions that make a
+session's token (Panel uses both).
 """
 
 import gzip
@@ -11,12 +11,10 @@ import mimetypes
 import os
 import re
 import secrets
-from pathlib import Path
+from contextlib import suppress
 
-from bokeh.server import urls
-from bokeh.settings import settings
 from bokeh.util.token import generate_jwt_token, generate_session_id
-from panel.io.server import DocHandler  # this import adds Panel's handlers to the patterns
+from panel.io.server import DocHandler
 from tornado.web import RequestHandler, authenticated
 
 from app.assets import PAGES, STATIC, content
@@ -25,7 +23,7 @@ from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
 from app.session.controls import FOR_BROWSER, FOR_SERVER
-from app.session.message_filter import TOKEN, MessageFilter, is_full
+from app.session.message_filter import TOKEN, is_full
 from app.session.session import VISITORS
 
 log = logging.getLogger("app")
@@ -70,6 +68,21 @@ class Plain(RequestHandler):
             body = gzip.compress(body, 1)
             self.set_header("Content-Encoding", "gzip")
         self.finish(body)
+
+
+class NotFound(Plain):
+    """404 for all addresses that are not listed in app/routes.py."""
+
+    def prepare(self):
+        self.send_error(404)
+
+
+class Root(Plain):
+    """Redirects to the page, by a relative address: a proxy may have removed a prefix."""
+
+    def get(self):
+        here, page = self.request.path.rsplit("/", 1)[1], next(iter(self.application.applications)).strip("/")
+        self.redirect(f"./{here}/{page}" if here else f"./{page}")
 
 
 class Page(NamedHost, Plain, DocHandler):
@@ -147,8 +160,8 @@ class Files(Plain):
         self.folder = folder.resolve()
 
     def get(self, name):
-        path = (self.folder / name).resolve()
-        if not path.is_relative_to(self.folder) or not path.is_file():
+        path = self.found(name)
+        if path is None:
             return self.send_error(404)
         raw, packed, self.tag = content(path, path.stat().st_mtime_ns)
         kind = {".js": "text/javascript", ".css": "text/css"}.get(path.suffix) or mimetypes.guess_type(path.name)[0]
@@ -162,6 +175,12 @@ class Files(Plain):
         self.finish(raw)
 
     head = get
+
+    def found(self, name):
+        """Return the path of a file in the folder, or None."""
+        with suppress(ValueError, OSError):  # a name with a null byte, or one that is too long
+            path = (self.folder / name).resolve()
+            return path if path.is_relative_to(self.folder) and path.is_file() else None
 
     def compute_etag(self):
         return getattr(self, "tag", None) and f'"{self.tag}"'
@@ -191,21 +210,3 @@ class Liveness(Plain):
         self.finish({"alive": alive, "why": why, "workers": pool.status})
 
     head = get
-
-
-def install():
-    """Install these handlers for all servers of this process. Call it before a server is made; it may be repeated."""
-    if any(issubclass(each[1], Files) for each in urls.per_app_patterns):
-        return
-    ours = {"/ws": MessageFilter, "/?": Page}
-    patterns = [(each[0], ours.get(each[0], each[1])) for each in urls.per_app_patterns if each[0] != "/autoload.js"]
-    urls.per_app_patterns[:] = [
-        (r"/static/(.*)", Files),
-        (r"/pages/(\w+/page\.js)", Scripts),
-        *patterns,
-    ]
-    urls.toplevel_patterns[:0] = [
-        ("/metrics", Metrics),
-        ("/liveness", Liveness),
-        (r"/static/(js/bokeh[\w.-]*\.js)", Files, {"folder": Path(settings.bokehjs_path())}),
-    ]

@@ -7,6 +7,7 @@ import json
 import logging
 import random
 import re
+import sys
 import threading
 import urllib.error
 import urllib.request
@@ -16,9 +17,9 @@ import pytest
 from bokeh.application import Application
 from bokeh.application.handlers import FunctionHandler
 from bokeh.document import Document
-from bokeh.server import urls
-from bokeh.server.tornado import BokehTornado
+from bokeh.server import server, urls
 from bokeh.util.token import get_token_payload
+from panel.io.server import get_static_routes
 from panel.io.state import set_curdoc
 from prometheus_client import CollectorRegistry
 from tornado.httpclient import HTTPClientError, HTTPRequest
@@ -27,7 +28,7 @@ from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
 
-from app import page, server_log, web
+from app import page, routes, server_log, web
 from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
@@ -38,10 +39,11 @@ from app.session.orders import Wire
 @pytest.fixture(scope="module")
 def address():
     """Of a server in this process, as app_hooks.py installs it."""
-    before = urls.per_app_patterns[:], urls.toplevel_patterns[:]
-    web.install()
-    application = BokehTornado({"/app": Application(FunctionHandler(lambda doc: None))})
-    urls.per_app_patterns[:], urls.toplevel_patterns[:] = before
+    before = urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado
+    routes.install()
+    pages = {"/app": Application(FunctionHandler(lambda doc: None))}
+    application = server.BokehTornado(pages, extra_patterns=get_static_routes({}))  # as `panel serve` does
+    urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado = before
     socket, port = bind_unused_port()
     ready, loops = threading.Event(), []
 
@@ -202,9 +204,49 @@ def test_scripts_are_compressed_and_cached(address):
     assert get(f"{address}/app/static/style.css")[1]["Cache-Control"] == "no-cache"  # without a version
 
 
-@pytest.mark.parametrize("name", ["app/static/../main.py", "app/static/%2e%2e/main.py", "app/static/", "app/static/js"])
-def test_files_outside_the_static_folder_are_not_served(address, name):
-    assert get(f"{address}/{name}")[0] in (403, 404)
+@pytest.mark.parametrize(
+    "name", ["../main.py", "%2e%2e/main.py", "", "js", "%00", "js/%00.js", 300 * "x", "%ff"], ids=lambda name: name[:20]
+)
+def test_names_that_are_no_static_file_are_answered_without_a_traceback(address, name, caplog):
+    assert get(f"{address}/app/static/{name}")[0] in (400, 404)
+    assert "Traceback" not in caplog.text and "ncaught" not in caplog.text
+
+
+def test_no_request_imports_a_module(address):
+    assert get(f"{address}/components/this/a/b/c")[0] == 404
+    assert "this" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("app/autoload.js?bokeh-autoload-element=1", "app/metadata", "rest/params", "admin", "login", "favicon.ico"),
+        *("static/", "static/js/", "static/js/types.js", "static/js/bokeh/x", "static/css/bokeh.css"),
+        *("static/js/bokeh../../../__init__.py", "static/extensions/", "static/extensions/panel/panel.json"),
+        *("static/extensions/panel/../widgets/base.py", "static/extensions/panel/bundled/theme/../../../a.js"),
+        *("static/extensions/panel/panel.js.map", "static/extensions/panel/bundled/plotlyplot/plotly-3.1.0.min.js"),
+    ],
+)
+def test_routes_that_are_not_listed_do_not_exist(address, name):
+    assert get(f"{address}/{name}")[0] == 404
+
+
+def test_files_of_plain_panel_pages_are_served(address):
+    names = ["panel.min.js", "css/button.css", "bundled/theme/default.css", "bundled/theme/native.css"]
+    names += ["bundled/reactiveesm/es-module-shims@%5E1.10.0/dist/es-module-shims.min.js"]
+    names += ["bundled/bootstrap5/css/bootstrap.min.css", "bundled/bootstraptemplate/bootstrap.css"]
+    found = [get(f"{address}/static/extensions/panel/{name}")[0] for name in names]
+    found += [
+        get(f"{address}/static/js/bokeh{name}.min.js")[0] for name in ("", "-gl", "-mathjax", "-tables", "-widgets")
+    ]
+    assert set(found) == {200}
+
+
+def test_the_root_redirects_to_the_page_by_a_relative_address(address):
+    asked = http.client.HTTPConnection(address.removeprefix("http://"), timeout=60)
+    asked.request("GET", "/")
+    assert asked.getresponse().headers["Location"] == "./app"
+    asked.close()
 
 
 def test_a_trailing_slash_is_redirected_by_a_relative_address(address):
@@ -212,10 +254,6 @@ def test_a_trailing_slash_is_redirected_by_a_relative_address(address):
     asked.request("GET", "/app/?E=80")
     assert asked.getresponse().headers["Location"] == "../app?E=80"  # a proxy may have taken a prefix away
     asked.close()
-
-
-def test_bokeh_autoload_is_disabled(address):
-    assert get(f"{address}/app/autoload.js?bokeh-autoload-element=1")[0] == 404
 
 
 def test_metrics_have_the_prometheus_format(address):

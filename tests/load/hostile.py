@@ -3,14 +3,16 @@
 `python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood] [--seed 0] [--json FILE]` starts
 the server itself, on loopback, and is bounded by its number of messages. Orders are those that `app.session.orders`
 declares, with values that fit, or nearly. `--flood`: valid orders and the longest messages, as fast as possible.
-It prints tracebacks, memory, the lag of the server's loop, and whether every visitor's runs came to their end. It exits
-with 1 where a traceback was logged or a visitor is stuck.
+It also requests addresses that Panel and Bokeh would serve. It prints tracebacks, memory, the lag of the server's loop,
+and whether every visitor's runs came to their end. It exits with 1 if a traceback was logged, a visitor is stuck, or an
+address that is not listed was answered.
 """
 
 import argparse
 import asyncio
 import base64
 import gzip
+import http.client
 import json
 import random
 import sys
@@ -71,6 +73,11 @@ def mutated(content, dice):
     return "".join(text)
 
 
+UNLISTED = [  # addresses that `panel serve` answers, and this server does not
+    *("/components/venv.__main__/a/b/c", "/components/this/a/b/c", "/app/autoload.js?bokeh-autoload-element=1"),
+    *("/app/metadata", "/rest/", "/admin", "/login", "/favicon.ico", "/static/js/types.js", "/static/extensions/x/y"),
+    *("/static/extensions/panel/panel.json", "/app/static/%00", "/app/static/../main.py", "/app/static/%2e%2e/web.py"),
+]
 BOMB = base64.b64encode(gzip.compress(bytes(10**7))).decode()
 
 
@@ -93,6 +100,17 @@ def event(tab, dice):
             dice.choice(ODD),
         ]
     )  # fmt: skip
+
+
+def answered(port):
+    """Return {address: status} of the addresses in UNLISTED that are not answered with 404."""
+    found = {}
+    for address in UNLISTED:
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30)
+        connection.request("GET", address)
+        found[address] = connection.getresponse().status
+        connection.close()
+    return {address: status for address, status in found.items() if status != 404}
 
 
 async def speak(tab, dice):
@@ -192,6 +210,7 @@ async def attack(server, options):
     visitors = [asyncio.create_task(visitor(server.port, k, over)) for k in range(options.visitors)]
     await asyncio.sleep(5.0)
     quiet, memory, start = server.metrics(), server.memory(), time.monotonic()
+    unlisted = await asyncio.to_thread(answered, server.port)
     share, say = options.messages // options.clients, flood if options.flood else speak
     thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed, say) for k in range(options.clients)))
     seconds, told = time.monotonic() - start, server.metrics()
@@ -206,6 +225,7 @@ async def attack(server, options):
         "messages": share * options.clients,
         "seconds": round(seconds, 1),
         "thrown out": sum(thrown),
+        "unlisted, but answered": unlisted,
         "tracebacks": server.tracebacks(),
         "lines logged": len(server.lines),
         "memory before, after": (round(memory), round(server.memory())),
@@ -234,7 +254,7 @@ def main():
         if report["tracebacks"]:
             print("".join(line for line in server.lines if "Traceback" in line))
     tell(report, options.json)
-    sys.exit(bool(report["tracebacks"] or report["visitors stuck"]))
+    sys.exit(any(report[name] for name in ("tracebacks", "visitors stuck", "unlisted, but answered")))
 
 
 if __name__ == "__main__":
