@@ -1,11 +1,8 @@
 """Dragging a slider in Chromium: predictions during the drag, fixed axes, then the exact run."""
 
-import numpy as np
 import pytest
 from served import MODEL, PATIENCE, finished, paused_at, values_are
 from tabs import imported
-
-from solver.presets import preset
 
 pytestmark = [pytest.mark.thorough]
 AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map((name) => {
@@ -102,24 +99,6 @@ def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_sta
     drawn, exact = page.evaluate(DRAWN)
     assert drawn == exact
     assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
-
-
-def test_curves_over_the_top_stay_over_the_top_while_a_slider_is_dragged_and_after(visit):
-    """The spring relates stage and top in every frame: U_x = U_x_top + F/(w k_t)."""
-    scene = preset("soft-drive").scene
-    page = paused(visit, "?preset=soft-drive&over=top")
-    page.evaluate("punch.rests = 1e6")
-    point = grab(page, "delta_bar")
-    page.mouse.move(*point(2))
-    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar === 0.22 && !punch.fresh")
-    for held in (True, False):
-        (top, F), stage = page.evaluate(f"[({DRAWN_F})(), [...punch.run.shear('U_x')]]")
-        stretched = 1e3 * np.array(F) / (scene.drive_t * scene.width)
-        assert top == pytest.approx(stage - stretched, abs=1e-3)  # single precision
-        assert "of the top" in page.evaluate(f"{MODEL.format('map')}.below[0].axis_label")
-        if held:
-            page.mouse.up()
-            page.wait_for_function("!punch.run.followed && punch.status.state === 'finished' && !punch.fresh")
 
 
 def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look):

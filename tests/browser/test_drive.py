@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import MODEL, PATIENCE, finished
+from served import PATIENCE, finished
 from tabs import imported
 
 from solver import load_path
@@ -78,52 +78,3 @@ def test_tour_question_on_a_soft_drive_matches_the_solver(look):
     rigid, soft = (next(frame for frame in load_path(scene) if frame.U_x > 0 and frame.slips) for scene in scenes)
     rigid, soft = rigid.slips[0], soft.slips[0]
     assert soft.load > 1.5 * rigid.load and np.isclose(soft.F_bar, rigid.F_bar, rtol=1e-2)
-
-
-def drawn(page, part):
-    """The places and values of a curve as they are drawn."""
-    return page.evaluate(f"(({{ U_x, value }}) => [[...U_x], [...value]])({MODEL.format(part)}.data_source.data)")
-
-
-def test_curves_cursor_slips_and_pins_are_drawn_over_the_top_on_request(look, frames):
-    """Over the top, a slip is the straight line along which the drive relaxes: dF = -w k_t dU_x."""
-    page = look("?preset=soft-drive&view=lab")
-    finished(page)
-    scene = preset("soft-drive").scene
-    page.get_by_role("button", name="Pin").click()
-    over = page.get_by_label("curves over the top")
-    over.check()
-    page.wait_for_function("!punch.fresh")
-    (at, F), (slip_at, slip_F) = drawn(page, "forces.F"), drawn(page, "forces.slips_F")
-    assert at == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
-    assert "over=top" in page.url and "of the top" in page.evaluate(f"{MODEL.format('map')}.below[0].axis_label")
-    for k, frame in enumerate(frames):
-        if frame.slips:  # the stage moves by less than du_x meanwhile
-            relaxed = 1e-3 * scene.drive_t * scene.width * (at[k] - at[k - 1])
-            assert F[k - 1] - F[k] == pytest.approx(relaxed, abs=1e-3 * scene.drive_t * scene.width * 0.1001)
-    ends = [event.load - 1e3 * event.F_bar * scene.E / scene.drive_t for frame in frames for event in frame.slips]
-    assert slip_at == pytest.approx(ends, abs=1e-3)
-    assert len(slip_F) == len(ends)
-
-    k = next(k for k, frame in enumerate(frames) if frame.slips)
-    page.evaluate("k => { punch.at = punch.run.sheared + k }", k)
-    page.wait_for_function("k => punch.drawn === punch.run.sheared + k && !punch.fresh", arg=k)
-    assert page.evaluate(f"{MODEL.format('forces.cursor')}.location") == pytest.approx(at[k], abs=1e-4)
-    assert page.evaluate("([x, k]) => punch.run.nearest(x, k)", [at[k], page.evaluate("punch.at")]) >= k
-
-    page.fill("#delta_bar-entry", "0.25")
-    page.keyboard.press("Enter")
-    finished(page, run=2)
-    pinned = page.evaluate(f"[...{MODEL.format('forces.pins')}.data_source.data.xs[0]]")
-    assert pinned == pytest.approx(at, abs=1e-4)
-    over.uncheck()
-    page.wait_for_function("!punch.fresh")
-    assert drawn(page, "forces.F")[0][-1] == pytest.approx(scene.u_x_max, abs=1e-4) and "over" not in page.url
-
-
-@pytest.mark.thorough
-def test_switch_to_the_top_is_not_offered_with_a_rigid_drive(visit):
-    page = visit("?u_x_max=2&view=lab&over=top")
-    finished(page)
-    assert not page.locator("#over-top").is_visible()
-    assert "top" not in page.evaluate(f"{MODEL.format('map')}.below[0].axis_label")

@@ -80,7 +80,7 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "pin", "force", "over"]
+const VIEWED = ["theme", "embed", "tour", "view", "pin", "force"]
 const openedPage = () => document.querySelector(".page").dataset.page
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {

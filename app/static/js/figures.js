@@ -86,8 +86,7 @@ export function drawCurves(run, ghost, approach) {
   nameGhost(run, ghost)
   curvesDrawn = { ghost, label, text: unit.text, approach, look }
   if (label !== was.label) nameForces(unit)
-  by("over-top").parentElement.hidden = !run.sprung
-  nameAxis(`${approach ? "delta" : run.head.abscissa}${me.overTop && run.sprung ? " top" : ""}`)
+  nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, unit, approach)
   say("apart", run.apart ? APART : "")
   const values = (name) => [run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => part(of, name).value)
@@ -160,13 +159,12 @@ function labelForces() {
 // What curves are drawn along
 const AXES = {
   U_x: ["Uₓ", "displacement Uₓ (nm)"], delta: ["δ", "indentation δ (nm)"], path: ["path", "length of the path (nm)"],
-  "U_x top": ["Uₓ of the top", "displacement of the top (nm)"], "delta top": ["δ of the top", "depth of the top (nm)"],
 }
 let named = "U_x"
 function nameAxis(abscissa) {
   if (abscissa === named) return
   named = abscissa
-  const [first, second] = document.querySelectorAll(".slips"), event = abscissa.startsWith("delta") ? "jump" : "slip"
+  const [first, second] = document.querySelectorAll(".slips"), event = abscissa === "delta" ? "jump" : "slip"
   explain(first, event)
   second.textContent = event
   const back = abscissa === "delta" // over the same indentation: dashes of both ways would fill each other's gaps
@@ -187,8 +185,7 @@ export function tellLimits(view, low, high) {
 
 export function drawMap(run, shown) {
   if (run.sheared < 0 || !figureShown("map")) return
-  const map = run.map(shown), { spacing } = run.head
-  const { image, rows, columns, start, low, step, unrested } = me.overTop ? run.overTop(map, shown) : map
+  const { image, rows, columns, start, low, step, unrested } = run.map(shown), { spacing } = run.head
   fillImage("map", "map", image, [rows, columns],
     { x: [start - step / 2], y: [low], dw: [columns * step], dh: [rows * spacing] })
   shadeMap(run)

@@ -39,7 +39,7 @@ export function drawFrame(run, k) {
     fill("traction", "T_n", { x, T: T_n })
     fill("traction", "T_t", { x, T: T_t })
   }
-  const location = run.over(run.part(run.approaching(k)).abscissa)[k]
+  const location = run.curves[run.part(run.approaching(k)).abscissa][k]
   for (const view of CURVES) set(parts[view].cursor, { location })
   nameScale(frame)
 }

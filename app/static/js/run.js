@@ -1,7 +1,6 @@
 // A run: its frames as they arrive (packed.js), and its curves and map as views ask for them.
 
 import { acts, Frames } from "./frames.js"
-import { me } from "./store.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 // Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
@@ -9,6 +8,8 @@ export const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
   L_slip: ["slip_L", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle],
 }
+// What stretches the drive along a coordinate: a force, and which parameter its stiffness is (MPa/nm)
+const DRIVES = { U_x: ["F", "drive_t"], delta: ["L", "drive_n"] }
 
 const SPAN = { // of the frames of a run, from the first of shear on by default
   T_high: 0, T_low: 0, // GPa, strongest repulsion, and attraction
@@ -98,25 +99,12 @@ export class Run extends Frames {
   // Whether the drive has a stiffness; that of a rigid one is the word inf
   get driven() { return ["drive_t", "drive_n"].some((name) => Number(this.head.scene[name])) }
 
-  // U_x or delta of the top of the layer at frame k, nm: that of the stage less the stretch of the drive
+  // U_x of the top of the layer at frame k, or another coordinate of it, nm: that of the stage less the stretch of the
+  // drive, with the parameters of frame k
   top(k, along = "U_x") {
-    return this.curves[along][k] - this.stretch(k, along, this.curves[{ U_x: "F", delta: "L" }[along]][k])
-  }
-
-  // By how much a force (N/m) stretches the drive, nm; with the parameters of frame k
-  stretch(k, along, force) {
-    const { scene, middle } = this.headOf(k), stiffness = scene[{ U_x: "drive_t", delta: "drive_n" }[along]] // MPa/nm
-    return (1e3 * force) / (2 * middle * Number(stiffness)) || 0 // NaN where it is rigid
-  }
-
-  // Whether the top may lie elsewhere along the axis of the curves than the stage
-  get sprung() { return Number(this.head.scene[{ U_x: "drive_t", delta: "drive_n" }[this.head.abscissa]]) > 0 }
-
-  // What curves are drawn over, of every frame, nm: U_x, delta or the path of the stage, or where the user wants it of
-  // the top; a path through points has no length for the top
-  over(abscissa) {
-    const stage = this.curves[abscissa]
-    return me.overTop && abscissa !== "path" ? stage.map((_, k) => this.top(k, abscissa)) : stage
+    const { scene, middle } = this.headOf(k), [force, drive] = DRIVES[along]
+    const stretch = (1e3 * this.curves[force][k]) / (2 * middle * Number(scene[drive])) // NaN where it is rigid
+    return this.curves[along][k] - (stretch || 0)
   }
 
   // Whether the run ends with the approach
@@ -136,7 +124,7 @@ export class Run extends Frames {
   drawn(name, approach, factor = 1) {
     const { from, to, abscissa } = this.part(approach)
     const list = (of, by) => Float32Array.from(of.slice(from, to), (v) => v * by)
-    return { along: list(this.over(abscissa), 1), value: list(this.curves[name], factor) }
+    return { along: list(this.curves[abscissa], 1), value: list(this.curves[name], factor) }
   }
 
   // Nothing acts anywhere after the approach
@@ -146,10 +134,7 @@ export class Run extends Frames {
   shear(name) { return this.sheared < 0 ? [] : Float32Array.from(this.curves[name].slice(this.sheared)) }
 
   // What curves are drawn over after the approach: U_x, or delta where that is what changes; nm
-  get along() { return this.over(this.head.abscissa) }
-
-  // The same of the stage
-  get way() { return this.curves[this.head.abscissa] }
+  get along() { return this.curves[this.head.abscissa] }
 
   // The frame at which a run is played from
   get beginning() { return this.normal ? 0 : Math.max(0, this.sheared) }
@@ -209,16 +194,14 @@ export class Run extends Frames {
   slips(name, factor = 1, stage = null, approach = false) {
     const { slip, slip_at, U_x, stage: stages } = this.curves, { from, to } = this.part(approach)
     const frames = this.frames((k) => slip[k] && k >= from && k < to && (stage === null || stages[k] === stage))
-    const { abscissa } = this.part(approach), force = { U_x: "F_slip", delta: "L_slip" }[abscissa]
-    const stretch = (k) => (force && me.overTop ? this.stretch(k, abscissa, this.curves[force][k]) : 0)
-    return [frames.map((k) => (this.stage(k) === "press" ? U_x[k] : slip_at[k]) - stretch(k)),
+    return [frames.map((k) => (this.stage(k) === "press" ? U_x[k] : slip_at[k])),
       frames.map((k) => this.curves[name][Math.max(k - 1, from)] * factor)]
   }
 
   // The frame nearest to a place along the path, nm, in the part of frame `now`; of several the one closest to it
   nearest(place, now) {
     const { from, to, abscissa } = this.part(this.approaching(now))
-    const along = this.over(abscissa), close = this.head.step / 2
+    const along = this.curves[abscissa], close = this.head.step / 2
     let best = from
     for (let k = from; k < to; k++) {
       const nearer = Math.abs(along[k] - place) - Math.abs(along[best] - place)
@@ -235,7 +218,7 @@ export class Run extends Frames {
     const blocks = [...new Set(frames.map((k) => this.headOf(k)))]
     const from = Math.min(...blocks.map((head) => head.first))
     const to = Math.max(...blocks.map((head) => head.first + head.nodes))
-    const approach = this.approaching(shown), [start, end] = this.stageExtent(approach)
+    const approach = this.approaching(shown), [start, end] = this.extent(approach)
     const step = approach ? this.head.approach[2] : this.head.step, along = this.curves[this.part(approach).abscissa]
     const columns = Math.round((end - start) / step) + 1
     const rows = to - from
@@ -252,22 +235,6 @@ export class Run extends Frames {
     return { image, rows, columns, start, step, unrested: this.unrested(frames, along, step), low }
   }
 
-  // A map over the displacement of the stage as one over that of the top: every column keeps what it shows, and where
-  // the top jumps, in a slip, there is nothing
-  overTop(map, shown) {
-    const { image, rows, columns, start, step } = map, { abscissa } = this.part(this.approaching(shown))
-    const stage = this.stageOfMap(shown), moved = new Float32Array(image.length).fill(NaN)
-    const frames = this.frames((k) => (stage === null ? k >= this.sheared : this.curves.stage[k] === stage))
-    const column = (at) => Math.round((at - start) / step), top = this.over(abscissa), { slip } = this.curves
-    frames.forEach((k, i) => {
-      const from = column(this.curves[abscissa][k]), to = column(top[k])
-      const before = i && !slip[k] ? column(top[frames[i - 1]]) : to, last = Math.min(Math.max(before, to), columns - 1)
-      for (let c = Math.max(0, Math.min(before, to)); c <= last; c++)
-        for (let row = 0; row < rows; row++) moved[row * columns + c] = image[row * columns + from]
-    })
-    return { ...map, image: moved, unrested: [] }
-  }
-
   // [middle, width] of every stretch of the path without a frame, for the surface never came to rest there
   unrested(frames, along, step) {
     return frames.slice(1).flatMap((k, i) => {
@@ -280,7 +247,7 @@ export class Run extends Frames {
   // a loop, each edge a line that ends with NaN
   otherEdges(shown) {
     const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown))
-    const lines = { U_x: [], x: [] }, along = this.over(abscissa)
+    const lines = { U_x: [], x: [] }, along = this.curves[abscissa]
     if (stage === null) return lines
     for (const other of new Set(this.curves.stage.slice(from, to))) {
       if (other === stage || this.head.stages[other] === "press") continue
@@ -301,20 +268,12 @@ export class Run extends Frames {
     return this.head.stages[now] === "press" ? this.head.stages.indexOf("shear") : now
   }
 
-  // What the curves extend over: what the stage and, if it is drawn, the top walk; adhesion draws the top farther down
+  // What the curves extend over: what was planned, and farther where a punch that still adheres is retracted on
   extent(approach) {
-    const stage = this.stageExtent(approach)
-    if (!me.overTop) return stage
-    const { from, to, abscissa } = this.part(approach), top = this.over(abscissa).slice(from, to)
-    return [Math.min(stage[0], ...top), Math.max(stage[1], ...top)]
-  }
-
-  // What was planned, and farther where a punch that still adheres is retracted on
-  stageExtent(approach) {
     const { span, step } = this.head
     if (approach) return this.head.approach.slice(0, 2)
     if (this.head.abscissa === "path") return span
-    const low = this.way.reduce((a, b) => Math.min(a, b), span[0])
+    const low = this.along.reduce((a, b) => Math.min(a, b), span[0])
     return [this.sheared >= 0 && low < span[0] - 0.5 * step ? low : span[0], span[1]]
   }
 }

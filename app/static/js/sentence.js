@@ -213,7 +213,7 @@ export function changeSentence(run, before) {
   const now = firstSlip(run), then = firstSlip(before)
   if (!now && !then) return swings(smooth(run, run.length - 1), smooth(before, before.length - 1), head)
   if (!now)
-    return tell("change smooth", `${head}: no slip any more within ${nm(run.way.at(-1))}.`, ["slips", false],
+    return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`, ["slips", false],
       ["slipped before", true])
   if (!then)
     return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true],

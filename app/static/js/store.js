@@ -23,7 +23,6 @@ const fields = {
   move: { name: "" }, // parameters changed by hand: one object for as long as it is one movement
   rests: 400, // ms without a move, after which a hand rests although it holds on
   begun: null, mapped: true, approach: false, // number of the run whose curves are drawn; map up to date; which part
-  overTop: false, // whether curves are drawn over the displacement of the top rather than of the stage
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 

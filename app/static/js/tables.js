@@ -35,7 +35,7 @@ function increments(run, title, headings, cells) {
   for (let k = Math.max(0, run.sheared); k < run.length; k++) {
     const v = run.values(k)
     const top = driven ? [fixed(run.top(k), 2)] : []
-    rows.push([run.leg(k), fixed(run.way[k], 2), ...top, ...cells(v, run, k), v.slip ? "slip" : ""])
+    rows.push([run.leg(k), fixed(run.along[k], 2), ...top, ...cells(v, run, k), v.slip ? "slip" : ""])
   }
   const path = { delta: "δ (nm)", U_x: "Uₓ (nm)", path: "path (nm)" }[run.head.abscissa]
   const along = [path, ...(driven ? ["Uₓ of the top (nm)"] : [])]

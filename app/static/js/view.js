@@ -3,7 +3,7 @@
 import { by, on, readdress } from "./dom.js"
 import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
-import { embedded, me, redraw } from "./store.js"
+import { embedded, redraw } from "./store.js"
 import { keep } from "./storage.js"
 
 const { dataset } = document.documentElement
@@ -45,12 +45,6 @@ export function connectViews() {
     })
   }
   choose(CURVES[0])
-  by("over-top").checked = me.overTop = new URLSearchParams(location.search).get("over") === "top"
-  on("over-top", "change", ({ target: { checked } }) => {
-    me.overTop = checked
-    readdress((asked) => (checked ? asked.set("over", "top") : asked.delete("over")))
-    redraw()
-  })
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
     for (const control of document.querySelectorAll(".control"))
