@@ -31,7 +31,6 @@ def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
     finished(page)
     for button, sheet in (
         ("#take", "#share"),
-        ("#compare", "#numbers"),
         ("#open-theory", "#theory"),
         ("#help", "#keys"),
     ):

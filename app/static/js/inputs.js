@@ -10,6 +10,7 @@ import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { declared, exact, leaveBehind, me, redraw, reduced, set } from "./store.js"
+import { openTheory } from "./terms.js"
 import { chooseNext, connectViews, fillScreen, project, useTools } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -150,10 +151,9 @@ export function connect() {
   on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
   on("take", "click", async () => (await import("./share.js")).open())
   on("slow", "click", slowMotion)
-  on("compare", "click", async () => (await import("./later/numbers.js")).open())
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await import("./tour.js")).openTour())
-  on("open-theory", "click", async () => (await import("./later/theory.js")).openTheory())
+  on("open-theory", "click", openTheory)
   on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

@@ -1,4 +1,5 @@
 // Terms of the field in the texts of the page: underlined; a click shows the explanation in a popover of the browser.
+// And the theory page. Both are fetched when somebody asks for them.
 
 import { by, make, makeButton } from "./dom.js"
 import { declared } from "./store.js"
@@ -6,13 +7,13 @@ import { declared } from "./store.js"
 let forms = null // what finds forms of terms in a text
 
 // The text of a file beside the scripts, asked for once, unless it does not come
-export function file(name) {
+function file(name) {
   let asked = null
   return () => (asked ??= fetch(new URL(`../${name}`, import.meta.url))
     .then((answer) => (answer.ok ? answer.text() : Promise.reject(answer.status)))
     .catch((error) => { asked = null; throw error }))
 }
-export const glossary = file("glossary.html")
+const glossary = file("glossary.html"), theory = file("theory.html")
 
 // The text of an element again, the first occurrence of each term in it as a button, in one line with the stop behind
 // it
@@ -49,4 +50,13 @@ export function connect() {
     const term = target.closest?.(".term")
     if (term) show(term)
   })
+}
+
+export async function openTheory() {
+  by("theory").showModal()
+  try {
+    by("theory-text").innerHTML = (await theory()) + (await glossary())
+  } catch {
+    by("theory-text").replaceChildren("The page could not be loaded; close it and try again.")
+  }
 }
