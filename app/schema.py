@@ -33,19 +33,6 @@ class Curve:
     symbol: str = ""
 
 
-@dataclass(frozen=True)
-class Stress:
-    """A quantity inside the solid: its choice, its name (HTML), (mark, ramp, word) of negative and positive values.
-
-    A quantity without `below` is never negative.
-    """
-
-    choice: str
-    name: str
-    below: tuple = ("", "", "")
-    above: tuple = ("", "", "")
-
-
 NODES = {  # of the punch; frames.js assigns the states
     "repulsive": Node("touching", "dot repulsive", "circle", 5, "--repulsive"),
     "adhering": Node("attracted", "wedge", "inverted_triangle", 5, "--adhering"),
@@ -78,23 +65,4 @@ FLATS = {  # presets on the page "Stick-slip", one curve each; E in GPa, phi_t i
     "fig4a-green": Curve("70, 0.1", "--shear", "dashed"),
     "fig4b-weak": Curve("70, 0.004", "--slip", "dotdash"),
     "fig4b-stiff": Curve("3000, 0.2", "--soft", "dashdot"),
-}
-# Blue is compression, as in the contact map. The shear stress at the surface equals that of the traction view.
-SQUEEZED, STRETCHED = ("squeezes", "push", "compression"), ("stretches", "pull", "tension")
-STRESSES = {
-    "largest": Stress("largest shear stress", "Largest shear stress (σ₁ − σ₂)/2", above=("cividis", "", "")),
-    "normal": Stress("normal stress, vertical", "Normal stress σ<sub>zz</sub>", SQUEEZED, STRETCHED),
-    "lateral": Stress("normal stress, sideways", "Normal stress σ<sub>xx</sub>", SQUEEZED, STRETCHED),
-    "shear": Stress(
-        "shear stress",
-        "Shear stress σ<sub>xz</sub>",
-        ("pulls", "pull", "along +x"),
-        ("pushes", "push", "against +x; at the surface this is Tₜ"),
-    ),
-    "mean": Stress(
-        "mean stress",
-        "Mean stress (σ<sub>xx</sub> + σ<sub>yy</sub> + σ<sub>zz</sub>)/3",
-        SQUEEZED,
-        STRETCHED,
-    ),
 }

@@ -3,7 +3,7 @@
     python docs/pictures.py [--chromium PATH] [--quick]
 
 Draws the small pictures of the row of experiments (row.py) and run.png, the plot of README's example. Then starts the
-app on a free port; writes app.webp, fringes.webp and slip.webp, the punch through two slips, beside this file. Without
+app on a free port; writes app.webp and slip.webp, the punch through two slips, beside this file. Without
 --quick it measures the default scene for a minute, and writes the first diagrams of that report: accuracy.png.
 """
 
@@ -74,12 +74,6 @@ def take(browser, address):
         image = Image.open(BytesIO(page.locator("#punch-view").screenshot())).convert("RGB")
         images.append(image.resize((WIDE, WIDE * image.height // image.width)))
     images[0].save(HERE / "slip.webp", save_all=True, append_images=images[1:], duration=PACE, loop=0, **SMALL)
-    page = opened(browser, f"{address}?page=solid&preset=fig7-case2", (1440, 900))
-    shown(page, 100)
-    page.wait_for_function("() => !document.querySelector('#solid[data-drawing]')")
-    page.wait_for_load_state("networkidle")
-    page.wait_for_timeout(3000)  # the field is computed in a worker
-    _save(page.locator("#solid"), "fringes.webp")
 
 
 def _save(what, name):

@@ -14,7 +14,7 @@ from app.session.orders import order
 MOST_PINNED = 4
 LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
 GEOMETRY = ("nu", "height", "width", "nodes")  # the parameters that the table of a layer depends on
-TABLES = 2  # tables that a visitor may wait for: of the fringes and of the page Inside the solid
+TABLES = 2  # tables that a visitor may wait for
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser may request; DEPTH in nm
 
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import PATIENCE, PLAYING, faults_at, finished, found_by_axe, laid_out
+from served import PATIENCE, faults_at, finished, found_by_axe, laid_out
 from tabs import imported
 
 from app.pages import listed
@@ -19,8 +19,6 @@ DRAWN = {  # page: condition that its result is drawn
     " && document.getElementById('stickslip-text').textContent && document.querySelector('#stickslip progress').hidden",
     "arealaws": "document.querySelectorAll('#arealaws-rows tr').length === 10"
     " && document.querySelectorAll('#arealaws-series tr').length > 2",
-    "solid": f"({MODEL.format('solid_field.field')}?.data_source.data.image[0].length === 400 * 100)"
-    " && document.getElementById('solid-name').textContent",
     "load": "(parseInt(document.getElementById('load-count').textContent) > 0)",
     "matters": "(document.querySelectorAll('#matters-bars button').length > 5)",
     "regimes": "document.getElementById('regimes-text').textContent.includes(' points')",  # its first tile
@@ -275,17 +273,6 @@ def test_clicking_the_stick_slip_map_loads_that_flat_scene(look):
 
 
 @thorough
-def test_stress_picture_follows_playback(visit):
-    page = visit("?page=solid", **PLAYING)
-    finished(page)
-    page.wait_for_function(f"() => {DRAWN['solid']}", timeout=PATIENCE)
-    data = f"{MODEL.format('solid_field.field')}.data_source.data.image[0]"
-    first = page.evaluate(f"[...{data}].reduce((a, b) => a + b)")
-    page.wait_for_function(f"() => [...{data}].reduce((a, b) => a + b) !== {first}", timeout=PATIENCE)
-    assert "GPa" in page.inner_text("#solid-extent")
-
-
-@thorough
 def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
     page = look("?delta_bar=0.3&nu=0.3")
     finished(page)
@@ -327,7 +314,7 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
             const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
             window.ordered = []
             wire.properties.order.change.connect(() => ordered.push(wire.order))
-            for (const name of ["stickslip", "law", "solid", "arealaws", "stickslip", "law"]) {
+            for (const name of ["stickslip", "law", "load", "arealaws", "stickslip", "law"]) {
                 document.querySelector(`nav button[data-page=${name}]`).click()
             }
             return getComputedStyle(document.querySelector("#law .figures"), "::after").content
@@ -338,24 +325,6 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
     page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')", timeout=PATIENCE)
     assert page.evaluate("ordered.filter((o) => o.do === 'page').map((o) => o.page)") == ["law"]
     assert painted_pixels(page) > 8
-
-
-@thorough
-def test_stress_colours_match_the_other_views_and_follow_the_theme_while_paused(look):
-    page = look("?page=solid&theme=light")
-    finished(page)
-    page.wait_for_function(f"() => {DRAWN['solid']}", timeout=PATIENCE)
-    page.select_option("#solid-quantity", "normal")
-    page.wait_for_function("() => document.getElementById('solid-name').textContent.includes('σzz')", timeout=PATIENCE)
-    caption = page.inner_text("#solid figcaption")
-    assert "compression −" in caption and "GPa tension" in caption
-    mapper = f"{MODEL.format('solid_field.field')}.glyph.color_mapper"
-    style = "['--push-1', '--pull-1'].map((n) => getComputedStyle(document.documentElement).getPropertyValue(n).trim())"
-    ends = f"[{mapper}.palette[0], {mapper}.palette.at(-1)]"
-    light = page.evaluate(ends)
-    assert light == page.evaluate(style)  # compression as repulsion, tension as attraction
-    page.get_by_role("button", name="Switch between light and dark").click()
-    assert page.evaluate(ends) == page.evaluate(style) != light
 
 
 @thorough

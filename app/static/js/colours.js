@@ -37,7 +37,7 @@ export function shades(low, high, [below, above] = ["pull", "push"], ends = ramp
 }
 
 // [from, to] of a ramp as an element of the page has it
-export const rampIn = (element) => (name) =>
+const rampIn = (element) => (name) =>
   [0, 1].map((end) => digits(getComputedStyle(element).getPropertyValue(`--${name}-${end}`).trim()))
 const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
 

@@ -58,7 +58,8 @@ function tableNow({ head: { scene } }, half) {
   return { table, deep: wanted.depth / table?.asked.depth }
 }
 
-export function drawFringes(run, k, canvas = by("fringes"), figure = figures.punch) {
+export function drawFringes(run, k) {
+  const canvas = by("fringes"), figure = figures.punch
   const box = isShown(canvas) ? frameBox(figure) : null, pen = box && cleared(canvas)
   if (!pen || !by("fringes-on").checked || run.head.flat || run.apart) return
   drawKey()

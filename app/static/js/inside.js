@@ -11,7 +11,6 @@ const FACTORS = 6 // of a mode: of sigma_xx, sigma_zz, sigma_xz, each even and o
 const BY_SHEAR = [false, false, true] // whether the even factor belongs to T_x, or to T_z
 // Weights of these three
 export const XX = [1, 0, 0], ZZ = [0, 1, 0], XZ = [0, 0, 1], APART = [-1, 1, 0], SHEARED = [0, 0, 2]
-export const mean = ({ nu }) => [(1 + nu) / 3, (1 + nu) / 3, 0]
 
 // those made last, by what they are of: tables; cosines and sines of modes over places
 const tables = new Map(), waves = new Map()
@@ -37,13 +36,13 @@ export function tableOf({ body, ...table }) {
 
 const keyOf = (geometry, { rows, modes, depth }) => JSON.stringify([geometry, rows, modes, depth])
 
-// The table {rows, modes, depth (nm)} of a scene, that of the run on screen or of one frame of it, once it is there
-export function tableFor(scene, wanted, frame = null) {
+// The table {rows, modes, depth (nm)} of a scene, that of the run on screen, once it is there
+export function tableFor(scene, wanted) {
   const key = keyOf(GEOMETRY.map((name) => scene[name]), wanted), table = tables.get(key), now = performance.now()
   if (!table && (!asked || now - since > LOST)) {
     asked = key
     since = now
-    order("layer", { ...wanted, frame })
+    order("layer", wanted)
   }
   return table
 }
