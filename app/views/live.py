@@ -12,7 +12,7 @@ from app.views.plots import add, add_zero, blank, draw, draw_image
 
 SLIP = {"marker": "diamond", "size": 8, "fill_alpha": 0, "line_width": 1.5}  # hollow, so that peaks stay visible
 POSITION = "x on the substrate, from the middle (nm)"  # current position of a node
-UNDEFORMED = "x, undeformed (nm)"  # initial position of a node
+UNDEFORMED = "x (nm)"  # initial position of a node
 TOP = "displacement Uₓ (nm)"
 
 

@@ -50,21 +50,6 @@ def test_weakly_attracted_nodes_are_free_but_not_those_at_a_sign_change(look):
     assert "5 %" in page.get_attribute("figure .key span[title]", "title")
 
 
-@pytest.mark.thorough
-def test_axis_labels_state_substrate_or_undeformed_coordinates(look):
-    page = look()
-    short = f"{FIGURE.format('map')}.left[0].axis_label"
-    assert page.evaluate(short) == "x (nm)"  # for a low view
-    page.set_viewport_size({"width": 1440, "height": 1400})
-    page.wait_for_function(f"{short} !== 'x (nm)'")
-    for view, axis, said in (
-        ("punch", "below", "substrate"),
-        ("traction", "below", "substrate"),
-        ("map", "left", "undeformed"),
-    ):
-        assert said in page.evaluate(f"{FIGURE.format(view)}.{axis}[0].axis_label")
-
-
 def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
     page = look("?preset=fig4a-blue")
     finished(page)

@@ -4,7 +4,7 @@ import {
   fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
-import { by, digits, minus, say, tell } from "./dom.js"
+import { by, digits, minus, tell } from "./dom.js"
 import { me } from "./store.js"
 import { explain } from "./terms.js"
 import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
@@ -19,9 +19,6 @@ const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in
 const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
 const TO_SCALE = 0.02 // a difference that nobody sees
 const THICK = 2.5 // times, for a projector
-const TITLES = [["map", "x, undeformed (nm)", "x (nm)"], ["traction", "traction (GPa)", "GPa"]] // in full, and short
-const LETTER = 0.62 // of the size of the text, of a letter of an axis title, at most
-
 export function adopt(name, figure) {
   figures[name] = figure
   parts[name] = namedParts(figure)
@@ -63,10 +60,8 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
   shown && pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
 
-let curvesDrawn = { label: "F, L (N/m)", text: "N/m" } // {ghost, label, text, approach} as they were drawn
+let curvesDrawn = { label: "F, L (N/m)" } // {ghost, label, approach, look} as they were drawn
 const NOTHING = { along: [], value: [] }
-const APART = "Too far apart to hold on: what still acts is less than a tenth of the strongest attraction. "
-  + "Press the punch farther down."
 export function drawCurves(run, ghost, approach) {
   // along something else, or drawn already
   const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
@@ -84,11 +79,10 @@ export function drawCurves(run, ghost, approach) {
   }
   document.querySelector(".page").dataset.ghost = ghost !== null
   nameGhost(run, ghost)
-  curvesDrawn = { ghost, label, text: unit.text, approach, look }
+  curvesDrawn = { ghost, label, approach, look }
   if (label !== was.label) nameForces(unit)
   nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, unit, approach)
-  say("apart", run.apart ? APART : "")
   const values = (name) => [run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => part(of, name).value)
   fitCurves(run, approach, [F, L].map(values), values("A"))
 }
@@ -146,14 +140,8 @@ function retell(view, change) {
 // The unit of forces, on the axis and beside the mouse
 const labelOf = ({ symbols, text, over = "" }) => `${symbols.F}, ${symbols.L} (${text}${over})`
 function nameForces({ symbols, text }) {
-  labelForces()
+  set(figures.forces.left[0], { axis_label: curvesDrawn.label })
   retell("forces", (where, [symbol]) => [where, [symbols[symbol[0]], `@value{0.000} ${text}`]])
-}
-
-// In full where there is room: symbols stand in the legend as well
-function labelForces() {
-  const { label, text } = curvesDrawn
-  set(figures.forces.left[0], { axis_label: hasRoom("forces", label.length) ? label : text })
 }
 
 // What curves are drawn along
@@ -227,10 +215,6 @@ export function stretchText(view) {
   return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
 }
 
-// Whether the title of an axis has room for so many letters
-export const hasRoom = (view, letters) =>
-  figures[view].inner_height > LETTER * letters * parseFloat(colour("--plot-text"))
-
 // Figures are drawn on a canvas and need the colours: of what is drawn, the one its tag names
 export function paint() {
   readAgain()
@@ -253,9 +237,6 @@ export function paint() {
       thicken(part, large ? THICK : 1)
     }
   }
-  for (const [view, title, short] of TITLES)
-    set(figures[view].left[0], { axis_label: hasRoom(view, title.length) ? title : short })
-  labelForces()
   shareAxis()
 }
 

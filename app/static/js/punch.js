@@ -4,7 +4,7 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, figureShown, fill, fit, hasRoom, LEAST, parts, settled, shareAxis, stretchText,
+  CURVES, figures, figureShown, fill, fit, LEAST, parts, settled, shareAxis, stretchText,
 } from "./figures.js"
 import { declared, me } from "./store.js"
 
@@ -46,9 +46,8 @@ export function drawFrame(run, k) {
 
 // How much larger heights are drawn than widths, and displacements sideways than they are
 function nameScale({ times }) {
-  const up = stretchText("punch"), scaleText = times > 1 ? `${up}, sideways ×${times}` : `drawn ${up}`
-  const title = `height (nm), ${scaleText}`
-  if (up) set(figures.punch.left[0], { axis_label: hasRoom("punch", title.length) ? title : scaleText })
+  const up = stretchText("punch")
+  if (up) set(figures.punch.left[0], { axis_label: times > 1 ? `${up}, sideways ×${times}` : `drawn ${up}` })
 }
 
 function drawPunch(run, frame, top) {
