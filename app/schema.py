@@ -52,8 +52,6 @@ CHANGES = {  # what changed before a run, on the page "Friction over load"
     "several": Node("another experiment", "dot free", "circle", 9, "--free"),
 }
 CURVES = {
-    "T_n": Curve("normal Tₙ, repulsion > 0", "--normal", symbol="Tₙ"),
-    "T_t": Curve("tangential Tₜ, against +x", "--shear", "dashed", "Tₜ"),
     "F": Curve("friction F", "--shear", symbol="F"),
     "L": Curve("load L", "--normal", "dashed", "L"),
     "A": Curve("A, width touching", "--area", symbol="A"),

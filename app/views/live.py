@@ -1,4 +1,4 @@
-"""The five live views of the experiment, as Bokeh models. The browser changes their data.
+"""The four live views of the experiment, as Bokeh models. The browser changes their data.
 
 Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the browser relabels axes in other units.
 """
@@ -21,7 +21,6 @@ def live_figures():
     place, path = Range1d(-250, 250), Range1d(0, 40)
     return {
         "punch": punch(place),
-        "traction": traction(place),
         "forces": forces(path),
         "area": area(path),
         "map": contact_map(path),
@@ -40,14 +39,6 @@ def punch(x):
         look = {"marker": node.marker, "size": node.size, "tooltips": [(state, node.meaning), *tooltips]}
         draw(plot, Scatter, state, node.colour, "x", "gap", "at", "T_n", "T_t", **look)
     _pins(plot)
-    return plot
-
-
-def traction(x):
-    """Normal and tangential traction along the interface."""
-    plot = blank("traction", POSITION, "traction (GPa)", x, (-1, 2))
-    add_zero(plot)
-    _curves(plot, "x", "T", "x", "GPa", "T_n", "T_t")
     return plot
 
 

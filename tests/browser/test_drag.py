@@ -5,7 +5,7 @@ from served import MODEL, PATIENCE, finished, paused_at, values_are
 from tabs import imported
 
 pytestmark = [pytest.mark.thorough]
-AXES = """Object.fromEntries(["forces", "area", "map", "traction", "punch"].map((name) => {
+AXES = """Object.fromEntries(["forces", "area", "map", "punch"].map((name) => {
     const { x_range, y_range } = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === name)
     return [name, [x_range.start, x_range.end, y_range.start, y_range.end]]
 }))"""

@@ -34,7 +34,7 @@ PLAYS = """() => new Promise((then) => {
     const { drawn } = punch, look = () => (punch.drawn === drawn ? requestAnimationFrame(look) : then())
     look()
 })"""
-RANGES = """['punch', 'traction', 'forces', 'area', 'map'].flatMap((name) => {
+RANGES = """['punch', 'forces', 'area', 'map'].flatMap((name) => {
     const { x_range, y_range } = Bokeh.documents[0].get_model_by_name(name)
     return [x_range.start, x_range.end, y_range.start, y_range.end]
 })"""

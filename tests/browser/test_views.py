@@ -56,7 +56,7 @@ def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
     half = page.evaluate(f"{FIGURE.format('punch')}.x_range.end")
     for frame in (150, 400):
         paused_at(page, frame)
-        x = page.evaluate(f"[...{MODEL.format('traction.T_t')}.data_source.data.x]")
+        x = page.evaluate(f"[...{MODEL.format('punch.contact')}.data_source.data.x]")
         assert min(x) <= -half and max(x) >= half
     assert page.evaluate(f"{MODEL.format('punch.contact')}.data_source.data.x.length") == len(x)
     page.set_viewport_size({"width": 1600, "height": 1100})  # there is room for the key
@@ -119,4 +119,3 @@ def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(look):
         )
         assert 0 < own < page.evaluate("punch.run.curves.slip.filter((slip) => slip).length")
         page.wait_for_function(f"() => {slips} === {own}")
-    assert "against +x" in page.inner_text("figure[aria-label^='Traction']")

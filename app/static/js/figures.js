@@ -12,7 +12,7 @@ import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
 export const CURVES = ["forces", "area", "map"]
-export const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at its ends are whole
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while

@@ -4,7 +4,7 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, figureShown, fill, fit, LEAST, parts, settled, shareAxis, stretchText,
+  CURVES, figures, fill, parts, settled, shareAxis, stretchText,
 } from "./figures.js"
 import { declared, me } from "./store.js"
 
@@ -31,14 +31,10 @@ export function drawnFrame(run, k, times = sideways(run)) {
 }
 
 export function drawFrame(run, k) {
-  const frame = drawnFrame(run, k), { x, T_n, T_t } = frame
+  const frame = drawnFrame(run, k)
   const top = Math.max(7, Math.min(...frame.gap) + 3) // a punch still far away must be in view as well
   if (!me.dragging) set(figures.punch.y_range, { end: top })
   drawPunch(run, frame, top)
-  if (figureShown("traction")) {
-    fill("traction", "T_n", { x, T: T_n })
-    fill("traction", "T_t", { x, T: T_t })
-  }
   const location = run.curves[run.part(run.approaching(k)).abscissa][k]
   for (const view of CURVES) set(parts[view].cursor, { location })
   nameScale(frame)
@@ -102,6 +98,5 @@ export function fitFrames(run) {
   set(map.y_range, { start: -tall, end: tall })
   set(punch.x_range, { start: -wide, end: wide })
   set(punch.y_range, { start: -settled(-punch.y_range.start, Math.max(DEEP, -1.15 * run.lowest)) })
-  fit(figures.traction.y_range, Math.min(run.T_low, run.T_back, -LEAST), Math.max(run.T_high, run.T_out, LEAST))
   drawSites(run.head)
 }

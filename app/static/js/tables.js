@@ -10,10 +10,7 @@ const short = (value) => (Number.isFinite(value) ? digits(value, 4) : "–")
 
 // title, headings and rows of a plot of a run, at frame k where it shows one
 const TABLES = {
-  punch: (run, k) => nodes(run, k, "Surface nodes", ["height (nm)", "state"],
-    (frame, i) => [fixed(frame.gap[i], 3), frame.state(i)]),
-  traction: (run, k) => nodes(run, k, "Traction", ["normal Tₙ (GPa)", "tangential Tₜ (GPa)"],
-    ({ T_n, T_t }, i) => [fixed(T_n[i], 4), fixed(T_t[i], 4)]),
+  punch: (run, k) => nodes(run, k),
   forces: (run) => increments(run, "Forces", ["friction F (N/m)", "load L (N/m)"],
     ({ F, L }) => [short(F), short(L)]),
   area: (run) => increments(run, "Contact area", ["A (nm)", "A / w (10⁻³)"],
@@ -22,11 +19,12 @@ const TABLES = {
   increments(run, "Contact map", ["acts from x (nm)", "to (nm)", "repulsive nodes", "adhering nodes"], acting),
 }
 
-function nodes(run, k, what, headings, cells) {
-  const frame = run.frame(k)
+function nodes(run, k) {
+  const { x, gap, T_n, T_t, state } = run.frame(k)
   return {
-    title: `${what} at Uₓ = ${fixed(run.values(k).U_x, 1)} nm`, headings: ["x (nm)", ...headings],
-    rows: Array.from(frame.x, (x, i) => [fixed(x, 1), ...cells(frame, i)]),
+    title: `Surface nodes at Uₓ = ${fixed(run.values(k).U_x, 1)} nm`,
+    headings: ["x (nm)", "height (nm)", "state", "normal Tₙ (GPa)", "tangential Tₜ (GPa)"],
+    rows: Array.from(x, (at, i) => [fixed(at, 1), fixed(gap[i], 3), state(i), fixed(T_n[i], 4), fixed(T_t[i], 4)]),
   }
 }
 

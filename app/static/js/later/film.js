@@ -16,8 +16,8 @@ const DOT = 5 // px, of F now in the curve
 const FIELD = 0.5, EDGE = 8 // of the width of the plot, for F of the motion; px beside its curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
-// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, ranges:
-// axes before}; the state on screen is `me.film`
+// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, axis: its ends
+// before}; the state on screen is `me.film`
 let film = null
 
 // Begin, or end; where there is no slip to go through, say so
@@ -59,18 +59,17 @@ function receive(chunk) {
   film.before = performance.now()
   useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
-  const { T_low, T_back, T_high, T_out } = film.frames, { factor, names } = forceUnit([film.run])
-  const F = film.frames.curves[names.F].map((value) => value * factor)
-  film.ranges = [widened("traction", [T_low, T_back, T_high, T_out]), widened("forces", F)]
+  const { factor, names } = forceUnit([film.run])
+  widenForces(film.frames.curves[names.F].map((value) => value * factor))
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
 }
 
-// Let an axis hold the motion as well, which is rougher; returns [range, its ends before]
-function widened(name, values) {
-  const range = figures[name].y_range, { start, end } = range, held = values.map((value) => 1.1 * value)
+// Let the axis of the forces hold the motion as well, which is rougher
+function widenForces(values) {
+  const range = figures.forces.y_range, { start, end } = range, held = values.map((value) => 1.1 * value)
+  film.axis = { start, end }
   set(range, { start: Math.min(start, ...held), end: Math.max(end, ...held) })
-  return [range, { start, end }]
 }
 
 function step(time) {
@@ -127,7 +126,7 @@ function drawTrace() {
 
 function leave() {
   film.canvas?.remove()
-  for (const [range, before] of film.ranges ?? []) set(range, before)
+  if (film.axis) set(figures.forces.y_range, film.axis)
   film = null
   useScrub(me.run.length - 1, "Increment shown")
   tell("")
