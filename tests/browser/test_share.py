@@ -5,13 +5,11 @@ import io
 import json
 import subprocess
 import sys
-import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 from PIL import Image
 from served import PATIENCE, finished, laid_out
-from tabs import imported
 
 from solver.cli import main as command_line
 
@@ -118,35 +116,17 @@ def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
     assert all(report[name] == pytest.approx(written[name], rel=1e-6) for name in ("U_s", "F_s", "A_s", "A_0"))
 
 
-def test_a_picture_saved_while_a_new_run_begins_is_that_on_screen(sheet):
-    """The new run then has fewer frames than the one on screen had."""
-    words = imported(sheet, "share", "run").evaluate(
-        """() => {
-            const { share: { svg }, run: { Run } } = modules, { run } = punch
-            const begun = new Run(run.number, run.head)
-            begun.takeOver(run, 0)
-            punch.run = begun
-            try { return svg("forces") } finally { punch.run = run }
-        }"""
-    )
-    assert "shear increment 68" in words
-
-
-def test_every_view_is_saved_as_png_and_svg_with_its_parameters(sheet):
+def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
+    sheet.set_viewport_size({"width": 1280, "height": 900})
+    laid_out(sheet)
     names = sheet.evaluate("[...document.getElementById('share-view').options].map((one) => one.value)")
-    assert names == ["punch", "forces", "area", "map"]
+    assert names[0] == "punch" and "forces" in names
     for name in names:
         sheet.select_option("#share-view", name)
-        png = saved(sheet, "#save-png")
-        assert png.startswith(b"\x89PNG") and len(png) > 5000
-        root = ET.fromstring(saved(sheet, "#save-svg"))
-        text = " ".join("".join(node.itertext()) for node in root.iter() if node.tag.endswith("}text"))
-        assert "δ/δ₀ = 0.4" in text and "φₜ/φₙ = 0.1" in text
-        assert name == "punch" or "displacement Uₓ" in text  # its own axis, also above another
-        assert (name == "map") == ("colours: from" in text)
-        assert len(list(root.iter())) > 20  # axes and curves
-    sheet.set_viewport_size({"width": 1280, "height": 720})  # with the tractions as bands under the punch
-    laid_out(sheet)
+        picture = Image.open(io.BytesIO(saved(sheet, "#save-png"))).convert("RGB")
+        view = sheet.locator("#punch-view" if name == "punch" else f"[data-view={name}]").bounding_box()
+        assert picture.width == round(view["width"]) and picture.height >= int(view["height"])
+        assert len(picture.getcolors(1_000_000)) > 50  # axes and curves
     sheet.select_option("#share-view", "punch")
     picture = np.asarray(Image.open(io.BytesIO(saved(sheet, "#save-png"))).convert("RGB")).astype(int)
     bands = picture[int(0.78 * len(picture)) : int(0.95 * len(picture))]

@@ -103,8 +103,7 @@ function unburden(view) {
   if (plot) Object.defineProperty(own(plot, SIZE) ?? plot, SIZE, { get: () => 13 }) // px
   if (plot) plot[PAINT] = function (pen) {
     pen.beginPath()
-    if (pen instanceof CanvasRenderingContext2D) // the pen of an SVG would draw a white rectangle
-      pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)
+    pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)
     paint.call(this, pen)
   }
 }
@@ -160,8 +159,8 @@ export function stretch(figure) {
   return box ? box.up / box.across : null
 }
 
-// A figure as it is drawn now, as the text of an SVG (as bokeh.io.export does)
-export const svgOf = (figure) => viewOf(figure).export("svg").ctx.get_serialized_svg(true)
+// A canvas with a figure as it is drawn now, in pixels of the screen
+export const pictureOf = (figure) => viewOf(figure).export("png").canvas
 
 // The element of the page that holds a figure: from shadow root to shadow root
 export function holderOf(figure) {

@@ -3,12 +3,9 @@
 import { colour } from "./colours.js"
 import { make } from "./dom.js"
 
-let asked = null // pixels of a canvas for each of the page, where it is drawn for a picture to take away
-export const sharpen = (times) => { asked = times }
-
 // The pen of an emptied canvas, in pixels of the page; null while it has no size
 export function cleared(canvas) {
-  const { clientWidth: width, clientHeight: height } = canvas, ratio = asked ?? (window.devicePixelRatio || 1)
+  const { clientWidth: width, clientHeight: height } = canvas, ratio = window.devicePixelRatio || 1
   if (!width || !height) return null
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio)
