@@ -32,7 +32,7 @@ WATCH = """
   })
   let last = punch.run
   const watch = () => {
-    const now = performance.now(), { run } = punch, painted = run.whole && !punch.fresh && punch.begun === run.number
+    const now = performance.now(), { run } = punch, painted = run.whole && !punch.fresh && punch.charted === run
     const shown = marks.findLast(({ value }) => value === run.scene?.[name])
     if (painted && run !== last && shown) {
       last = run

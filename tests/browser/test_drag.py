@@ -25,7 +25,7 @@ WATCH = """() => {  // what is on screen with every run that is painted whole
     let last = punch.run
     const look = () => {
         const { run } = punch
-        if (run !== last && run.whole && !punch.fresh && punch.begun === run.number) {
+        if (run !== last && run.whole && !punch.fresh && punch.charted === run) {
             last = run
             const { stale } = document.querySelector(".page").dataset
             const of = { followed: Boolean(run.followed), stale: stale === "true" }
@@ -99,6 +99,22 @@ def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_sta
     drawn, exact = page.evaluate(DRAWN)
     assert drawn == exact
     assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
+
+
+def test_a_predicted_picture_shows_its_own_increment_wherever_one_scrubs_or_points(look):
+    """It has the fields of one increment; at any other the punch belonged to that one, and its numbers did not."""
+    page = paused(look, "?E=70.4")
+    page.evaluate("punch.rests = 1e6")
+    point = grab(page, "delta_bar")
+    page.mouse.move(*point(2))
+    page.wait_for_function("punch.run.followed && !punch.fresh && punch.picture.run === punch.run")
+    own = page.evaluate("punch.run.shown")
+    for change in (f"{{ at: {own + 20} }}", f"{{ at: {own}, preview: {own + 30} }}"):
+        page.evaluate(f"Object.assign(punch, {change}, {{ look: punch.look + 1 }})")
+        page.wait_for_function("!punch.fresh")
+        assert page.evaluate("[punch.picture.k, punch.drawn, Number(scrub.value)]") == [own] * 3
+    page.evaluate("punch.preview = null")
+    page.mouse.up()
 
 
 def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look):

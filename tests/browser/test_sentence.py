@@ -294,3 +294,74 @@ def test_each_phase_of_playback_has_one_sentence_long_enough_to_read(tab):
 def test_smooth_sliding_is_one_phase_with_its_force_range(tab):
     seen = tab.evaluate(PLAYED, {"now": whole(SMOOTH).sent, "speed": 4.0})
     assert seen[-1]["text"] == "It slides without slips: friction swings by ±357 N/m in every lattice period."
+
+
+LOOPS = """async ({ now, speed, loops }) => {
+    const { Run } = await import("http://scripts/js/run.js")
+    const { unpackLater } = await import("http://scripts/js/packed.js")
+    const { phaseSentence, saidNext } = await import("http://scripts/js/sentence.js")
+    let run = null
+    for (const text of now.blocks) {
+        const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+        const chunk = await unpackLater({ body: buffer })
+        run ??= new Run(7, chunk.head)
+        run.add(chunk)
+    }
+    const seen = [], MS = 20
+    let said = { key: "", text: "", k: 0, since: -Infinity }, time = 0
+    for (let loop = 0; loop < loops; loop++) {
+        for (let at = run.beginning; at < run.length; at += (speed * MS) / 1000 / run.head.step, time += MS) {
+            const k = Math.floor(at)
+            said = saidNext(said, phaseSentence(run, k), { moving: true, k, time })
+            seen.push([loop, k - run.sheared, said.text])
+        }
+    }
+    return { seen, slips: run.frames((k) => run.curves.slip[k] && k > run.sheared).map((k) => k - run.sheared) }
+}"""
+
+
+def test_every_loop_of_playing_says_the_slip_and_never_says_sticking_through_one(tab):
+    """At full speed: only the first way through a run is slowed down."""
+    played = tab.evaluate(LOOPS, {"now": whole(Scene(u_x_max=25.0)).sent, "speed": 4.0, "loops": 3})
+    first = played["slips"][0]
+    for loop in range(3):
+        said = {k: text for of, k, text in played["seen"] if of == loop}
+        assert "slips by one site" in said[first], loop
+        assert all(said[k].startswith("It sticks") for k in range(2, first)), loop
+        assert not any(said[k].startswith("It sticks") for k in said if k > first), loop
+
+
+@pytest.mark.parametrize(("F", "said"), [((-0.0856, 0.0946), "−85.6 to 94.6 mN/m"), ((0.05, 12.0), "0.05 to 12 N/m")])
+def test_two_forces_of_a_sentence_have_one_unit(tab, F, said):
+    assert tab.evaluate(f"import('http://scripts/js/dom.js').then((m) => m.newtonsOf{F}.join(' to '))") == said
+
+
+COUNTED = """async ({ now }) => {
+    const { Run } = await import("http://scripts/js/run.js")
+    const { unpackLater } = await import("http://scripts/js/packed.js")
+    const { phaseSentence } = await import("http://scripts/js/sentence.js")
+    let run = null
+    for (const text of now.blocks) {
+        const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+        const chunk = await unpackLater({ body: buffer })
+        run ??= new Run(7, chunk.head)
+        run.add(chunk)
+    }
+    let decoded = 0
+    const frame = Run.prototype.frame
+    Run.prototype.frame = function (k) { decoded++; return frame.call(this, k) }
+    const counts = run.frames(() => true).map((k) => {
+        decoded = 0
+        phaseSentence(run, k)
+        return decoded
+    })
+    Run.prototype.frame = frame
+    return counts
+}"""
+
+
+@pytest.mark.parametrize("name", ["unload", "fig6"])
+def test_a_sentence_decodes_a_few_frames_however_many_nodes_there_are(tab, name):
+    """Decoding once per node took seconds for a picture near a jump."""
+    counts = tab.evaluate(COUNTED, {"now": whole(presets()[name].scene.changed(u_x_max=20.0)).sent})
+    assert max(counts) <= 8 and sorted(counts)[len(counts) // 2] <= 2

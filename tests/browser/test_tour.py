@@ -64,6 +64,22 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("stop", [2, 6, 7])
+def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
+    """A second order for its values showed another scene in between, at worst the answer."""
+    page = look("?view=hero")
+    page.evaluate(
+        """() => {
+            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
+            window.ordered = []
+            wire.properties.order.change.connect(() => ordered.push(wire.order.do))
+        }"""
+    )
+    asked(opened(page, stop))
+    assert [what for what in page.evaluate("ordered") if what in ("scene", "restore")] == ["restore"]
+
+
+@pytest.mark.thorough
 def test_browser_back_ends_the_tour(visit):
     page = visit("?E=100&view=hero")
     page.wait_for_function("window.punch?.status.state === 'finished'")

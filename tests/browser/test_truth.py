@@ -9,25 +9,57 @@ pytestmark = [pytest.mark.thorough]
 GREY = "document.querySelector('.page').dataset.stale === 'true'"
 SAID = "document.getElementById('stale').textContent"
 
+DRAWN = """() => {
+    // with every picture once another scene is asked for: E of the punch and of the curves, whether they are grey
+    window.drawn = []
+    const look = () => {
+        const { stale, mixed } = document.querySelector(".page").dataset
+        const asked = Number(document.getElementById("E-entry").value)
+        if (punch.picture.run.scene.E !== asked || punch.charted.scene.E !== asked)
+            drawn.push([punch.picture.run.scene.E, punch.charted.scene.E, stale === "true", mixed === "true"])
+        requestAnimationFrame(look)
+    }
+    look()
+}"""
+
+
+def enter(page, E):
+    """In one go: what is being typed is not yet a change."""
+    page.locator("#E-entry").evaluate(f"(e) => {{ e.value = {E}; e.dispatchEvent(new Event('change')) }}")
+
 
 @pytest.mark.thorough
 def test_previous_run_is_grey_until_the_new_one_is_complete(look):
     page = look("?E=20&delta_bar=0.3")
     finished(page)
     assert not page.evaluate(GREY)
-    page.evaluate(
-        f"""() => new MutationObserver(() => {{
-            if ({GREY}) (window.greyRuns ??= []).push(punch.run.number - before)
-        }}).observe(document.querySelector('.page'), {{ attributes: true }})"""
-    )
-    page.fill("#E-entry", "21.5")
-    page.keyboard.press("Enter")
+    page.evaluate(DRAWN)
+    enter(page, 21.5)
     finished(page, run=2)
-    assert set(page.evaluate("window.greyRuns")) == {1} and not page.evaluate(GREY)
+    seen = page.evaluate("drawn")
+    assert {grey for E, curves, grey, _ in seen if E == 20} == {True}
+    assert not [row for row in seen if 20 in row[:2] and not row[2 + (row[0] != 20)]]
+    assert not page.evaluate(GREY)
     page.fill("#E-entry", "7000000")  # refused: the run on screen is that of the sliders
     page.keyboard.press("Enter")
     page.wait_for_function("document.getElementById('E-error').textContent.includes('7000000')")
     assert not page.evaluate(GREY)
+
+
+@pytest.mark.thorough
+def test_an_old_picture_is_grey_until_the_new_run_reaches_its_increment(look):
+    """The new run begins with its approach; the increment on screen lies far behind that."""
+    page = look("?E=20&k=205")
+    page.wait_for_function("punch.drawn === 205")
+    page.evaluate(DRAWN)
+    page.evaluate("modules.player.goto(205)")
+    enter(page, 10)
+    finished(page, run=2)
+    page.wait_for_function("punch.picture.run === punch.run && punch.charted === punch.run && !punch.fresh")
+    seen = page.evaluate("drawn")
+    assert len(seen) > 3 and not [row for row in seen if row[0] == 20 and not row[2]]
+    assert not [row for row in seen if row[1] == 20 and not row[3]]
+    assert not page.evaluate(GREY) and page.evaluate("punch.drawn") == 205
 
 
 WATCHED = """() => {
@@ -68,8 +100,7 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
     print(f"told {time.monotonic() - told:.1f} s after the server was killed")
     page.locator("body").press("ArrowRight")  # scrubbing goes on
     page.wait_for_function("Math.abs(punch.run.curves.U_x[punch.drawn] - 20.1) < 1e-4")  # drawn with the next frame
-    # in one picture, as what is being typed is not yet a change; it waits
-    page.locator("#E-entry").evaluate("(entry) => { entry.value = 310; entry.dispatchEvent(new Event('change')) }")
+    enter(page, 310)  # it waits
     assert page.evaluate(SAID) == "The picture is that of E = 300." and not page.evaluate(GREY)  # it goes on playing
     assert "E=300" in page.url
     # sliders and experiments live, and look so; what only the server can do is locked

@@ -8,7 +8,7 @@ import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
 import { tellFrame } from "./readout.js"
-import { cost, cover, me, memory, touch, view } from "./store.js"
+import { cost, cover, me, memory, set, touch, view } from "./store.js"
 import { drawStory, tellNow } from "./story.js"
 
 const QUIET = 150 // ms between two drawings of a growing run: it needs the processor itself
@@ -24,8 +24,8 @@ export function connect() {
   cover(["picture"], drawCanvases)
 }
 
-// The increment to show: that pointed at, or played at
-const shown = () => Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
+// The increment to show: that pointed at, or played at; a picture that follows a slider has only its own
+const shown = () => me.run.shown ?? Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
 
 function draw() {
   const { run, film } = me, time = performance.now()
@@ -45,15 +45,14 @@ function draw() {
 
 // The curves of the part of the path that frame k belongs to
 function drawPart(run, k, time) {
-  const approach = run.approaching(k), grows = run.number === me.begun && !run.whole && approach === me.approach
+  const approach = run.approaching(k), grows = run === me.charted && !run.whole && approach === me.approach
   if (grows && time - curvesAt < QUIET) return again(QUIET)
   if (!curves(run, run.length, run.whole, me.ghost, me.pins, approach, me.look)) return
   curvesAt = time
   fitFrames(run)
   drawCurves(run, me.ghost, approach)
   drawLines(run, me.ghost, approach)
-  me.approach = approach
-  me.begun = run.number
+  set({ approach, charted: run })
 }
 
 // The map of the stage that frame k belongs to

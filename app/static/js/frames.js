@@ -52,7 +52,10 @@ export class Frames {
   }
 
   // The slip before frame k: how many nodes feel anything and moved, whether all did, by how many sites
-  slipTo(k) {
+  slipTo(k) { return (this.#slips[k] ??= this.#slipTo(k)) }
+
+  #slips = {} // {frame: its slip}, as frames of a run never change
+  #slipTo(k) {
     const moved = this.moved(k), { state: stateOf } = this.frame(k)
     const acting = [...moved.keys()].filter((i) => stateOf(i) !== "free"), gone = acting.filter((i) => moved[i])
     const sites = gone.length ? Math.abs(moved[gone[gone.length >> 1]]) : 0

@@ -98,7 +98,7 @@ async function slowMotion() {
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
 function connectCurve(figure) {
-  onEvent(figure, "mousemove", (event) => { if (!me.playing) me.preview = there(event) })
+  onEvent(figure, "mousemove", (event) => { if (!me.playing && !me.run?.followed) me.preview = there(event) })
   onEvent(figure, "mouseleave", () => { me.preview = null })
   onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
 }

@@ -3,7 +3,7 @@
 // the text asserts, [name, ...values], for tests/browser/test_sentence.py to check against the solver. Pure functions
 // of runs, nothing drawn.
 
-import { digits, minus, newtons } from "./dom.js"
+import { minus, newtons, newtonsOf } from "./dom.js"
 import { WEAK } from "./run.js"
 
 export const AFTER = 1.0 // nm of the path for which a slip is what happens
@@ -13,6 +13,18 @@ const SAME = 0.01 // a change by less is none
 
 const nm = (length) => `${minus(Math.abs(length) < 99.95 ? length.toFixed(1) : length.toFixed(0))} nm`
 const tell = (key, text, ...claims) => ({ key, text, claims })
+
+const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
+const EVENT = /^(slip|in|off|part) / // keys of sentences about a slip or a jump
+
+// What is said next, of {key, text, k, since}: what was said before, or what is true now. While frames follow each other
+// quickly a sentence stays for some time, so that it can be read; but a slip ends it, and so does another beginning
+export function saidNext(before, next, { moving, k, time }) {
+  const same = next.key === before.key, ends = k < before.k || EVENT.test(next.key)
+  const stays = moving && !ends && time - before.since < HOLD
+  if (next.text === before.text || (moving && same) || stays) return { ...before, k }
+  return { ...next, k, since: time }
+}
 
 // What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the
 // frame
@@ -53,7 +65,7 @@ export function nowSentence(run, k, playing = false) {
 }
 
 function jumped(run, at, k) {
-  const { A, L } = run.curves, held = run.frame(k).T_n.some((_, i) => run.frame(k).state(i) !== "free")
+  const { A, L } = run.curves, frame = run.frame(k), held = frame.T_n.some((_, i) => frame.state(i) !== "free")
   if (run.stage(at) === "unload") {
     if (run.followed || !held) return tell(`off ${at}`, "It lets go: the surfaces jump apart.", ["slip", at])
     return tell(`part ${at}`, "A part of the contact lets go at once.", ["slip", at])
@@ -88,8 +100,8 @@ function slid(run, at, playing) {
   const { gone, all, sites, shiftText } = run.followed ? {} : run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
   const far = sites && all ? ` by ${shiftText}, ${nm(sites * run.head.spacing)}` : ""
-  const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0
-  const numbers = playing ? "" : ` from ${digits(was)} to ${newtons(is)}${round ? " the other way" : ""}`
+  const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0, [from, to] = newtonsOf(was, is)
+  const numbers = playing ? "" : ` from ${from} to ${to}${round ? " the other way" : ""}`
   const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"}${numbers}`
   const gain = A[at] / A[at - 1] - 1
   const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? ""
@@ -153,7 +165,8 @@ function stickBegins(run, k) {
 }
 
 const swing = ({ low, high }) => (
-  Math.abs(low + high) < SAME * (high - low) ? `by ±${newtons(high)}` : `between ${digits(low)} and ${newtons(high)}`)
+  Math.abs(low + high) < SAME * (high - low) ? `by ±${newtons(high)}`
+  : `between ${newtonsOf(low, high).join(" and ")}`)
 
 // {low, high, from} of F where a whole run slides without slips, from its first top on; null
 function smooth(run, k) {

@@ -16,7 +16,7 @@ const ENDED = ["finished", "skipped", "failed"] // states of a run that goes no 
 export function connect() {
   on("skip", "click", () => order("skip"))
   setInterval(() => { if (me.status.state === "running") tellState() }, 1000)
-  view(["run", "status", "waiting", "entered", "dragging", "lost", "anchor", "begun", "drawn"], checkTruth)
+  view(["run", "status", "waiting", "entered", "dragging", "lost", "picture", "charted"], checkTruth)
   view(["status", "dragging", "waiting", "entered"], tellScene)
   view(["status"], tellNotes)
   view(["run", "status", "playing", "lost"], tellState)
@@ -70,17 +70,26 @@ function asked() {
   return Object.assign({}, me.status.values, ...changes, me.entered)
 }
 
+// Names of the parameters in which a run is not what the controls say
+function differing(run, wanted = asked()) {
+  const { scene } = run
+  const other = (name) => String(scene[name]) !== String(wanted[name]) && Number(scene[name]) !== Number(wanted[name])
+  return Object.keys(scene).filter((name) => name in wanted && other(name))
+}
+
+// Whether a run that pixels come from is not that of the numbers beside them. While a slider is held predictions follow
+// it, and say so; without a server the words do
+const outOfDate = (run) => Boolean(run) && !me.lost && !(me.dragging && run.followed)
+  && (differing(run).length > 0 || restoring())
+const restoring = () => me.waiting.some(({ what }) => what !== "scene")
+
 function checkTruth() {
-  const scene = me.run?.scene, wanted = asked()
-  const names = Object.keys(scene ?? {}).filter((name) => name in wanted && String(scene[name]) !== String(wanted[name])
-    && Number(scene[name]) !== Number(wanted[name]))
-  me.stale = Boolean(scene) && (names.length > 0 || me.waiting.some(({ what }) => what !== "scene"))
-  const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(scene[name])}`).join(", ")
-  // curves come with the shear
-  const mixed = Boolean(me.begun) && me.drawn >= 0 && me.begun !== me.run?.number && me.following
+  const names = me.run ? differing(me.run) : []
+  me.stale = Boolean(me.run) && (names.length > 0 || restoring())
+  const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(me.run.scene[name])}`).join(", ")
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
-  const grey = me.stale && !me.lost && (me.run === me.anchor || Boolean(me.run.stored))
-  Object.assign(document.querySelector(".page").dataset, { mixed, stale: grey })
+  const stale = outOfDate(me.picture?.run), mixed = outOfDate(me.charted)
+  Object.assign(document.querySelector(".page").dataset, { mixed, stale })
 }
 
 const changes = () => Object.keys(me.status.address).filter((name) => !["preset", "profile"].includes(name))

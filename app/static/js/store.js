@@ -22,7 +22,7 @@ const fields = {
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   move: { name: "" }, // parameters changed by hand: one object for as long as it is one movement
   rests: 400, // ms without a move, after which a hand rests although it holds on
-  begun: null, mapped: true, approach: false, // number of the run whose curves are drawn; map up to date; which part
+  charted: null, mapped: true, approach: false, // the run whose curves are drawn; whether its map is; which part
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 

@@ -6,7 +6,7 @@ import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
-import { changeSentence, nowSentence, phaseSentence } from "./sentence.js"
+import { changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
 import { exact, me } from "./store.js"
 import { explain } from "./terms.js"
 
@@ -187,17 +187,14 @@ function slipText(run, at, brief = false) {
   return `slip: ${part}${far}${run.head.flat ? "" : area}`
 }
 
-const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
-let sentence = { key: "", text: "", at: -HOLD }, compared = [] // what is on screen since when; the runs last compared
+let sentence = { key: "", text: "", k: 0, since: -Infinity }, compared = [] // on screen; the runs last compared
 
 // The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
 export function tellNow(run, k) {
-  const moving = me.playing || me.dragging, time = performance.now()
-  const next = moving ? phaseSentence(run, k) : nowSentence(run, k), same = moving && next.key === sentence.key
-  if (next.text !== sentence.text && !same && !(moving && time - sentence.at < HOLD)) {
-    sentence = { ...next, at: time }
-    explain(by("sentence"), next.text)
-  }
+  const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
+  const said = saidNext(sentence, next, { moving, k, time: performance.now() })
+  if (said.text !== sentence.text) explain(by("sentence"), said.text)
+  sentence = said
   const wanted = [run, me.ghost, run.whole]
   if (wanted.every((what, i) => what === compared[i])) return
   compared = wanted

@@ -1,7 +1,6 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
 import { frameBox } from "./bokeh.js"
-import { order } from "./channel.js"
 import { by, fixed, make, makeButton, minus, readdress, tell } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
@@ -55,13 +54,12 @@ function begin() {
   chosen = null
   unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : null
   choose(stop.curve)
-  restore({ preset: stop.preset })
-  const values = wanted()
-  if (Object.keys(values).length) order("scene", { values })
+  restore({ preset: stop.preset, ...asTexts(wanted()) })
   write()
 }
 
 const wanted = () => ({ ...STOPS[at].values, ...unseen?.values })
+const asTexts = (values) => Object.fromEntries(Object.entries(values).map(([name, value]) => [name, `${value}`]))
 
 // Whether the server is at the scene of the stop
 const atStop = () => {
