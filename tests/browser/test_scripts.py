@@ -156,7 +156,7 @@ def test_a_continued_run_starts_with_the_frames_of_the_previous_run(tab):
 
 def test_numbers_use_a_true_minus_sign_and_no_negative_zero(tab):
     written = tab.evaluate(
-        """import("http://scripts/js/dom.js").then(({ fixed, minus }) => [
+        """import("http://scripts/js/quantities.js").then(({ fixed, minus }) => [
             fixed(-1.25, 1), fixed(-0.0004, 3).replace("−", ""), fixed(3, 0), minus("-2")])"""
     )
     assert written == ["−1.2", "0.000", "3", "−2"]

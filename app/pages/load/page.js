@@ -6,7 +6,7 @@ import { extent, figures, fill } from "../../static/js/figures.js"
 import { download } from "../../static/js/share.js"
 import { clear, collect, points } from "../../static/js/slips.js"
 import { me } from "../../static/js/store.js"
-import { value } from "../../static/js/words.js"
+import { named } from "../../static/js/quantities.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.08 // of an axis, beyond the points
@@ -54,7 +54,7 @@ function axis(range, name) {
 
 // The parameter that changed, and those with a slider; of a path through points also the stage of the slip
 const labelOf = ({ changed, scene, stage }) => [stage ? `first slip of the path, in stage ${stage}` : [],
-  ...[...new Set([changed ?? [], NAMED].flat())].map((name) => value(name, scene[name]))].flat().join(", ")
+  ...[...new Set([changed ?? [], NAMED].flat())].map((name) => named(name, scene[name]))].flat().join(", ")
 
 const cell = (given) => (typeof given === "number" ? given : `"${`${given ?? ""}`.replaceAll('"', '""')}"`)
 

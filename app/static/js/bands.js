@@ -3,10 +3,11 @@
 
 import { frameBox } from "./bokeh.js"
 import { isShown } from "./colours.js"
-import { by, minus } from "./dom.js"
+import { by } from "./dom.js"
 import { figures } from "./figures.js"
 import { cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
+import { minus } from "./quantities.js"
 
 const GAP = 10 // px between both
 const LABEL = 4 // times the size of the text, for a number of a place

@@ -22,7 +22,7 @@ let lines = 0, surfaces = 0 // how many are drawn
 
 // Curves and outlines in the map
 export function drawLines(run, ghost, approach) {
-  const pins = beside(run), { names, factor } = forceUnit([run, ghost])
+  const pins = beside(run), { names, factor } = forceUnit()
   if (!pins.length && !lines) return
   lines = pins.length
   const line = (pin, name, times, width) => {

@@ -1,17 +1,7 @@
-// Elements of the page, its address, and how numbers are written.
+// Elements of the page, and its address.
 
 export const by = (id) => document.getElementById(id)
 export const on = (id, event, call) => by(id).addEventListener(event, call)
-export const minus = (text) => `${text}`.replace("-", "−")
-export const digits = (value, count = 3) => minus(Number(value.toPrecision(count)))
-export const fixed = (value, places) => minus((Math.round(value * 10 ** places) / 10 ** places).toFixed(places))
-// Forces per depth (N/m) as texts, the last with the unit of all: that of the largest
-export function newtonsOf(...forces) {
-  const small = Math.max(...forces.map(Math.abs)) < 0.1, numbers = forces.map((F) => digits(small ? 1000 * F : F))
-  return [...numbers.slice(0, -1), `${numbers.at(-1)} ${small ? "mN/m" : "N/m"}`]
-}
-export const newtons = (force) => newtonsOf(force)[0]
-
 // Where in a list the number nearest to a value is
 export const closest = (list, value) => (
   list.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(list[best] - value) ? i : best), 0))

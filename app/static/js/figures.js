@@ -1,13 +1,14 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
+import { digits, named } from "./quantities.js"
 import {
   fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
-import { by, digits, minus, tell } from "./dom.js"
+import { by, tell } from "./dom.js"
 import { me } from "./store.js"
 import { explain } from "./terms.js"
-import { forceUnit, symbol as symbolOf, tellStart } from "./words.js"
+import { forceUnit, tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
@@ -66,7 +67,7 @@ export function drawCurves(run, ghost, approach) {
   // along something else, or drawn already
   const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
   if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
-  const unit = forceUnit([run, ghost]), label = labelOf(unit), { names: { F, L }, factor } = unit
+  const unit = forceUnit(), label = labelOf(unit), { names: { F, L }, factor } = unit
   const part = (of, name) => of?.drawn(name, approach, name === "A" ? 1 : factor) ?? NOTHING
   const { look } = me, was = curvesDrawn
   const same = ghost === was.ghost && label === was.label && approach === was.approach && look === was.look
@@ -114,7 +115,7 @@ const NAMED = 2 // parameters at most
 // What the run before was computed with, where that is another scene
 function nameGhost({ scene }, ghost) {
   const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
-  const values = names.map((name) => `${symbolOf(name)} = ${minus(ghost.scene[name])}`).join(", ")
+  const values = names.map((name) => named(name, ghost.scene[name])).join(", ")
   const text = names.length && names.length <= NAMED ? `: ${values}` : ""
   for (const key of document.querySelectorAll(".key .ghost .of")) tell(key, text)
 }
@@ -138,7 +139,7 @@ function retell(view, change) {
 }
 
 // The unit of forces, on the axis and beside the mouse
-const labelOf = ({ symbols, text, over = "" }) => `${symbols.F}, ${symbols.L} (${text}${over})`
+const labelOf = ({ symbols, text }) => `${symbols.F}, ${symbols.L} (${text})`
 function nameForces({ symbols, text }) {
   set(figures.forces.left[0], { axis_label: curvesDrawn.label })
   retell("forces", (where, [symbol]) => [where, [symbols[symbol[0]], `@value{0.000} ${text}`]])

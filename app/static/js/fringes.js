@@ -1,8 +1,9 @@
 // Photoelastic fringes inside the punch: lines of equal shear stress.
 
+import { digits } from "./quantities.js"
 import { frameBox } from "./bokeh.js"
 import { isShown } from "./colours.js"
-import { by, digits, on } from "./dom.js"
+import { by, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile } from "./inside.js"
 import { cleared } from "./pen.js"

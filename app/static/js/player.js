@@ -1,7 +1,8 @@
 // Which run is on screen, and its playing and scrubbing, without asking the server.
 
+import { spoken } from "./quantities.js"
 import { heard, order } from "./channel.js"
-import { by, fixed, newtons } from "./dom.js"
+import { by } from "./dom.js"
 import { paceAt } from "./pace.js"
 import { Picture } from "./picture.js"
 import { Run } from "./run.js"
@@ -137,18 +138,15 @@ export function goto(k) {
   else by("announcement").textContent = "" // what was announced at another increment is not true of this one
 }
 
-const spoken = (force) => newtons(force).replace("mN/m", "millinewtons per metre")
-  .replace("N/m", "newtons per metre")
-
 // A sentence for those who hear the page: at rest only, as a sentence for every frame is a flood
 function summarise(what) {
   const { run } = me, k = now()
   if (k < 0) return
   const { U_x, F, L, A, slip, slip_at } = run.values(k)
   const at = slip && !run.normal && !run.approaching(k) ? slip_at : U_x // as the sentence says it
-  by("announcement").textContent = `${what} at a displacement of ${fixed(at, 1)} nanometres: `
-    + `friction ${spoken(F)}, load ${spoken(L)}, `
-    + (run.head.flat ? "all in contact." : `contact ${fixed(A, 0)} nanometres wide.`)
+  by("announcement").textContent = `${what} at a displacement of ${spoken("U_x", at)}: `
+    + `friction ${spoken("F", F)}, load ${spoken("L", L)}, `
+    + (run.head.flat ? "all in contact." : `contact ${spoken("A", A)} wide.`)
 }
 
 export function reset() {

@@ -1,20 +1,21 @@
 // The increment on screen in numbers: under the views with tools, for those who hear the page, and beside the sliders.
 
+import { fixed, named, spoken, withUnit } from "./quantities.js"
 import { isShown } from "./colours.js"
-import { by, fixed, tell } from "./dom.js"
-import { areaText, forceText, forceUnit, value as named } from "./words.js"
+import { by, tell } from "./dom.js"
+import { areaText, forceText } from "./words.js"
 
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k), others = under(run, k)
-  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}`)
+  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}: ${spoken("U_x", v.U_x)}`)
   if (!isShown(by("readout"))) return
   const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
   const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
-  const unit = forceUnit([run]), top = run.driven ? ` (top ${fixed(run.top(k), 1)} nm)` : ""
+  const top = run.driven ? ` (top ${withUnit("U_x", run.top(k))})` : ""
   const texts = [
-    `${run.leg(k)} ${v.index}: Uₓ = ${fixed(v.U_x, 1)} nm${top},`, `δ = ${fixed(v.delta, 1)} nm,`,
-    `${forceText(v, "F", unit)},`, `${forceText(v, "L", unit)},`, `${areaText(v)}${slipped}`,
+    `${run.leg(k)} ${v.index}: ${named("U_x", v.U_x)}${top},`, `${named("delta", v.delta)},`,
+    `${forceText(v, "F")},`, `${forceText(v, "L")},`, `${areaText(v)}${slipped}`,
     [work, others].filter(Boolean).join("; "),
   ]
   by("solver").lastElementChild.textContent =

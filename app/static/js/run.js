@@ -16,7 +16,7 @@ const SPAN = { // of the frames of a run, from the first of shear on by default
   T_out: 0, T_back: 0, // GPa, the strongest tangential traction against +x, and along it
   lowest: 0, // nm, the smallest gap of all frames
   reach: 0, // nm from the middle within which anything acts
-  strongestForce: 0, strongest: 0, // N/m, of F and L: of all frames, and of those of shear once there are any
+  strongest: 0, // N/m, of F and L: of the frames of shear once there are any
 }
 export const SPANS = Object.keys(SPAN)
 const least = (list) => list.reduce((a, b) => Math.min(a, b), 0)
@@ -85,7 +85,6 @@ export class Run extends Frames {
   weigh(k) {
     const most = Math.max(Math.abs(this.curves.F[k]), Math.abs(this.curves.L[k]))
     this.strongest = Math.max(this.strongest, most)
-    this.strongestForce = Math.max(this.strongestForce, most)
   }
 
   // Names of the parameters that are not the same for all frames after the approach

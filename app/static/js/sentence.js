@@ -3,7 +3,7 @@
 // the text asserts, [name, ...values], for tests/browser/test_sentence.py to check against the solver. Pure functions
 // of runs, nothing drawn.
 
-import { minus, newtons, newtonsOf } from "./dom.js"
+import { fixed, number, withUnit } from "./quantities.js"
 import { WEAK } from "./run.js"
 
 export const AFTER = 1.0 // nm of the path for which a slip is what happens
@@ -11,7 +11,7 @@ const LET_GO = 0.5 // sites of peeling that are worth a word
 const MORE = 1.3 // times as far: more on one side
 const SAME = 0.01 // a change by less is none
 
-const nm = (length) => `${minus(Math.abs(length) < 99.95 ? length.toFixed(1) : length.toFixed(0))} nm`
+const nm = (length) => `${fixed(length, Math.abs(length) < 99.95 ? 1 : 0)} nm`
 const tell = (key, text, ...claims) => ({ key, text, claims })
 
 const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
@@ -100,8 +100,8 @@ function slid(run, at, playing) {
   const { gone, all, sites, shiftText } = run.followed ? {} : run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
   const far = sites && all ? ` by ${shiftText}, ${nm(sites * run.head.spacing)}` : ""
-  const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0, [from, to] = newtonsOf(was, is)
-  const numbers = playing ? "" : ` from ${from} to ${to}${round ? " the other way" : ""}`
+  const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0
+  const numbers = playing ? "" : ` from ${number("F", was)} to ${withUnit("F", is)}${round ? " the other way" : ""}`
   const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"}${numbers}`
   const gain = A[at] / A[at - 1] - 1
   const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? ""
@@ -165,8 +165,8 @@ function stickBegins(run, k) {
 }
 
 const swing = ({ low, high }) => (
-  Math.abs(low + high) < SAME * (high - low) ? `by ±${newtons(high)}`
-  : `between ${newtonsOf(low, high).join(" and ")}`)
+  Math.abs(low + high) < SAME * (high - low) ? `by ±${withUnit("F", high)}`
+  : `between ${number("F", low)} and ${withUnit("F", high)}`)
 
 // {low, high, from} of F where a whole run slides without slips, from its first top on; null
 function smooth(run, k) {
@@ -235,7 +235,7 @@ export function changeSentence(run, before) {
   if (differs(now.U, then.U))
     differences.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
   if (differs(now.F, then.F))
-    differences.push(`${differences.length ? "" : "it slips at "}${newtons(now.F)} instead of ${newtons(then.F)}`)
+    differences.push(`${differences.length ? "" : "it slips at "}${withUnit("F", now.F)} instead of ${withUnit("F", then.F)}`)
   claims.push(["U_s", now.U], ["U_s before", then.U], ["F_s", now.F], ["F_s before", then.F])
   if (!differences.length) return tell("change none", `${head}: hardly a difference.`, ...claims)
   return tell("change", `${head}: ${differences.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
@@ -251,7 +251,7 @@ function goesOn(run, head) {
   const last = (test) => eventOf(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
   const now = last((i) => i > run.carried), then = last((i) => i < run.carried)
   if (!now || !then) return null
-  return compared(head, "it now slips at", newtons(now.F), newtons(then.F), ["F at slip", now.at, now.F],
+  return compared(head, "it now slips at", withUnit("F", now.F), withUnit("F", then.F), ["F at slip", now.at, now.F],
     ["F at slip", then.at, then.F], ["slip", now.at], ["slip", then.at])
 }
 
@@ -266,7 +266,7 @@ function swings(now, then, head) {
 function lifted(run, before, head) {
   const [now, then] = [run, before].map((of) => Math.min(...of.curves.L.filter((_, k) => of.stage(k) === "unload")))
   if (!(now < 0 && then < 0)) return null
-  return compared(head, "raising it takes up to", newtons(-now), newtons(-then), ["L_min", now], ["L_min before", then])
+  return compared(head, "raising it takes up to", withUnit("F", -now), withUnit("F", -then), ["L_min", now], ["L_min before", then])
 }
 
 // The reason, where the numbers of both runs show it

@@ -1,15 +1,16 @@
 // What the server says of the run and of what was entered, in words and in the address; and whose picture this is:
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
+import { fixed, minus, named } from "./quantities.js"
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, outdated } from "./channel.js"
-import { by, fixed, minus, on, say, tell } from "./dom.js"
+import { by, on, say, tell } from "./dom.js"
 import { drawMarks } from "./marks.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
 import { declared, me, view } from "./store.js"
 import { explain } from "./terms.js"
-import { inWords, symbol } from "./words.js"
+import { inWords } from "./words.js"
 
 const ENDED = ["finished", "skipped", "failed"] // states of a run that goes no further
 
@@ -86,7 +87,7 @@ const restoring = () => me.waiting.some(({ what }) => what !== "scene")
 function checkTruth() {
   const names = me.run ? differing(me.run) : []
   me.stale = Boolean(me.run) && (names.length > 0 || restoring())
-  const values = names.slice(0, SAID).map((name) => `${symbol(name)} = ${minus(me.run.scene[name])}`).join(", ")
+  const values = names.slice(0, SAID).map((name) => named(name, me.run.scene[name])).join(", ")
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
   const stale = outOfDate(me.picture?.run), mixed = outOfDate(me.charted)
   Object.assign(document.querySelector(".page").dataset, { mixed, stale })

@@ -1,7 +1,8 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
+import { fixed, withUnit } from "./quantities.js"
 import { frameBox } from "./bokeh.js"
-import { by, fixed, newtons, say } from "./dom.js"
+import { by, say } from "./dom.js"
 import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
@@ -98,7 +99,7 @@ function drawForces(view) {
   arrow(view, [pull > 0 ? right - pull : right, y], [pull, 0], ink.shear)
   const way = (pull > 0) === (run.stage(k) !== "back") ? "pulled" : "held back"
   const wide = box.width - (edge - right) > (spring ? 1.6 : 1) * WIDE * size()
-  const pulled = `${!wide ? "" : `${moves}, ${way} by `}F = ${newtons(F)}`
+  const pulled = `${!wide ? "" : `${moves}, ${way} by `}F = ${withUnit("F", F)}`
   write(view, pull ? pulled : moves, right - Math.abs(pull) - (pull ? 8 : 0), y,
     { of: pull ? ink.shear : ink.text, align: "right", bold: true })
   if (none(L) || run.apart) return
@@ -106,7 +107,7 @@ function drawForces(view) {
   const from = y + (spring ? 2 : 0.8) * row // under the key, the text of F and the drive
   if (L > 0) arrow(view, [at, from], [0, deep], ink.normal)
   else arrow(view, [at, from + deep], [0, -deep], ink.normal)
-  const text = narrow ? `L = ${newtons(L)}` : `load L = ${newtons(L)}, ${L > 0 ? "presses" : "holds it up"}`
+  const text = narrow ? `L = ${withUnit("F", L)}` : `load L = ${withUnit("F", L)}, ${L > 0 ? "presses" : "holds it up"}`
   write(view, text, at + 12, from + Math.max(0.6 * row, 0.5 * deep), { of: ink.normal, align: "left" })
 }
 

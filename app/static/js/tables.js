@@ -1,7 +1,8 @@
 // What a plot shows as a table, built from the frames that are here; loaded when one is opened.
 
+import { digits, fixed } from "./quantities.js"
 import { drawnBy } from "./bokeh.js"
-import { by, digits, fixed, make, makeRow } from "./dom.js"
+import { by, make, makeRow } from "./dom.js"
 import { figures, parts } from "./figures.js"
 import { me } from "./store.js"
 

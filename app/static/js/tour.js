@@ -1,7 +1,8 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
+import { fixed, minus } from "./quantities.js"
 import { frameBox } from "./bokeh.js"
-import { by, fixed, make, makeButton, minus, readdress, tell } from "./dom.js"
+import { by, make, makeButton, readdress, tell } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"

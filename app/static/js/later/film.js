@@ -59,7 +59,7 @@ function receive(chunk) {
   film.before = performance.now()
   useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
-  const { factor, names } = forceUnit([film.run])
+  const { factor, names } = forceUnit()
   widenForces(film.frames.curves[names.F].map((value) => value * factor))
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
@@ -104,7 +104,7 @@ function drawTrace() {
   tell("slow motion")
   by("slip").hidden = true
   if (!pen) return
-  const { factor, names } = forceUnit([film.run]), F = frames.curves[names.F].slice(k - 1), ink = inks()
+  const { factor, names } = forceUnit(), F = frames.curves[names.F].slice(k - 1), ink = inks()
   const width = FIELD * box.width, right = box.X(frames.along[k - 1]) < box.left + 0.5 * box.width
   const left = right ? box.left + box.width - width : box.left
   const places = F.map((value, i) => [left + EDGE + (i / (F.length - 1)) * (width - 2 * EDGE), box.Y(value * factor)])

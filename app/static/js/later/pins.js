@@ -7,7 +7,7 @@ import { by, make, makeButton, makeShape, readdress } from "../dom.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
 import { me, view } from "../store.js"
-import { value } from "../words.js"
+import { named } from "../quantities.js"
 
 const MOST = 4
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
@@ -35,7 +35,7 @@ function add(run, scene, name, carried = false) {
 // What differs from the preset, or the title of that
 function named(scene, preset) {
   const values =
-    Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => value(name, scene[name]))
+    Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => named(name, scene[name]))
   return values.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
 

@@ -1,6 +1,6 @@
 // What argues the reason at a stop of the tour, drawn from the numbers of the run on screen.
 
-import { fixed } from "../dom.js"
+import { fixed } from "../quantities.js"
 import { drawAtoms } from "../lens.js"
 import { cleared, inks, size, write } from "../pen.js"
 import { firstSlip } from "../sentence.js"
