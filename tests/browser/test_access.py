@@ -267,3 +267,35 @@ def test_previous_run_has_enough_contrast_in_the_dark_theme(look):
 
     line, text, page = map(light, look().evaluate(colours))
     assert (line + 0.05) / (page + 0.05) >= 3.0 and (text + 0.05) / (page + 0.05) >= 4.5  # of WCAG
+
+
+@pytest.mark.thorough
+def test_single_letters_can_be_switched_off_for_good(visit):
+    """WCAG 2.1.4: who dictates says letters that are not meant as keys."""
+    page = visit("?E=100")
+    finished(page)
+    page.locator("body").press("?")
+    page.get_by_label("letters and signs are keys").uncheck()
+    page.keyboard.press("Escape")
+    page.reload()
+    finished(page)
+    for key in ("r", "p", "c", "?", "]"):
+        page.locator("body").press(key)
+    assert "E=100" in page.url and "projector" not in page.url and not page.locator("#keys").is_visible()
+    page.locator("body").press(" ")  # is no letter
+    page.wait_for_function("punch.playing")
+
+
+@pytest.mark.thorough
+def test_sliders_tell_their_unit_and_a_summary_says_what_happens(look):
+    page = look("?E=200&delta_bar=0.1")
+    finished(page)
+    page.keyboard.press("End")
+    page.wait_for_function("punch.drawn === punch.run.length - 1 && !punch.fresh")
+    told = {name: page.get_attribute(f"#{name}", "aria-valuetext") for name in ("E", "delta_bar", "phi_ratio", "scrub")}
+    assert told["E"] == "200 gigapascals" and told["delta_bar"] == "0.1 of δ₀"
+    assert told["phi_ratio"] == "1 times the adhesion" and told["scrub"].endswith("40.0 nanometres")
+    summary = page.locator("section[aria-label=Summary]").text_content()
+    sentence = page.locator("#sentence").text_content()
+    assert "elastic punch" in summary and "sliders" in summary and sentence in summary
+    assert "newtons per metre" in summary

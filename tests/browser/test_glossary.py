@@ -38,12 +38,14 @@ def test_a_term_in_a_caption_explains_and_its_heading_enlarges_the_plot(look):
 
 
 @pytest.mark.thorough
-def test_terms_in_the_sentence_and_slider_labels_are_explained(look):
+def test_terms_in_the_sentence_are_explained_and_a_label_focuses_its_entry(look):
     page = look()
     page.locator("#sentence .term").first.click()
     page.locator("#term").wait_for()
-    page.locator(".control .term", has_text="Stiffness").click()
-    page.locator("#term", has_text="Young").wait_for()
+    page.keyboard.press("Escape")
+    page.locator(".control label", has_text="Stiffness").click()
+    assert page.evaluate("document.activeElement.id") == "E-entry"
+    assert not page.locator("label button").count()
 
 
 @pytest.mark.thorough

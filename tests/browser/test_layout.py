@@ -80,10 +80,17 @@ def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
     finished(page)
     punch, player = (page.locator(what).bounding_box() for what in ("#punch-view", ".player"))
     assert punch["y"] + 140 < player["y"]
-    finger, x, y = page.context.new_cdp_session(page), 200, punch["y"] + 150
-    for kind, down in (("touchStart", 0), ("touchMove", 10), ("touchMove", 40), ("touchEnd", None)):
-        points = [] if down is None else [{"x": x, "y": y + down}]
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    finger, grip = page.context.new_cdp_session(page), page.locator("#grab").bounding_box()
+
+    def swipe(x, y):
+        for kind, down in (("touchStart", 0), ("touchMove", 10), ("touchMove", 40), ("touchEnd", None)):
+            points = [] if down is None else [{"x": x, "y": y + down}]
+            finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    swipe(40, punch["y"] + 100)  # scrolls the page, and changes nothing
+    page.evaluate("() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then)))")
+    assert page.evaluate("[punch.dragging, punch.waiting.length, punch.status.values.delta_bar]") == [False, 0, 0]
+    swipe(grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2)
     page.wait_for_function("punch.status.values.delta_bar > 0")
     assert page.evaluate("scrollY") == 0 and page.locator("#row label:visible").count() > 5
     law = page.get_by_role("button", name="Interface law")

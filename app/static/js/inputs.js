@@ -11,7 +11,7 @@ import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { declared, exact, leaveBehind, me, redraw, reduced, set } from "./store.js"
 import { openTheory } from "./terms.js"
-import { chooseNext, connectViews, fillScreen, project, useTools } from "./view.js"
+import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, useTools } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
@@ -25,20 +25,23 @@ function connectSlider(name, values) {
   for (const end of ["pointerup", "pointercancel", "keyup", "blur"]) slider.addEventListener(end, letGo)
 }
 
-// Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation
+// Dragging the punch itself: sideways to where the top has been pulled, up and down to another indentation. A finger
+// pushes it at the grip only, as elsewhere it scrolls the page
 function connectHand() {
   const view = by("punch-view"), slider = by("delta_bar"), values = declared.positions.delta_bar
   onDrag(view, (event) => { // where the drag begins, and what it changes, once that is clear
     if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return null
     const along = me.run.along[Math.max(0, me.drawn)]
-    return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value] }
+    const pushes = event.pointerType !== "touch" || event.target.id === "grab"
+    return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value], pushes }
   }, (event, from) => {
     const dx = event.clientX - from.x, dy = event.clientY - from.y
     if (!from.way && Math.max(Math.abs(dx), Math.abs(dy)) > DECIDED) {
-      from.way = Math.abs(dx) > Math.abs(dy) ? "along" : "down"
+      from.way = Math.abs(dx) > Math.abs(dy) ? "along" : from.pushes ? "down" : "scrolls"
+      if (from.way === "scrolls") return
       view.setPointerCapture(event.pointerId)
       view.dataset.dragged = from.way
-      by("grab").hidden = true
+      by("grab").hidden = event.pointerType !== "touch" // for a finger it is the grip
     }
     if (from.way === "along") pull(from.along, dx)
     else if (from.way === "down") push(from.delta + DEEP * dy)
@@ -84,6 +87,7 @@ function onKey(event) {
     event.preventDefault()
     return key === "y" || event.shiftKey ? redo() : undo()
   }
+  if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
     || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
   if (held || event.altKey || taken || open || !KEYS[key]) return

@@ -3,11 +3,13 @@
 import { fixed, named, spoken, withUnit } from "./quantities.js"
 import { isShown } from "./colours.js"
 import { by, tell } from "./dom.js"
-import { areaText, forceText } from "./words.js"
+import { me } from "./store.js"
+import { areaText, forceText, summary } from "./words.js"
 
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k), others = under(run, k)
   by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}: ${spoken("U_x", v.U_x)}`)
+  if (!me.playing && !me.dragging) tell(by("now"), summary(run, k, by("sentence").textContent))
   if (!isShown(by("readout"))) return
   const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal

@@ -12,7 +12,7 @@ import { cover, exact, me, set, view } from "./store.js"
 import { explain } from "./terms.js"
 import { PICTURES } from "./tour/pictures.js"
 import { STOPS } from "./tour/stops.js"
-import { choose } from "./view.js"
+import { choose, lettersAreKeys } from "./view.js"
 
 let before = null // {U, F} of the first slip of the usual scene, to compare with
 let unseen = null // the scene that nobody has seen
@@ -205,7 +205,7 @@ function answerButton(i) {
 // 1 to 3 choose an answer
 function onDigit(event) {
   const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = STOPS[at].order[place]
-  if (place < 0 || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
+  if (place < 0 || !lettersAreKeys() || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
     || event.target.matches?.("input[type=text]")) return
   event.preventDefault()
   answer(i)

@@ -4,7 +4,7 @@ import { by, on, readdress } from "./dom.js"
 import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
 import { embedded, redraw } from "./store.js"
-import { keep } from "./storage.js"
+import { keep, kept } from "./storage.js"
 
 const { dataset } = document.documentElement
 
@@ -22,6 +22,9 @@ export function useTools() {
   settle()
 }
 
+// Whether single letters, digits and signs do something. Those who dictate may switch them off, for good
+export const lettersAreKeys = () => by("letters").checked
+
 function settle() {
   const asked = dataset.view === "projector" ? "projector" : "tools" in dataset ? "lab" : null
   readdress((address) => (asked ? address.set("view", asked) : address.delete("view")))
@@ -35,6 +38,8 @@ function tellButtons() {
 }
 
 export function connectViews() {
+  by("letters").checked = kept("letters") !== "off"
+  on("letters", "change", ({ target }) => keep("letters", target.checked ? "on" : "off"))
   tellButtons()
   on("projector", "click", project)
   on("tools", "click", useTools)

@@ -2,7 +2,7 @@
 // over w.
 
 import { by, on, readdress } from "./dom.js"
-import { digits, fixed, named } from "./quantities.js"
+import { digits, fixed, named, spoken } from "./quantities.js"
 import { me, redraw } from "./store.js"
 
 const REAL = { names: { F: "F", L: "L" }, factor: 1, text: "N/m", symbols: { F: "F", L: "L" } }
@@ -44,6 +44,12 @@ export function parameters({ values, address, preset } = me.status, changing = [
   const changed = others.length || changing.length || MAIN.some((name) => name in address)
   const text = [...MAIN, ...others].map((name) => named(name, values[name])).join(", ")
   return `${title}${changed ? ", changed" : ""}: ${text}`
+}
+
+// What happens on screen, for those who hear the page: the sentence, and the numbers
+export function summary(run, k, sentence) {
+  const { U_x, F, L, A } = run.values(k), area = run.head.flat ? "" : `, contact ${spoken("A", A)} wide`
+  return `Now: ${sentence} Displacement ${spoken("U_x", U_x)}, friction ${spoken("F", F)}, load ${spoken("L", L)}${area}.`
 }
 
 export function described(run, k) {
