@@ -71,8 +71,8 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
     page.evaluate(
         """() => {
             const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
+            window.watching ??= wire.properties.order.change.connect(() => ordered.push(wire.order.do))
             window.ordered = []
-            wire.properties.order.change.connect(() => ordered.push(wire.order.do))
         }"""
     )
     asked(opened(page, stop))

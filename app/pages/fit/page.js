@@ -1,10 +1,10 @@
 // The page "Fit": a measured curve, over it that of the sliders, and what a fit has found.
 
-import { minus } from "../../static/js/quantities.js"
 import { ask, order, sendFile } from "../../static/js/channel.js"
 import { set } from "../../static/js/bokeh.js"
 import { by, make, on } from "../../static/js/dom.js"
 import { extent, figures, fill } from "../../static/js/figures.js"
+import { minus } from "../../static/js/quantities.js"
 import { leaveBehind, me } from "../../static/js/store.js"
 
 const ROOM = 0.08 // of a curve, above and below it

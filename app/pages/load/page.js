@@ -3,10 +3,10 @@
 import { set } from "../../static/js/bokeh.js"
 import { by, on } from "../../static/js/dom.js"
 import { extent, figures, fill } from "../../static/js/figures.js"
+import { named } from "../../static/js/quantities.js"
 import { download } from "../../static/js/share.js"
 import { clear, collect, points } from "../../static/js/slips.js"
 import { me } from "../../static/js/store.js"
-import { named } from "../../static/js/quantities.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.08 // of an axis, beyond the points

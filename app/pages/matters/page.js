@@ -1,11 +1,11 @@
 // The page "What matters": a bar for each parameter, and below the punch how much each node holds until the first slip.
 
-import { minus } from "../../static/js/quantities.js"
 import { frameBox } from "../../static/js/bokeh.js"
 import { by, make, makeButton, on } from "../../static/js/dom.js"
 import { figures } from "../../static/js/figures.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
+import { minus } from "../../static/js/quantities.js"
 import { enter } from "../../static/js/steer.js"
 import { me, redrawCanvases } from "../../static/js/store.js"
 import { inWords } from "../../static/js/words.js"

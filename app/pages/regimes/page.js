@@ -1,10 +1,10 @@
 // The page "Map of regimes": its axes and its quantity; a click goes to that scene, and a drag through all between.
 
-import { digits, minus } from "../../static/js/quantities.js"
 import { drawnBy, onEvent, set } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"
 import { by, on } from "../../static/js/dom.js"
 import { figures, parts } from "../../static/js/figures.js"
+import { digits, minus } from "../../static/js/quantities.js"
 import { letGo, steer } from "../../static/js/steer.js"
 
 const DIGITS = 4 // of a value

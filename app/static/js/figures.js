@@ -1,11 +1,11 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
-import { digits, named } from "./quantities.js"
 import {
   fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
 import { by, tell } from "./dom.js"
+import { digits, named } from "./quantities.js"
 import { me } from "./store.js"
 import { explain } from "./terms.js"
 import { forceUnit, tellStart } from "./words.js"
@@ -149,10 +149,10 @@ function nameForces({ symbols, text }) {
 const AXES = {
   U_x: ["Uₓ", "displacement Uₓ (nm)"], delta: ["δ", "indentation δ (nm)"], path: ["path", "length of the path (nm)"],
 }
-let named = "U_x"
+let abscissaNamed = "U_x"
 function nameAxis(abscissa) {
-  if (abscissa === named) return
-  named = abscissa
+  if (abscissa === abscissaNamed) return
+  abscissaNamed = abscissa
   const [first, second] = document.querySelectorAll(".slips"), event = abscissa === "delta" ? "jump" : "slip"
   explain(first, event)
   second.textContent = event

@@ -1,6 +1,5 @@
 // Photoelastic fringes inside the punch: lines of equal shear stress.
 
-import { digits } from "./quantities.js"
 import { frameBox } from "./bokeh.js"
 import { isShown } from "./colours.js"
 import { by, on } from "./dom.js"
@@ -8,6 +7,7 @@ import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile } from "./inside.js"
 import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
+import { digits } from "./quantities.js"
 import { keep, kept } from "./storage.js"
 import { redrawCanvases } from "./store.js"
 

@@ -1,9 +1,9 @@
 // Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
 
-import { fixed } from "./quantities.js"
 import { by, closest, on, onDrag } from "./dom.js"
 import { figures } from "./figures.js"
 import { line, size, write } from "./pen.js"
+import { fixed } from "./quantities.js"
 import { me, redrawCanvases } from "./store.js"
 
 const ACROSS = 13 // nm seen in the lens

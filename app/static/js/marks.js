@@ -1,7 +1,7 @@
 // Marks beside the sliders, where something changes in the scene on screen (app/service/marks.py); a click goes there.
 
-import { digits } from "./quantities.js"
 import { by, closest, make, makeButton } from "./dom.js"
+import { digits } from "./quantities.js"
 import { declared } from "./store.js"
 
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least

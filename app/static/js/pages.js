@@ -2,11 +2,11 @@
 // app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), receive(news),
 // which are {} as it closes, frame(run, k) with every frame before Bokeh paints, and over(run, k) after that.
 
-import { minus } from "./quantities.js"
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
 import { by, makeButton, makeRow, readdress } from "./dom.js"
 import { adopt, drawn, forget, shade } from "./figures.js"
+import { minus } from "./quantities.js"
 import { cover, declared, me, redraw, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far

@@ -1,10 +1,10 @@
 // Which run is on screen, and its playing and scrubbing, without asking the server.
 
-import { spoken } from "./quantities.js"
 import { heard, order } from "./channel.js"
 import { by } from "./dom.js"
 import { paceAt } from "./pace.js"
 import { Picture } from "./picture.js"
+import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
 import { restore, sendNext } from "./steer.js"
 import { exact, me, now, reduced, set, touch, view } from "./store.js"

@@ -1,8 +1,8 @@
 // The increment on screen in numbers: under the views with tools, for those who hear the page, and beside the sliders.
 
-import { fixed, named, spoken, withUnit } from "./quantities.js"
 import { isShown } from "./colours.js"
 import { by, tell } from "./dom.js"
+import { fixed, named, spoken, withUnit } from "./quantities.js"
 import { me } from "./store.js"
 import { areaText, forceText, summary } from "./words.js"
 

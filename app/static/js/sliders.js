@@ -1,7 +1,7 @@
 // The controls as they show the parameters: sliders, entries and their errors.
 
-import { digits, minus, spoken } from "./quantities.js"
 import { by, closest, say } from "./dom.js"
+import { digits, minus, spoken } from "./quantities.js"
 import { declared, me } from "./store.js"
 
 // A slider at the position nearest to a value

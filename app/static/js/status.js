@@ -1,11 +1,11 @@
 // What the server says of the run and of what was entered, in words and in the address; and whose picture this is:
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
-import { fixed, minus, named } from "./quantities.js"
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, outdated } from "./channel.js"
 import { by, on, say, tell } from "./dom.js"
 import { drawMarks } from "./marks.js"
+import { fixed, minus, named } from "./quantities.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
 import { declared, me, view } from "./store.js"

@@ -1,12 +1,12 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
-import { fixed, withUnit } from "./quantities.js"
 import { frameBox } from "./bokeh.js"
 import { by, say } from "./dom.js"
 import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
+import { fixed, withUnit } from "./quantities.js"
 import { changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
 import { exact, me } from "./store.js"
 import { explain } from "./terms.js"

@@ -1,9 +1,9 @@
 // What a plot shows as a table, built from the frames that are here; loaded when one is opened.
 
-import { digits, fixed } from "./quantities.js"
 import { drawnBy } from "./bokeh.js"
 import { by, make, makeRow } from "./dom.js"
 import { figures, parts } from "./figures.js"
+import { digits, fixed } from "./quantities.js"
 import { me } from "./store.js"
 
 // A number in some four digits

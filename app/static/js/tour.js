@@ -1,11 +1,11 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
-import { fixed, minus } from "./quantities.js"
 import { frameBox } from "./bokeh.js"
 import { by, make, makeButton, readdress, tell } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
+import { fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { cover, exact, me, set, view } from "./store.js"

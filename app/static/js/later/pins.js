@@ -5,9 +5,9 @@ import { style } from "../beside.js"
 import { order, take } from "../channel.js"
 import { by, make, makeButton, makeShape, readdress } from "../dom.js"
 import { unpackLater } from "../packed.js"
+import { named } from "../quantities.js"
 import { Run } from "../run.js"
 import { me, view } from "../store.js"
-import { named } from "../quantities.js"
 
 const MOST = 4
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
@@ -21,7 +21,7 @@ export function pinRun() {
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((pin) => pin.run === run)) return say("this run is pinned already")
-  const made = add(run, { ...status.address }, named(status.address, status.preset), Boolean(status.after))
+  const made = add(run, { ...status.address }, titled(status.address, status.preset), Boolean(status.after))
   by("announcement").textContent = `pinned: ${titleOf(made)}`
 }
 
@@ -33,7 +33,7 @@ function add(run, scene, name, carried = false) {
 }
 
 // What differs from the preset, or the title of that
-function named(scene, preset) {
+function titled(scene, preset) {
   const values =
     Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => named(name, scene[name]))
   return values.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent

@@ -1,8 +1,8 @@
 // What argues the reason at a stop of the tour, drawn from the numbers of the run on screen.
 
-import { fixed } from "../quantities.js"
 import { drawAtoms } from "../lens.js"
 import { cleared, inks, size, write } from "../pen.js"
+import { fixed } from "../quantities.js"
 import { firstSlip } from "../sentence.js"
 
 const ACROSS = 9 // nodes that are seen with their springs
